@@ -1,0 +1,1 @@
+"""Robot dynamics from URDF descriptions."""

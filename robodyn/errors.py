@@ -1,0 +1,50 @@
+"""The errors that robodyn raises on purpose, each of which prints as one line."""
+
+from __future__ import annotations
+
+import os
+
+
+class RobodynError(Exception):
+    """Something the user can put right. `str(error)` is the one line that the command line prints.
+
+    Args:
+        what: what is wrong, with the number where there is one.
+        remedy: what to do about it; printed in brackets.
+        file: the file at fault; `line` counts lines from 1 (rows of a table are given in `what` or as `line`).
+    """
+
+    def __init__(
+        self,
+        what: str,
+        *,
+        remedy: str | None = None,
+        file: str | os.PathLike[str] | None = None,
+        line: int | None = None,
+    ) -> None:
+        self.what = what
+        self.remedy = remedy
+        self.file = None if file is None else os.fspath(file)
+        self.line = line
+        super().__init__(what)
+
+    def __str__(self) -> str:
+        place = "" if self.file is None else f"{self.file}:" + ("" if self.line is None else f"{self.line}:") + " "
+        text = place + self.what + ("" if self.remedy is None else f" ({self.remedy})")
+        return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
+
+
+class InputError(RobodynError):
+    """A file, an option or an argument is wrong."""
+
+
+class DescriptionError(InputError):
+    """A robot description is malformed or contradicts itself."""
+
+
+class TrajectoryError(InputError):
+    """A trajectory cannot be read or does not fit the robot."""
+
+
+class SceneError(InputError):
+    """A scene asks for what does not exist or is not understood."""
