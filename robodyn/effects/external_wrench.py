@@ -1,0 +1,54 @@
+"""External wrenches: forces and moments that the surroundings exert ON links."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.kinematics import motions as motions_of
+from robodyn.dynamics.places import Pose, poses, velocities
+from robodyn.dynamics.types import Motion, Wrench
+from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.model import Model
+from robodyn.scene import Entry, ExternalWrench, Scene
+from robodyn.spatial import Array, Scalar, cross
+
+
+def _acting(scene: Scene) -> list[ExternalWrench]:
+    return [wrench for wrench in scene.wrenches if any(wrench.force) or any(wrench.moment)]
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    links = [wrench.link for wrench in _acting(scene)]
+    return Verdict(bool(links), f"acts on {', '.join(links)}" if links else "the scene has no external wrench")
+
+
+def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:
+    return np.array([sample.columns[entry] if isinstance(entry, str) else float(entry) for entry in entries])
+
+
+def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple[int, Wrench]:
+    """The body that the wrench acts on, and the wrench about that body's origin in its axes."""
+    body, R, p = sample.model.links[wrench.link]
+    axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
+    f = axes @ _entries(wrench.force, sample)
+    return body, Wrench(f, axes @ _entries(wrench.moment, sample) + cross(p + R @ np.array(wrench.point), f))
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    where = poses(sample.model.parents, motions_of(sample.model, sample.q, sample.qd, sample.qdd))
+    return replace(terms, wrenches=tuple(_on_body(wrench, sample, where) for wrench in _acting(scene)))
+
+
+def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """-(f . v + n . w) [W]: the wrench gives this power to the robot."""
+    moving = velocities(sample.model.parents, motions)
+    power: Scalar = 0.0
+    for i, wrench in terms.wrenches:
+        w, v = moving[i]
+        power = power - (wrench.f @ v + wrench.n @ w)
+    return power
+
+
+EFFECT = Effect("external wrench", why, add, lost=lost)

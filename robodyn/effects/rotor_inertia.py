@@ -1,0 +1,52 @@
+"""Rotor inertia: the motors' rotors turn G times as fast as their joints and add G^2 J qdd.
+
+The rotors' own gyroscopic moments on the links are not part of this model, as in MuJoCo's armature and the Robotics
+Toolbox.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.dynamics.types import Motion
+from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.model import Joint, Model
+from robodyn.scene import Scene
+from robodyn.spatial import Scalar
+
+
+def armatures(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, float]]:
+    """The body, joint and reflected inertia G^2 J [kg m^2] of every joint that has a rotor."""
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        rotor = scene.rotor.get(joint.name)
+        inertia = rotor.inertia if rotor else joint.rotor_inertia
+        gear = rotor.gear if rotor and rotor.gear is not None else joint.reduction
+        if inertia and gear:
+            yield i, joint, gear * gear * inertia
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    joints = [joint for _, joint, _ in armatures(model, scene)]
+    if not joints:
+        return Verdict(False, "neither the scene nor a transmission has a rotor inertia")
+    if all(("qdd", joint.rate) in still for joint in joints):
+        return Verdict(False, "no joint with a rotor accelerates")
+    return Verdict(True, f"{len(joints)} joints with rotors")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms.with_torques(
+        (i, armature * sample.acceleration(joint)) for i, joint, armature in armatures(sample.model, scene)
+    )
+
+
+def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum G^2 J qd^2 / 2 [J]."""
+    energy: Scalar = 0.0
+    for _, joint, armature in armatures(sample.model, scene):
+        energy = energy + (0.5 * armature) * (sample.speed(joint) * sample.speed(joint))
+    return energy
+
+
+EFFECT = Effect("rotor inertia", why, add, stored=stored)

@@ -1,0 +1,177 @@
+"""Inverse dynamics, mass matrix and bias for arrays of samples: the Python interface to the recursion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robodyn.dynamics.system_matrices import mass_matrix as mass_matrix_of
+from robodyn.effects.effect import Still
+from robodyn.effects.rotor_inertia import armatures
+from robodyn.errors import InputError
+from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.model import Model
+from robodyn.plan import Plan, applied, plan
+from robodyn.scene import DEFAULT, Scene
+from robodyn.trace.program import Program, trace
+
+Floats = NDArray[np.float64]
+
+
+def inverse_dynamics(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    scene: Scene = DEFAULT,
+    columns: Mapping[str, ArrayLike] | None = None,
+    out: Floats | None = None,
+) -> Floats:
+    """tau = M(q) qdd + c(q, qd) + g(q) + friction + armature qdd + springs - J^T w.
+
+    The recursion of `robodyn.dynamics.newton_euler`, traced once per model, scene and pattern of zero columns, then
+    run over all samples.
+
+    Args:
+        model: of `robodyn.load`.
+        q: (..., nq) rad or m; a floating base comes first, as x y z qx qy qz qw.
+        qd, qdd: (..., n) per s and per s^2; of a floating base wx wy wz (body axes) and vx vy vz (ground's axes).
+            Broadcast against q; `0` is a robot at rest.
+        scene: gravity, friction and so on; by default gravity (0, 0, -9.81) and the friction of the description.
+        columns: (...) values of the columns that the scene's wrenches name.
+        out: (..., n) float64, written to and returned if given.
+
+    Returns:
+        (..., n) N m or N, in the order of `model.rates`.
+
+    Raises:
+        InputError: a shape that does not fit the model.
+
+    Accuracy: 1e-14 of the largest torque for chains of up to 100 bodies; bit-identical wherever a fixed base stands
+    and with every effect whose coefficient is zero.
+    """
+    sources, shape = _sources(model, q, qd, qdd, scene, columns or {})
+    samples = int(np.prod(shape))
+    runner = torque_runner(plan(model, scene, still(sources)))
+    if out is None:
+        return runner(sources, samples).reshape(*shape, model.n)
+    if out.shape != (*shape, model.n) or out.dtype != np.float64:
+        raise InputError(f"out has shape {out.shape} and type {out.dtype}, not {(*shape, model.n)} and float64")
+    flat = out.reshape(samples, model.n)
+    runner(sources, samples, flat)
+    if not np.shares_memory(flat, out):
+        out[...] = flat.reshape(out.shape)
+    return out
+
+
+def bias_forces(model: Model, q: ArrayLike, qd: ArrayLike, *, scene: Scene = DEFAULT) -> Floats:
+    """b(q, qd) = c(q, qd) + g(q) + friction + springs - J^T w: the torque of a motion without acceleration.
+
+    Args, returns and accuracy: as for `inverse_dynamics` with qdd = 0.
+    """
+    return inverse_dynamics(model, q, qd, 0.0, scene=scene)
+
+
+def mass_matrix(model: Model, q: ArrayLike, *, scene: Scene = DEFAULT) -> Floats:
+    """M(q), with payloads and rotor inertias of the scene.
+
+    Args:
+        q: (..., nq) rad or m.
+
+    Returns:
+        (..., n, n) kg m^2, kg m or kg; exactly symmetric.
+
+    Raises:
+        InputError: a shape that does not fit the model.
+
+    Accuracy: 1e-14 of the largest entry.
+    """
+    sources, shape = _sources(model, q, 0.0, 0.0, DEFAULT, {})
+    samples, n = int(np.prod(shape)), model.n
+    return _mass_runner(model, scene)(sources, samples).reshape(*shape, n, n)
+
+
+@lru_cache(maxsize=64)
+def torque_runner(a_plan: Plan) -> NumpyBlocks:
+    """The plan's tau, ready to run."""
+    return runner_of(a_plan.torques(), a_plan)
+
+
+@lru_cache(maxsize=16)
+def _mass_runner(model: Model, scene: Scene) -> NumpyBlocks:
+    a_plan = plan(model, scene)
+    armature = [0.0] * model.n
+    for _, joint, inertia in armatures(model, scene):
+        armature[joint.rate] += joint.multiplier**2 * inertia
+
+    def outputs(tape: Any) -> Any:
+        sample = a_plan.sample(tape)
+        inertias = applied((effect for effect in a_plan.effects if effect.name == "payload"), sample, scene).inertias
+        return mass_matrix_of(model, sample.q, inertias, armature)
+
+    return runner_of(trace(outputs), a_plan)
+
+
+def runner_of(program: Program, a_plan: Plan) -> NumpyBlocks:
+    """A program of this plan, ready to run."""
+    model = a_plan.model
+    widths = {"q": model.nq, "qd": model.n, "qdd": model.n, "columns": len(a_plan.scene.columns)}
+    return NumpyBlocks(program, widths)
+
+
+def still(sources: Mapping[str, Floats]) -> Still:
+    """The (source, column) pairs that are zero in every sample."""
+    out = set()
+    for source in ("q", "qd", "qdd"):
+        values = sources[source]
+        for column in np.flatnonzero(values[:1].any(axis=0) == 0) if len(values) else ():
+            if not values[:, column].any():
+                out.add((source, int(column)))
+    return frozenset(out)
+
+
+def _sources(
+    model: Model, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike, scene: Scene, columns: Mapping[str, ArrayLike]
+) -> tuple[dict[str, Floats], tuple[int, ...]]:
+    """The arrays as (samples, columns) matrices, and the shape of the samples."""
+    given = {
+        "q": _trailing(q, "q", model.nq, model.coordinates),
+        "qd": _trailing(qd, "qd", model.n, model.rates),
+        "qdd": _trailing(qdd, "qdd", model.n, model.rates),
+    }
+    missing = [name for name in scene.columns if name not in columns]
+    if missing:
+        raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
+    extra = [np.asarray(columns[name], dtype=float) for name in scene.columns]
+    try:
+        shape = np.broadcast_shapes(*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+        raise InputError(f"the shapes do not go together: {shapes}") from None
+    sources = {name: _matrix(array, shape) for name, array in given.items()}
+    sources["columns"] = (
+        _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else np.empty((0, 0))
+    )
+    return sources, shape
+
+
+def _trailing(array: ArrayLike, name: str, count: int, names: tuple[str, ...]) -> Floats:
+    values = np.asarray(array, dtype=float)
+    if values.ndim == 0:
+        values = np.broadcast_to(values, (count,))
+    if values.shape[-1] != count:
+        raise InputError(
+            f"{name} has {values.shape[-1]} columns, the robot has {count}", remedy=f"in this order: {', '.join(names)}"
+        )
+    return values
+
+
+def _matrix(array: Floats, shape: tuple[int, ...]) -> Floats:
+    if array.shape[:-1] == shape and array.ndim == 2:
+        return array
+    return np.broadcast_to(array, (*shape, array.shape[-1])).reshape(-1, array.shape[-1])

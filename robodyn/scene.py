@@ -1,0 +1,109 @@
+"""What a scene adds to a description: gravity, friction, motors, springs, payloads, external wrenches, a moving base."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Vector = tuple[float, float, float]
+Entry = float | str
+"""A number, or the name of the trajectory column that holds one for every sample."""
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of a joint: viscous qd, plus `forward` at qd > 0 or `backward` at qd < 0, plus Stribeck's excess.
+
+    Attributes:
+        viscous: N m s/rad (N s/m for a prismatic joint).
+        forward, backward: Coulomb torque at qd > 0 and at qd < 0, with its sign [N m].
+        stribeck: torque of breakaway [N m], which decays to Coulomb's like exp(-(qd / stribeck_velocity)^2).
+        stribeck_velocity: rad/s.
+    """
+
+    viscous: float = 0.0
+    forward: float = 0.0
+    backward: float = 0.0
+    stribeck: float | None = None
+    stribeck_velocity: float = 0.01
+
+
+@dataclass(frozen=True)
+class Rotor:
+    """A motor's rotor: inertia about its own axis [kg m^2] and gear ratio (None: that of the transmission, else 1)."""
+
+    inertia: float
+    gear: float | None = None
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A joint spring that pulls towards `rest` [rad] with `stiffness` [N m/rad]."""
+
+    stiffness: float
+    rest: float = 0.0
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A mass fixed to a link.
+
+    Attributes:
+        mass: kg.
+        com: centre of mass in the link's frame [m].
+        inertia: ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, in the link's axes [kg m^2].
+    """
+
+    link: str
+    mass: float
+    com: Vector = (0.0, 0.0, 0.0)
+    inertia: tuple[float, float, float, float, float, float] = (0.0,) * 6
+
+
+@dataclass(frozen=True)
+class ExternalWrench:
+    """A force [N] and a moment [N m] that act ON a link at a point of its frame [m].
+
+    Attributes:
+        frame: the axes of force and moment: "link", "base" (those of the base link) or "world" (gravity's).
+        force, moment: numbers or names of trajectory columns.
+    """
+
+    link: str
+    force: tuple[Entry, Entry, Entry] = (0.0, 0.0, 0.0)
+    moment: tuple[Entry, Entry, Entry] = (0.0, 0.0, 0.0)
+    point: Vector = (0.0, 0.0, 0.0)
+    frame: str = "link"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The trajectory columns that it needs."""
+        return tuple(entry for entry in (*self.force, *self.moment) if isinstance(entry, str))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
+
+    Attributes:
+        gravity: m/s^2, in the axes of the ground (of a fixed base).
+        friction: by joint; replaces what the description says of that joint.
+        rotor, spring: by joint.
+        moving_base: the base follows the trajectory's base_* columns.
+    """
+
+    gravity: Vector = (0.0, 0.0, -9.81)
+    friction: Mapping[str, Friction] = field(default_factory=dict)
+    rotor: Mapping[str, Rotor] = field(default_factory=dict)
+    spring: Mapping[str, Spring] = field(default_factory=dict)
+    payloads: tuple[Payload, ...] = ()
+    wrenches: tuple[ExternalWrench, ...] = ()
+    moving_base: bool = False
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The trajectory columns that its wrenches need, each once."""
+        return tuple(dict.fromkeys(name for wrench in self.wrenches for name in wrench.columns))
+
+
+DEFAULT = Scene()
