@@ -1,1 +1,51 @@
-"""Robot dynamics from URDF descriptions."""
+"""Robot dynamics from URDF descriptions: torques, reactions and sizing along a motion.
+
+    model = robodyn.load("robot.urdf")
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd)
+
+Names are imported when they are first used, so that `import robodyn` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from robodyn.assemble import load as load
+    from robodyn.errors import RobodynError as RobodynError
+    from robodyn.inverse import bias_forces as bias_forces
+    from robodyn.inverse import inverse_dynamics as inverse_dynamics
+    from robodyn.inverse import mass_matrix as mass_matrix
+    from robodyn.loads import read_motion as read_motion
+    from robodyn.loads import torques as torques
+    from robodyn.model import Model as Model
+    from robodyn.scene import ExternalWrench as ExternalWrench
+    from robodyn.scene import Friction as Friction
+    from robodyn.scene import Payload as Payload
+    from robodyn.scene import Rotor as Rotor
+    from robodyn.scene import Scene as Scene
+    from robodyn.scene import Spring as Spring
+    from robodyn.scene_file import load_scene as load_scene
+
+_HOMES = {
+    "assemble": ("load",),
+    "errors": ("RobodynError",),
+    "inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
+    "loads": ("read_motion", "torques"),
+    "model": ("Model",),
+    "scene": ("ExternalWrench", "Friction", "Payload", "Rotor", "Scene", "Spring"),
+    "scene_file": ("load_scene",),
+}
+__all__ = [name for names in _HOMES.values() for name in names]
+
+
+def __getattr__(name: str) -> Any:
+    for home, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"robodyn.{home}"), name)
+    raise AttributeError(f"module 'robodyn' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

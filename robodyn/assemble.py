@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +11,24 @@ from robodyn.errors import DescriptionError
 from robodyn.inertia.moments import MASSLESS, Inertia, combined, inertia_of, unphysical
 from robodyn.model import Body, Floats, Frame, Joint, Model
 from robodyn.spatial import rotation_from_rpy, snapped
-from robodyn.urdf.description import Description, Inertial, Origin
+from robodyn.urdf.description import Description, Inertial, Origin, load_description
 from robodyn.urdf.description import Joint as DescribedJoint
 
 WIDTH = {"fixed": (0, 0), "revolute": (1, 1), "prismatic": (1, 1), "floating": (7, 6)}
 """How many entries of q and of qd each kind of joint has."""
+
+
+def load(source: str | os.PathLike[str] | bytes, *, moving_base: bool = False) -> Model:
+    """The Model of a URDF file.
+
+    Args:
+        source: its path, or its bytes.
+        moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
+
+    Raises:
+        DescriptionError: the file cannot be read, is malformed or contradicts itself; with the line.
+    """
+    return assemble(load_description(source), moving_base=moving_base)
 
 
 def assemble(description: Description, *, moving_base: bool = False) -> Model:
@@ -22,8 +36,9 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
 
     A body is a link that a joint moves, with every link fixed to it: their moments are added in the body's frame, which
     is exact but for rounding. A planar joint J becomes the slides J_x, J_y and the hinge J_theta about its axis, with
-    massless bodies between. A massless root that carries the robot by one floating joint is the ground: that joint
-    becomes the moving base. Axes are normalised. Bodies stand in depth-first order. Nothing recurses and the time is linear in the number of links.
+    massless bodies between. A massless root that carries the robot by one floating joint is the ground, and that joint
+    becomes the moving base. Axes are normalised. Bodies stand in depth-first order. Nothing recurses and the time is
+    linear in the number of links.
 
     Args:
         description: see `robodyn.urdf.description`.
@@ -33,8 +48,8 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
         DescriptionError: a mimic joint follows a joint that has no single coordinate.
     """
     carried: dict[str, list[DescribedJoint]] = {}
-    for joint in description.joints:
-        carried.setdefault(joint.parent, []).append(joint)
+    for described in description.joints:
+        carried.setdefault(described.parent, []).append(described)
     base, base_joint = _base(description, carried, moving_base)
     frames = {base: Frame(0, np.eye(3), np.zeros(3))}
     parents, names, joints = [-1], [base], [base_joint]
@@ -101,13 +116,13 @@ def _joints(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
             p,
             axis,
             continuous=described.type == "continuous",
-            mimics=mimic and mimic.joint,
+            mimics=mimic.joint if mimic else None,
             multiplier=mimic.multiplier if mimic else 1.0,
             offset=mimic.offset if mimic else 0.0,
             lower=limit.lower if limit and described.type != "continuous" else None,
             upper=limit.upper if limit and described.type != "continuous" else None,
-            effort=limit and limit.effort,
-            velocity=limit and limit.velocity,
+            effort=limit.effort if limit else None,
+            velocity=limit.velocity if limit else None,
             damping=described.damping,
             friction=described.friction,
         )

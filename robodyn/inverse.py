@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robodyn.dynamics.system_matrices import mass_matrix as mass_matrix_of
+from robodyn.effects import payload
 from robodyn.effects.effect import Still
 from robodyn.effects.rotor_inertia import armatures
 from robodyn.errors import InputError
@@ -111,8 +112,8 @@ def _mass_runner(model: Model, scene: Scene) -> NumpyBlocks:
 
     def outputs(tape: Any) -> Any:
         sample = a_plan.sample(tape)
-        inertias = applied((effect for effect in a_plan.effects if effect.name == "payload"), sample, scene).inertias
-        return mass_matrix_of(model, sample.q, inertias, armature)
+        inertias = applied([payload.EFFECT], sample, scene).inertias
+        return mass_matrix_of(model, sample.q, inertias, armature).ravel()
 
     return runner_of(trace(outputs), a_plan)
 

@@ -107,7 +107,7 @@ def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
 
 
 def loads(sample: Sample, terms: Terms) -> Loads:
-    """Torques and joint wrenches of one sample, in whatever scalar it is made of: effects in, recursion, torques out."""
+    """Torques and joint wrenches of one sample, in whatever scalar it is made of."""
     model = sample.model
     joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)

@@ -1,4 +1,4 @@
-"""What a scene adds to a description: gravity, friction, motors, springs, payloads, external wrenches, a moving base."""
+"""What a scene adds to a robot: gravity, friction, rotors, springs, payloads, external wrenches, a moving base."""
 
 from __future__ import annotations
 

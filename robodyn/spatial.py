@@ -76,7 +76,8 @@ def rotation_about(axis: Array, angle: Scalar) -> Array:
     Accuracy: each entry within 4 eps for a unit axis.
     """
     along = np.outer(axis, axis)
-    return along + (np.eye(3) - along) * cos(angle) + skew(axis) * sin(angle)
+    R: Array = along + (IDENTITY - along) * cos(angle) + skew(axis) * sin(angle)
+    return R
 
 
 def rotation_from_quaternion(x: Scalar, y: Scalar, z: Scalar, w: Scalar) -> Array:
@@ -99,11 +100,11 @@ def rotation_from_quaternion(x: Scalar, y: Scalar, z: Scalar, w: Scalar) -> Arra
 
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
-    """URDF's fixed-axis rotation Rz(yaw) Ry(pitch) Rx(roll) [rad], with entries within one rounding of 0, 1, -1 made exact.
+    """URDF's fixed-axis rotation Rz(yaw) Ry(pitch) Rx(roll) [rad].
 
-    A right angle written as 1.5707963267948966 is then a permutation of axes, at every angle between the others, and
-    a recursion that folds zeros and ones sees it. No angle is ever recovered from the matrix, so the gimbal is no
-    special case.
+    Entries within one rounding of 0, 1 or -1 are made exact: a right angle written as 1.5707963267948966 is then a
+    permutation of axes, and a recursion that folds zeros and ones sees it. No angle is ever recovered from the matrix,
+    so the gimbal is no special case.
 
     Accuracy: each entry within 4 eps.
     """

@@ -29,7 +29,7 @@ class Dual:
         return Dual(self.value - value, self.rate - rate)
 
     def __rsub__(self, other: Any) -> Dual:
-        return -self + other
+        return Dual(other, 0.0) - self
 
     def __mul__(self, other: Any) -> Dual:
         value, rate = _parts(other)

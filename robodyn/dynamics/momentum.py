@@ -29,26 +29,33 @@ class Momenta(NamedTuple):
     mc: Array
 
 
+def momentum_of_bodies(
+    parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]
+) -> list[tuple[Array, Array]]:
+    """Each body's `P = m v + w x m c` and `H = m c x v + I w`, about its origin and in its axes."""
+    return [
+        (body.m * v + cross(w, body.mc), cross(body.mc, v) + body.I @ w)
+        for (w, v), body in zip(velocities(parents, motions), inertias, strict=True)
+    ]
+
+
 def momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]) -> Momenta:
     """Linear and angular momentum, kinetic energy, mass and first moment of the tree, from velocities alone.
 
-    Per body `P = m v + w x m c`,
-    `H = m c x v + I w`, `T = (P . v + H . w) / 2`; inward `P_j += R P`,
-    `H_j += R H + p x R P`, and the same for mass and first moment. No force and no acceleration enters.
+    `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass and
+    first moment. No force and no acceleration enters.
 
     Args:
         parents, motions, inertias: as for `newton_euler`; the motions' `wd` and `a` are not used. Body 0 is the base.
 
     Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
     """
-    P, H, m, mc = [], [], [], []
+    each = momentum_of_bodies(parents, motions, inertias)
+    P, H = [body[0] for body in each], [body[1] for body in each]
+    m, mc = [body.m for body in inertias], [body.mc for body in inertias]
     twice_T: Scalar = 0.0
-    for (w, v), body in zip(velocities(parents, motions), inertias, strict=True):
-        P.append(body.m * v + cross(w, body.mc))
-        H.append(cross(body.mc, v) + body.I @ w)
-        m.append(body.m)
-        mc.append(body.mc)
-        twice_T = twice_T + P[-1] @ v + H[-1] @ w
+    for i, (w, v) in enumerate(velocities(parents, motions)):
+        twice_T = twice_T + P[i] @ v + H[i] @ w
     for i in reversed(range(len(parents))):
         if (j := parents[i]) >= 0:
             R, p = motions[i].R, motions[i].p

@@ -40,7 +40,12 @@ def newton_euler(
 
     Accuracy: 1e-14 of the largest wrench for chains of up to 100 bodies.
     """
-    w, wd, a, U, f, n = [], [], [], [], [], []
+    w: list[Array] = []
+    wd: list[Array] = []
+    a: list[Array] = []
+    U: list[Array] = []
+    f: list[Array] = []
+    n: list[Array] = []
     for j, joint, body in zip(parents, motions, inertias, strict=True):
         w_j, wd_j, a_j, U_j = (w[j], wd[j], a[j], U[j]) if j >= 0 else (ZERO, ZERO, -gravity, skew(ZERO))
         w_in = joint.R.T @ w_j

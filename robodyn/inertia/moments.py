@@ -1,4 +1,4 @@
-"""Mass, first moment and inertia matrix about one origin: the form in which bodies fixed to each other simply add up."""
+"""Mass, first moment and inertia matrix about one origin: the form in which bodies fixed together simply add up."""
 
 from __future__ import annotations
 

@@ -1,0 +1,228 @@
+"""The main job: what every joint carries along a motion."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.effects.effect import Still
+from robodyn.errors import InputError
+from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.inverse import mass_matrix, runner_of, still
+from robodyn.model import Joint, Model
+from robodyn.plan import Plan, plan
+from robodyn.result import Checks, EnergyBalance, Result
+from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import check_scene
+from robodyn.self_checks import LawResiduals, energy, laws, losses
+from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rates, position_of_rates, shares_at_peaks
+from robodyn.statistics import COMPONENTS, Statistics
+from robodyn.trajectory.columns import Kind, Signal, Signals
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.reader import Derivatives, TrajectoryReader
+
+Floats = NDArray[np.float64]
+Sink = Callable[[Floats, Floats], None]
+
+CHECKED_PER_BLOCK = 64
+"""Samples of each block at which the laws are checked, evenly spread."""
+
+
+def signals(model: Model) -> Signals:
+    """What the model wants to read from a trajectory."""
+    dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
+    return Signals(tuple(Signal(joint.name, _kind(joint)) for joint in model.independent), dependent)
+
+
+def _kind(joint: Joint) -> Kind:
+    if joint.kind == "floating":
+        return "floating"
+    if joint.kind == "prismatic":
+        return "length"
+    return "continuous" if joint.continuous else "angle"
+
+
+def read_motion(
+    path: str | os.PathLike[str],
+    model: Model,
+    scene: Scene = DEFAULT,
+    *,
+    derivatives: Derivatives = "auto",
+    ignore_extra: bool = False,
+) -> TrajectoryReader:
+    """A reader of the motion of this robot in this scene, for `torques`.
+
+    Args:
+        path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
+        derivatives: how missing velocities and accelerations are derived; see `robodyn.trajectory.read`.
+        ignore_extra: leave unknown columns out instead of refusing them.
+
+    Raises:
+        TrajectoryError: the file cannot be read or its columns do not fit the robot.
+    """
+    return open_trajectory(
+        path, signals(model), extra=scene.columns, derivatives=derivatives, ignore_extra=ignore_extra
+    )
+
+
+def output_names(model: Model, reactions: bool) -> list[str]:
+    """Names of the columns that `torques` gives its sinks: tau, then the base wrench, then joint wrenches."""
+    names = [f"tau_{name}" for name in model.rates]
+    if reactions:
+        names += [f"base_{part}" for part in COMPONENTS]
+        names += [f"{part}_{body.joint.name}" for body in model.bodies[1:] for part in COMPONENTS]
+    return names
+
+
+def torques(
+    model: Model,
+    trajectory: Trajectory | TrajectoryReader,
+    scene: Scene = DEFAULT,
+    *,
+    reactions: bool = False,
+    explain: bool = False,
+    sinks: Iterable[Sink] = (),
+) -> Result:
+    """What every joint of a robot carries along a motion, with self-checks.
+
+    Blocks of the trajectory go through the traced recursion one after another, in memory that does not depend on their
+    number. Integrals over time use the trapezoidal rule.
+
+    Args:
+        model: of `robodyn.load`.
+        trajectory: of `robodyn.trajectory`; a reader is read to its end.
+        scene: what surrounds the robot.
+        reactions: compute the six components of every joint's wrench for the sinks.
+        explain: count the operations that the absence of each effect would save.
+        sinks: each is called after every block with time (N,) [s] and the columns of `output_names` (N, k).
+
+    Raises:
+        InputError: the scene does not fit the robot, or the trajectory is wrong.
+
+    Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
+    """
+    check_scene(scene, model)
+    run = _Run(model, scene, reactions)
+    last: Trajectory | None = None
+    for block in (trajectory,) if isinstance(trajectory, Trajectory) else trajectory.blocks():
+        if len(block):
+            columns, last = run.take(block), block
+            for sink in sinks:
+                sink(block.time, columns)
+    if last is None:
+        raise InputError("the trajectory has no samples")
+    return run.result(last, explain)
+
+
+class _Programs(NamedTuple):
+    """What runs for one pattern of zero columns."""
+
+    wrenches: NumpyBlocks
+    losses: NumpyBlocks
+    energy: NumpyBlocks
+    laws: NumpyBlocks
+
+
+@lru_cache(maxsize=64)
+def _programs(a_plan: Plan, reactions: bool) -> _Programs:
+    programs = (a_plan.wrenches(reactions), *(check(a_plan) for check in (losses, energy, laws)))
+    return _Programs(*(runner_of(program, a_plan) for program in programs))
+
+
+class _Run:
+    """One pass over a trajectory.
+
+    Attributes:
+        still: what has been zero in every block so far.
+    """
+
+    def __init__(self, model: Model, scene: Scene, reactions: bool) -> None:
+        self.model, self.scene, self.reactions = model, scene, reactions
+        self.rates = slice(6 if model.floating else 0, model.n)
+        self.joints = joint_of_rates(model)[self.rates]
+        self.positions = position_of_rates(model)[self.rates]
+        self.statistics = Statistics(
+            np.array([np.inf if joint.effort is None else joint.effort for joint in self.joints]),
+            np.array([np.inf if joint.velocity is None else joint.velocity for joint in self.joints]),
+        )
+        self.still: Still | None = None
+        self.energies: list[float] = []
+        self.laws = LawResiduals()
+
+    def take(self, block: Trajectory) -> Floats:
+        """The output columns of one block, whose statistics are gathered."""
+        sources = sources_of(block, self.scene)
+        pattern = still(sources)
+        self.still = pattern if self.still is None else self.still & pattern
+        programs = _programs(plan(self.model, self.scene, pattern), self.reactions)
+        samples, n = len(block), self.model.n
+        loads = programs.wrenches(sources, samples)
+        tau, base = loads[:, :n], loads[:, n : n + 6]
+        net = np.einsum("ij,ij->i", tau, block.qd) - programs.losses(sources, samples)[:, 0]
+        rows = np.unique(np.linspace(0, samples - 1, CHECKED_PER_BLOCK).astype(int))
+        expected = programs.laws({name: values[rows] for name, values in sources.items()}, len(rows))
+        self.laws.update(expected, base[rows], net[rows])
+        ends = {name: values[[0, -1]] for name, values in sources.items()}
+        self.energies += programs.energy(ends, 2)[:, 0].tolist()
+        self.statistics.update(
+            block.time, block.q[:, self.positions], block.qd[:, self.rates], tau[:, self.rates], base, net, sources
+        )
+        return loads if self.reactions else tau
+
+    def result(self, last: Trajectory, explain: bool) -> Result:
+        """Everything gathered, with shares and uncertainty at the peaks."""
+        whole = plan(self.model, self.scene, self.still or frozenset())
+        gathered = self.statistics
+        shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
+        joints = tuple(
+            joint_load(gathered, k, joint, name, self.scene, shares[k], self._uncertainty(k, last))
+            for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
+        )
+        totals = gathered.integrals.totals
+        balance = EnergyBalance(
+            float(totals["net power"]),
+            self.energies[-1] - self.energies[0],
+            gathered.quadrature,
+            float(totals["turnover"]),
+        )
+        warnings = [*self.model.notes, *last.notes]
+        if not balance.consistent:
+            warnings.append(
+                f"energy balance is off by {balance.residual:.3g} J of {balance.turnover:.3g} J: "
+                "velocities or accelerations are not the rates of the positions"
+            )
+        return Result(
+            robot=self.model.name,
+            samples=gathered.samples,
+            duration=gathered.duration,
+            gravity=self.scene.gravity,
+            joints=joints,
+            base_wrench=base_loads(gathered),
+            effects=effect_reports(whole, explain),
+            checks=Checks(balance, *self.laws.relative, self.laws.samples),
+            operations=whole.torques().size,
+            derivation=last.derivation.lines() if last.derivation else (),
+            warnings=tuple(warnings),
+        )
+
+    def _uncertainty(self, k: int, last: Trajectory) -> float:
+        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque."""
+        if last.derivation is None or k not in self.statistics.at_peak:
+            return 0.0
+        spread = {joint.name: joint.std_acceleration for joint in last.derivation.joints}
+        std = np.array([spread.get(name, 0.0) for name in self.model.rates])
+        M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)
+        return float(np.linalg.norm(M[k + self.rates.start] * std))
+
+
+def sources_of(block: Trajectory, scene: Scene) -> dict[str, Floats]:
+    """The arrays of a block as programs read them."""
+    extra = [block.extra[name] for name in scene.columns]
+    columns = np.stack(extra, axis=1) if extra else np.empty((len(block), 0))
+    return {"q": block.q, "qd": block.qd, "qdd": block.qdd, "columns": columns}

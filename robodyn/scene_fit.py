@@ -1,0 +1,44 @@
+"""Whether a scene fits a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from robodyn.errors import SceneError
+from robodyn.model import Model
+from robodyn.scene import Scene
+from robodyn.urdf.wording import alternatives, shown
+
+
+def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
+    """Raise if the scene names a joint or a link that the robot does not have.
+
+    Args:
+        file: the scene's file, for messages.
+
+    Raises:
+        SceneError: an unknown name, with the closest valid one; or a base that moves in the scene and not in the model.
+    """
+    joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
+    for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
+        for name in named:
+            _known(f"[{table}]", "joint", name, joints, file)
+    for load in scene.payloads:
+        _known("[[payload]]", "link", load.link, model.links, file)
+    for wrench in scene.wrenches:
+        _known("[[wrench]]", "link", wrench.link, model.links, file)
+    if scene.moving_base and not model.floating:
+        raise SceneError(
+            "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
+        )
+
+
+def _known(table: str, kind: str, name: str, names: Collection[str], file: str | None) -> None:
+    if name not in names:
+        raise SceneError(
+            f"{table}: the robot has no {kind} {shown(name)} that moves"
+            if kind == "joint"
+            else f"{table}: the robot has no {kind} {shown(name)}",
+            remedy=alternatives(name, names, f"{kind}s"),
+            file=file,
+        )

@@ -1,0 +1,125 @@
+"""The descriptions of robots/: they load everywhere, say where they come from, and carry the reference parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+from robot_files import FOLDER, NAMES, REFERENCE, element, model
+
+from robodyn.urdf.description import load_description
+
+SAME_PARAMETERS = {
+    "puma": "puma_3r",
+    "puma560": "puma560_corke",
+    "scara": "scara_rrp",
+    "cylindrical": "cylindrical_rppp",
+    "satellite": "satellite_two_arrays_fixed_bus",
+}
+
+
+def test_every_system_of_the_chapter_is_there():
+    assert set(NAMES) == {
+        *("composite", "cylindrical", "gripper", "puma", "puma560", "rigid_body", "satellite", "scara"),
+        *("two_link_planar", "two_link_spatial"),
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_three_readers_agree_on_the_joints_and_the_mass(name):
+    ours, theirs, oracle = (
+        load_description(FOLDER / f"{name}.urdf"),
+        yourdfpy.URDF.load(FOLDER / f"{name}.urdf"),
+        model(name),
+    )
+    assert ours.name == name
+    assert {joint.name for joint in ours.joints} == set(theirs.joint_map)
+    assert {joint.name for joint in ours.joints if joint.type != "fixed"} == set(oracle.names) - {"universe"}
+    masses = [link.inertial.mass for link in ours.links if link.inertial]
+    assert sum(masses) == pytest.approx(pin.computeTotalMass(oracle) + oracle.inertias[0].mass, rel=1e-15)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_our_reader_has_nothing_to_warn_of(name):
+    assert [note for note in load_description(FOLDER / f"{name}.urdf").notes if note.kind == "warning"] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_header_says_parameters_and_purpose(name):
+    header = (FOLDER / f"{name}.urdf").read_text().split("-->")[0]
+    for word in ("Parameters:", "Exercises:", "Frames"):
+        assert word in header
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_joints_that_move_have_limits(name):
+    for joint in load_description(FOLDER / f"{name}.urdf").joints:
+        if joint.type in ("fixed", "floating"):
+            continue
+        assert joint.limit.effort > 0
+        assert joint.limit.velocity > 0
+        if joint.type != "continuous":
+            assert joint.limit.lower < joint.limit.upper
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_mass_lies_inside_its_shapes(name):
+    scene = yourdfpy.URDF.load(FOLDER / f"{name}.urdf", build_collision_scene_graph=True, load_collision_meshes=True)
+    for link in scene.robot.links:
+        if link.inertial is None or link.inertial.mass == 0:
+            continue
+        centre = np.eye(4)[:3, 3] if link.inertial.origin is None else link.inertial.origin[:3, 3]
+        for shapes in (link.visuals, link.collisions):
+            assert any(_covers(shape, centre) for shape in shapes), (link.name, centre)
+
+
+def _covers(shape, point):
+    """Whether the point lies in the box around a shape, in the shape's own axes."""
+    place = np.eye(4) if shape.origin is None else shape.origin
+    x, y, z = np.abs(place[:3, :3].T @ (point - place[:3, 3]))
+    solid = shape.geometry
+    if solid.box is not None:
+        return bool(np.all([x, y, z] <= np.asarray(solid.box.size) / 2))
+    if solid.cylinder is not None:
+        return np.hypot(x, y) <= solid.cylinder.radius and z <= solid.cylinder.length / 2
+    return np.linalg.norm([x, y, z]) <= solid.sphere.radius
+
+
+@pytest.mark.parametrize(("name", "reference"), SAME_PARAMETERS.items())
+def test_parameters_are_those_of_the_reference(name, reference):
+    ours, theirs = model(name), pin.buildModelFromUrdf(str(REFERENCE / "urdf" / f"{reference}.urdf"))
+    assert ours.njoints == theirs.njoints
+    for i in range(1, ours.njoints):
+        assert ours.parents[i] == theirs.parents[i]
+        assert ours.joints[i].shortname() == theirs.joints[i].shortname()
+        np.testing.assert_array_equal(ours.jointPlacements[i].homogeneous, theirs.jointPlacements[i].homogeneous)
+        assert ours.inertias[i].mass == theirs.inertias[i].mass
+        np.testing.assert_allclose(ours.inertias[i].lever, theirs.inertias[i].lever, rtol=0, atol=1e-52)
+        np.testing.assert_allclose(ours.inertias[i].inertia, theirs.inertias[i].inertia, rtol=0, atol=1e-51)
+
+
+def test_gripper_follows_one_master():
+    mimics = {joint.name: joint.mimic for joint in load_description(FOLDER / "gripper.urdf").joints if joint.mimic}
+    assert {name: (mimic.joint, mimic.multiplier, mimic.offset) for name, mimic in mimics.items()} == {
+        "right_jaw": ("jaw", -1, 0),
+        "pinion": ("jaw", 50, 0),
+    }
+
+
+def test_gripper_reductions():
+    reductions = {item.joint: item.reduction for item in load_description(FOLDER / "gripper.urdf").transmissions}
+    assert reductions == {"lift": 2 * np.pi / 0.01, "wrist": 100, "jaw": 1000}
+
+
+def test_published_puma_inertias_are_kept_though_no_body_can_have_them():
+    diagonals = [np.diag(inertia.inertia) for inertia in model("puma560").inertias[1:]]
+    broken = [i for i, diagonal in enumerate(diagonals) if 2 * diagonal.max() > diagonal.sum() * (1 + 1e-15)]
+    assert broken == [0, 2]
+
+
+def test_materials_are_declared():
+    for name in NAMES:
+        root = element(name)
+        declared = {material.get("name") for material in root.findall("material")}
+        assert {material.get("name") for material in root.iterfind("link/visual/material")} <= declared

@@ -1,0 +1,70 @@
+"""The scenes of robots/: keys of the contract, names that exist, and every effect in at least one of them."""
+
+from __future__ import annotations
+
+import pytest
+from robot_files import FOLDER, read_csv
+from scene_files import read_scene
+
+from robodyn.urdf.description import load_description
+
+SCENES = {
+    "puma560_motors": ("puma560", "puma560_sweep"),
+    "puma_payload": ("puma", "puma_reach"),
+    "puma_polish": ("puma", "puma_polish"),
+    "satellite": ("satellite", "satellite_slew"),
+    "rigid_body": ("rigid_body", "rigid_body_flip"),
+    "gripper": ("gripper", "gripper_pick"),
+}
+KEYS = {
+    "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
+    "rotor": {"inertia", "gear"},
+    "spring": {"stiffness", "rest"},
+    "payload": {"link", "mass", "com", "inertia"},
+    "wrench": {"link", "point", "frame", "force", "moment"},
+}
+
+
+def test_every_scene_is_listed():
+    assert {path.stem for path in FOLDER.glob("*.toml")} == set(SCENES)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scene_names_joints_links_and_columns_that_exist(name):
+    robot, motion = SCENES[name]
+    scene, columns = read_scene(name), set(read_csv(motion))
+    description = load_description(FOLDER / f"{robot}.urdf")
+    assert set(scene) <= {"gravity", "base", *KEYS}
+    for part in ("friction", "rotor", "spring"):
+        assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
+        assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
+    for part in ("payload", "wrench"):
+        for entry in scene.get(part, []):
+            assert set(entry) <= KEYS[part]
+            assert entry["link"] in {link.name for link in description.links}
+    for wrench in scene.get("wrench", []):
+        named = [x for x in [*wrench.get("force", []), *wrench.get("moment", [])] if isinstance(x, str)]
+        assert set(named) <= columns
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scene_says_what_it_exercises(name):
+    assert "# Exercises:" in (FOLDER / f"{name}.toml").read_text()
+
+
+def test_every_effect_appears():
+    used = set()
+    for name in SCENES:
+        scene = read_scene(name)
+        used |= set(scene) | {f"base {scene['base']['motion']}" for _ in scene if "base" in scene}
+        used |= {
+            key for part in ("friction", "rotor", "spring") for entry in scene.get(part, {}).values() for key in entry
+        }
+        used |= {f"{part} {key}" for part in ("payload", "wrench") for entry in scene.get(part, []) for key in entry}
+        used |= {f"frame {entry.get('frame', 'link')}" for entry in scene.get("wrench", [])}
+        used |= {
+            "column" for entry in scene.get("wrench", []) if any(isinstance(x, str) for x in entry.get("force", []))
+        }
+    wanted = set().union(*(KEYS[part] for part in ("friction", "rotor", "spring")))
+    wanted |= {f"{part} {key}" for part in ("payload", "wrench") for key in KEYS[part]}
+    assert used >= wanted | {"gravity", "base fixed", "base moving", "frame link", "frame base", "column"}
