@@ -25,7 +25,9 @@ class Commands(click.Group):
         command: click.Command = import_module(f"robodyn.cli.{name}").command
         return command
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> tuple[str | None, click.Command | None, list[str]]:
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS:
             ctx.fail(f"there is no command {args[0]!r} (commands: {', '.join(COMMANDS)})")
         return super().resolve_command(ctx, args)

@@ -9,7 +9,7 @@ import click
 Vector = tuple[float, float, float]
 
 
-class VectorType(click.ParamType):
+class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     """Three numbers between commas."""
 
     name = "vector"

@@ -17,13 +17,16 @@ from robodyn.report.text_torques import torques_text
 from robodyn.scene import DEFAULT
 from robodyn.scene_file import load_scene
 from robodyn.scene_fit import check_scene
+from robodyn.trajectory.reader import Derivatives
 from robodyn.trajectory.write import open_writer
 
 
 @click.command("torques")
 @click.argument("urdf")
 @click.argument("trajectory")
-@click.option("--scene", "scene_file", metavar="FILE", help="Scene: friction, rotors, springs, payloads, wrenches, base.")
+@click.option(
+    "--scene", "scene_file", metavar="FILE", help="Scene: friction, rotors, springs, payloads, wrenches, base."
+)
 @click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
 @click.option("--out", metavar="FILE", help="Write torques to .csv, .parquet or .npz.")
 @click.option("--reactions", is_flag=True, help="With --out, write all six components of every joint's wrench too.")
@@ -37,14 +40,14 @@ from robodyn.trajectory.write import open_writer
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with status 1 if a limit of the description is exceeded.")
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", help="Of the report on stdout.")
-def command(  # noqa: D103 - click prints the docstring as help
+def command(
     urdf: str,
     trajectory: str,
     scene_file: str | None,
     gravity: Vector | None,
     out: str | None,
     reactions: bool,
-    derivatives: str,
+    derivatives: Derivatives,
     ignore_extra: bool,
     explain: bool,
     fail_on_limits: bool,

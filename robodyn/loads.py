@@ -207,6 +207,8 @@ class _Run:
             effects=effect_reports(whole, explain),
             checks=Checks(balance, *self.laws.relative, self.laws.samples),
             operations=whole.torques().size,
+            executor="numpy",
+            reason="the executor that is there; it starts at once",
             derivation=last.derivation.lines() if last.derivation else (),
             warnings=tuple(warnings),
         )

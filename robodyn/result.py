@@ -163,6 +163,8 @@ class Result:
     effects: tuple[EffectReport, ...]
     checks: Checks
     operations: int
+    executor: str
+    reason: str
     derivation: tuple[str, ...]
     warnings: tuple[str, ...]
 

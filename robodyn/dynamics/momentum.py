@@ -42,8 +42,8 @@ def momentum_of_bodies(
 def momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]) -> Momenta:
     """Linear and angular momentum, kinetic energy, mass and first moment of the tree, from velocities alone.
 
-    `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass and
-    first moment. No force and no acceleration enters.
+    `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass
+    and first moment. No force and no acceleration enters.
 
     Args:
         parents, motions, inertias: as for `newton_euler`; the motions' `wd` and `a` are not used. Body 0 is the base.

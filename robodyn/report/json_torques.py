@@ -1,0 +1,62 @@
+"""The result of `torques` as one JSON document with stable keys and full precision."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from robodyn.result import JointLoad, Result
+
+
+def torques_json(result: Result) -> str:
+    """The document; see README for its keys. Units are SI: N m or N, W, J, s, rad or m."""
+    balance = result.checks.energy_balance
+    document: dict[str, Any] = {
+        "robot": result.robot,
+        "samples": result.samples,
+        "duration": result.duration,
+        "gravity": result.gravity,
+        "joints": [_joint(joint) for joint in result.joints],
+        "base_wrench": {
+            part.name: {"peak": part.peak, "peak_time": part.peak_time, "rms": part.rms} for part in result.base_wrench
+        },
+        "effects": [
+            {
+                "name": effect.name,
+                "active": effect.verdict.active,
+                "reason": effect.verdict.reason,
+                "share": {
+                    joint.name: joint.shares[effect.name] for joint in result.joints if effect.name in joint.shares
+                },
+                "operations": effect.operations,
+                **({} if effect.saved is None else {"operations_saved_without": effect.saved}),
+            }
+            for effect in result.effects
+        ],
+        "checks": {
+            "energy_balance": {
+                "work": balance.work,
+                "energy_change": balance.energy_change,
+                "residual": balance.residual,
+                "quadrature_error": balance.quadrature,
+                "turnover": balance.turnover,
+                "consistent": balance.consistent,
+            },
+            "first_law": result.checks.first_law,
+            "second_law": result.checks.second_law,
+            "power": result.checks.power,
+            "samples": result.checks.samples,
+        },
+        "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
+        "derivatives": list(result.derivation),
+        "limits_exceeded": list(result.exceeded),
+        "warnings": list(result.warnings),
+    }
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _joint(joint: JointLoad) -> dict[str, Any]:
+    fields = asdict(joint)
+    shares = fields.pop("shares")
+    return {**fields, "effort_margin": joint.effort_margin, "velocity_margin": joint.velocity_margin, "shares": shares}

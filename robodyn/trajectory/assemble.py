@@ -1,0 +1,118 @@
+"""A block of columns -> time, q, qd, qdd of the robot, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.columns import Signals
+from robodyn.trajectory.layout import ABSENT, Layout
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.table import FloatArray
+
+NORM_TOLERANCE = 1e-3
+"""Deviation of a quaternion's norm from 1 above which it is reported."""
+
+ErrorAt = Callable[[int, str, str], TrajectoryError]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Puts columns into coordinate order. `error_at(row, what, remedy)` makes the errors about rows."""
+
+    signals: Signals
+    layout: Layout
+    error_at: ErrorAt
+
+    def samples(self, block: FloatArray, first_row: int, last_time: float) -> Trajectory:
+        """The samples in a block whose columns are `layout.needed`; absent columns are 0, or the identity.
+
+        Args:
+            block: (k, len(layout.needed)), finite.
+            first_row: number of its first row in the table, from 1.
+            last_time: time of the row before it.
+
+        Raises:
+            TrajectoryError: time does not increase, or a quaternion is zero.
+        """
+        place = {column: i for i, column in enumerate(self.layout.needed)}
+        time = block[:, place[self.layout.time]]
+        self._check_time(time, first_row, last_time)
+        q, qd, qdd = (self._gather(block, place, of) for of in (self.layout.q, self.layout.qd, self.layout.qdd))
+        extra = {name: block[:, place[column]] for name, column in self.layout.extra.items()}
+        samples = Trajectory(time, q, qd, qdd, extra, first_row)
+        return self._normalise(samples)
+
+    def _gather(self, block: FloatArray, place: dict[int, int], columns: tuple[int, ...]) -> FloatArray:
+        values = np.zeros((len(block), len(columns)), order="F")
+        for i, column in enumerate(columns):
+            if column != ABSENT:
+                values[:, i] = block[:, place[column]]
+        return values
+
+    def _check_time(self, time: FloatArray, first_row: int, last_time: float) -> None:
+        before = np.concatenate(([last_time], time[:-1]))
+        late = time <= before
+        if late.any():
+            i = int(np.argmax(late))
+            relation = "repeats" if time[i] == before[i] else "is before"
+            what = f"time {float(time[i])!r} {relation} {float(before[i])!r} of the row before"
+            raise self.error_at(first_row + i, what, "time must increase from row to row")
+
+    def _normalise(self, samples: Trajectory) -> Trajectory:
+        notes: list[str] = []
+        start = 0
+        for joint in self.signals.joints:
+            if joint.kind != "floating":
+                start += 1
+                continue
+            turn = samples.q[:, start + 3 : start + 7]
+            if self.layout.q[start + 3] == ABSENT:
+                turn[:, 3] = 1.0
+            largest = np.abs(turn).max(axis=1, initial=0.0)
+            if not largest.all():
+                row = samples.first_row + int(np.argmin(largest))
+                raise self.error_at(row, f"the quaternion of {joint.name!r} is zero", "give a unit quaternion x y z w")
+            turn /= largest[:, None]
+            length = np.sqrt((turn**2).sum(axis=1))
+            turn /= length[:, None]
+            off = np.abs(length * largest - 1.0)
+            if off.max(initial=0.0) > NORM_TOLERANCE:
+                i = int(np.argmax(off))
+                norm = length[i] * largest[i]
+                notes.append(f"{joint.name}: quaternions normalised; row {samples.first_row + i} has norm {norm:.6g}")
+            start += 7
+        return replace(samples, notes=tuple(notes))
+
+
+def empty(signals: Signals) -> Trajectory:
+    """No samples, to join others to."""
+    nq, n = len(signals.positions), len(signals.velocities)
+    return Trajectory(np.zeros(0), np.zeros((0, nq)), np.zeros((0, n)), np.zeros((0, n)))
+
+
+def join(parts: list[Trajectory]) -> Trajectory:
+    """Consecutive samples as one trajectory."""
+    if len(parts) == 1:
+        return parts[0]
+    time, q, qd, qdd = (np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "q", "qd", "qdd"))
+    extra = {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra}
+    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
+    return Trajectory(time, q, qd, qdd, extra, parts[0].first_row, parts[0].derivation, notes)
+
+
+def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
+    """Samples start to stop."""
+    extra = {name: values[start:stop] for name, values in samples.extra.items()}
+    return replace(
+        samples,
+        time=samples.time[start:stop],
+        q=samples.q[start:stop],
+        qd=samples.qd[start:stop],
+        qdd=samples.qdd[start:stop],
+        extra=extra,
+        first_row=samples.first_row + start,
+    )

@@ -1,0 +1,123 @@
+"""Missing velocities and accelerations: how each is derived, and the deriving."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.choose import Diagnosis, diagnose
+from robodyn.trajectory.derivatives import Method, differentiate
+from robodyn.trajectory.groups import Group
+from robodyn.trajectory.motion import Derivation, JointDerivation, Trajectory
+from robodyn.trajectory.table import FloatArray
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The groups to derive with the method of each, and the account of it."""
+
+    groups: tuple[Group, ...]
+    methods: tuple[Method, ...]
+    derivation: Derivation
+    notes: tuple[str, ...]
+
+    @property
+    def halo(self) -> int:
+        """Neighbours that a block needs on either side."""
+        return max((method.halo for method in self.methods), default=0)
+
+
+def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Plan:
+    """How to derive each group.
+
+    Args:
+        groups: what is missing.
+        pieces: runs of consecutive samples that stand for the table.
+        mode: "auto" (see `choose.diagnose`), "spline", "savgol" or "central".
+    """
+    found = [_diagnose(group, pieces, mode) for group in groups]
+    accounts = tuple(_account(group, diagnosis) for group, diagnosis in zip(groups, found, strict=True))
+    notes = tuple(f"{group.name}: {d.warning}" for group, d in zip(groups, found, strict=True) if d.warning)
+    return Plan(tuple(groups), tuple(diagnosis.method for diagnosis in found), Derivation(accounts), notes)
+
+
+def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosis:
+    order = 2 if group.acceleration and group.source == "q" else 1
+    runs = [(piece.time, _raw(group, piece), _source(group, piece)) for piece in pieces]
+    return diagnose(runs, order, mode)
+
+
+def _account(group: Group, found: Diagnosis) -> JointDerivation:
+    text = found.method.text
+    first, second = found.gains
+    turn = 2.0 if group.kind == "quaternion" else 1.0  # w = 2 vec(conj(Q) Qd) doubles the noise of Q's components
+    from_qd = group.source == "qd"
+    return JointDerivation(
+        name=group.name,
+        velocity=text if group.velocity else "given",
+        acceleration=text if group.acceleration else "given",
+        source=group.source,
+        quantum=found.quantum,
+        noise=found.noise,
+        gain_velocity=turn * first if group.velocity else 0.0,
+        gain_acceleration=(first if from_qd else turn * second) if group.acceleration else 0.0,
+    )
+
+
+def derive(samples: Trajectory, plan: Plan) -> Trajectory:
+    """The samples with the missing columns of qd and qdd filled in.
+
+    Raises:
+        TrajectoryError: a derivative is not finite, because stamps almost coincide.
+    """
+    qd, qdd = samples.qd.copy(order="F"), samples.qdd.copy(order="F")
+    with np.errstate(all="ignore"):
+        for group, method in zip(plan.groups, plan.methods, strict=True):
+            source = _source(group, samples)
+            first, second = differentiate(samples.time, source, method)
+            if group.kind == "quaternion":
+                first, second = _body_rates(source, first), _body_rates(source, second)
+            for component, column in group.velocity:
+                qd[:, column] = first[:, component]
+            for component, column in group.acceleration:
+                qdd[:, column] = (first if group.source == "qd" else second)[:, component]
+    for values in (qd, qdd):
+        if not np.isfinite(values).all():
+            row = samples.first_row + int(np.argwhere(~np.isfinite(values))[0][0])
+            raise TrajectoryError(f"row {row}: the derivative is not finite", remedy="are two stamps almost equal?")
+    return replace(samples, qd=qd, qdd=qdd)
+
+
+def samples_needed(groups: Sequence[Group]) -> int:
+    """Samples without which the derivatives mean nothing: one more than the highest derivative."""
+    orders = [2 if group.acceleration and group.source == "q" else 1 for group in groups]
+    return 1 + max(orders, default=0)
+
+
+def _raw(group: Group, samples: Trajectory) -> FloatArray:
+    values: FloatArray = getattr(samples, group.source)
+    return values[:, group.rows]
+
+
+def _source(group: Group, samples: Trajectory) -> FloatArray:
+    """The columns to differentiate (N, c): turns of 2 pi undone, quaternions of continuous sign."""
+    values = _raw(group, samples)
+    if group.kind == "continuous":
+        return np.unwrap(values, axis=0)
+    if group.kind == "quaternion":
+        flips = (values[1:] * values[:-1]).sum(axis=1) < 0.0
+        sign = np.where(np.concatenate(([0], np.cumsum(flips))) % 2, -1.0, 1.0)
+        return values * sign[:, None]
+    return values
+
+
+def _body_rates(Q: FloatArray, rate: FloatArray) -> FloatArray:
+    """2 vec(conj(Q) rate) (N, 3) of unit quaternions x y z w: with Qd it is w, with Qdd it is wd, in body axes.
+
+    The parts of the rate along Q, which come from noise in the norm, drop out.
+    """
+    vector, scalar = Q[:, :3], Q[:, 3:]
+    return 2.0 * (scalar * rate[:, :3] - rate[:, 3:] * vector - np.cross(vector, rate[:, :3]))

@@ -1,0 +1,86 @@
+"""Which velocities and accelerations are missing, and from which columns each is to be derived."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from robodyn.trajectory.columns import Signals
+from robodyn.trajectory.layout import ABSENT, Layout
+
+Targets = tuple[tuple[int, int], ...]
+_AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns that are differentiated together.
+
+    Args:
+        name: for the report.
+        source, rows: the array that is differentiated, "q" or "qd", and its columns: one, or the four of a quaternion.
+        velocity, acceleration: pairs (component of the derivative, column of qd or qdd that it fills).
+    """
+
+    name: str
+    kind: Literal["scalar", "continuous", "quaternion"]
+    source: Literal["q", "qd"]
+    rows: tuple[int, ...]
+    velocity: Targets
+    acceleration: Targets
+
+
+def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[str, ...]]:
+    """What must be derived, and the assumptions made about floating joints."""
+    groups: list[Group] = []
+    notes: list[str] = []
+    position = velocity = 0
+    for joint in signals.joints:
+        if joint.kind == "floating":
+            for i, axis in enumerate(_AXES):
+                groups += _scalar(f"{joint.name}_{axis}", "scalar", layout, position + i, velocity + 3 + i)
+            groups += _rotation(f"{joint.name} orientation", layout, position + 3, velocity)
+            notes += _assumptions(joint.name, layout, position, velocity)
+            position, velocity = position + 7, velocity + 6
+        else:
+            kind: Literal["scalar", "continuous"] = "continuous" if joint.kind == "continuous" else "scalar"
+            groups += _scalar(joint.name, kind, layout, position, velocity)
+            position, velocity = position + 1, velocity + 1
+    return tuple(groups), tuple(notes)
+
+
+def _scalar(name: str, kind: Literal["scalar", "continuous"], layout: Layout, p: int, v: int) -> Iterator[Group]:
+    q, qd, qdd = (column != ABSENT for column in (layout.q[p], layout.qd[v], layout.qdd[v]))
+    target: Targets = ((0, v),)
+    if qd and not qdd:
+        yield Group(name, "scalar", "qd", (v,), (), target)
+    elif q and not (qd and qdd):
+        yield Group(name, kind, "q", (p,), () if qd else target, () if qdd else target)
+
+
+def _rotation(name: str, layout: Layout, p: int, v: int) -> Iterator[Group]:
+    for i, axis in enumerate(_AXES):
+        if layout.qd[v + i] != ABSENT and layout.qdd[v + i] == ABSENT:
+            yield Group(f"{name} w{axis}", "scalar", "qd", (v + i,), (), ((0, v + i),))
+    absent = [i for i in range(3) if layout.qd[v + i] == ABSENT]
+    if layout.q[p] != ABSENT and absent:
+        w = tuple((i, v + i) for i in absent)
+        wd = tuple((i, v + i) for i in absent if layout.qdd[v + i] == ABSENT)
+        yield Group(name, "quaternion", "q", tuple(range(p, p + 4)), w, wd)
+
+
+def _assumptions(name: str, layout: Layout, p: int, v: int) -> Iterator[str]:
+    lost = [axis for i, axis in enumerate(_AXES) if layout.q[p + i] == ABSENT]
+    if lost:
+        yield f"{name}: position {' '.join(lost)} is not given and taken as 0"
+    if layout.q[p + 3] == ABSENT:
+        yield f"{name}: orientation is not given and taken as the identity"
+    still = [part for i, part in enumerate(("wx", "wy", "wz")) if _unknown(layout, p + 3, v + i)]
+    still += [f"v{axis}" for i, axis in enumerate(_AXES) if _unknown(layout, p + i, v + 3 + i)]
+    if still:
+        yield f"{name}: velocity {' '.join(still)} is not given and taken as 0"
+
+
+def _unknown(layout: Layout, p: int, v: int) -> bool:
+    return layout.q[p] == ABSENT and layout.qd[v] == ABSENT

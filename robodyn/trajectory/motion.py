@@ -1,0 +1,107 @@
+"""The frozen data of a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from robodyn.trajectory.table import FloatArray
+
+
+@dataclass(frozen=True)
+class JointDerivation:
+    """What was derived for one joint (or part of a floating joint) and how far it can be trusted.
+
+    Args:
+        name: the joint; velocity, acceleration: "given" or the method.
+        source: "q" or "qd", the column that was differentiated.
+        quantum: step of the grid on which the source lies (encoder step, rounded decimals), 0 if there is none.
+        noise: standard deviation of the noise in the source, 0 if none was found.
+        gain_velocity, gain_acceleration: standard deviation of the result per standard deviation of the source
+            [1/s, 1/s^2]; 0 where the quantity was given.
+    """
+
+    name: str
+    velocity: str
+    acceleration: str
+    source: str
+    quantum: float
+    noise: float
+    gain_velocity: float
+    gain_acceleration: float
+
+    @property
+    def std_velocity(self) -> float:
+        """Implied standard deviation of qd, `noise * gain_velocity`."""
+        return self.noise * self.gain_velocity
+
+    @property
+    def std_acceleration(self) -> float:
+        """Implied standard deviation of qdd, `noise * gain_acceleration`."""
+        return self.noise * self.gain_acceleration
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """How missing velocities and accelerations were derived, joint by joint."""
+
+    joints: tuple[JointDerivation, ...]
+
+    @property
+    def velocity(self) -> str:
+        """The method, or the methods with the joints that each served."""
+        return _summary([(joint.velocity, joint.name) for joint in self.joints])
+
+    @property
+    def acceleration(self) -> str:
+        """The method, or the methods with the joints that each served."""
+        return _summary([(joint.acceleration, joint.name) for joint in self.joints])
+
+    def lines(self) -> tuple[str, ...]:
+        """The derivation as lines of a report: one for the methods, one per joint whose data carry noise."""
+        text = [f"velocity: {self.velocity}", f"acceleration: {self.acceleration}"]
+        for joint in self.joints:
+            if joint.noise:
+                grid = f", on a grid of {joint.quantum:.3g}" if joint.quantum else ""
+                text.append(
+                    f"{joint.name}: noise of {joint.source} {joint.noise:.2g}{grid}; gains "
+                    f"{joint.gain_velocity:.3g} 1/s, {joint.gain_acceleration:.3g} 1/s^2; implied standard deviation "
+                    f"of qd {joint.std_velocity:.2g}, of qdd {joint.std_acceleration:.2g}"
+                )
+        return tuple(text)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Consecutive samples of a motion.
+
+    Args:
+        time: (N,) s, increasing.
+        q: (N, nq) rad, m; of a floating joint position (parent axes) and unit quaternion x y z w.
+        qd, qdd: (N, n); of a floating joint w, v and wd, a: w in body axes, v the rate of the position in parent axes.
+        extra: (N,) columns that the scene named.
+        first_row: row of the data, from 1, of sample 0.
+        derivation: how qd and qdd were derived; None if all was given.
+        notes: assumptions that were made.
+    """
+
+    time: FloatArray
+    q: FloatArray
+    qd: FloatArray
+    qdd: FloatArray
+    extra: Mapping[str, FloatArray] = field(default_factory=dict)
+    first_row: int = 1
+    derivation: Derivation | None = None
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+def _summary(methods: list[tuple[str, str]]) -> str:
+    joints: dict[str, list[str]] = {}
+    for method, name in methods:
+        joints.setdefault(method, []).append(name)
+    if len(joints) == 1:
+        return methods[0][0]
+    return "; ".join(f"{method} ({', '.join(names)})" for method, names in joints.items())

@@ -1,0 +1,105 @@
+"""Trajectories from files and arrays: the door to this package."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.array_table import ArrayTable
+from robodyn.trajectory.assemble import join
+from robodyn.trajectory.columns import Signals, matrix_column
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.reader import BLOCK_ROWS, Derivatives, TrajectoryReader
+from robodyn.trajectory.table import FloatArray, open_table
+
+
+def open_trajectory(
+    path: str | os.PathLike[str],
+    signals: Signals,
+    *,
+    file_type: str | None = None,
+    extra: Sequence[str] = (),
+    ignore_extra: bool = False,
+    derivatives: Derivatives = "auto",
+    block_rows: int = BLOCK_ROWS,
+) -> TrajectoryReader:
+    """A reader of the trajectory in a file.
+
+    Args:
+        path: `.csv .tsv .txt .dat`, `.parquet .pq` or `.npz`; `-` is standard input (CSV).
+        signals: what the robot wants.
+        file_type: "csv", "parquet" or "npz" if the suffix does not tell.
+        extra: further columns to read, which the scene names.
+        ignore_extra: leave unknown columns out instead of refusing them.
+        derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data
+            (see `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods.
+        block_rows: samples held at a time.
+
+    Raises:
+        TrajectoryError: the file cannot be read or its columns do not fit the robot.
+    """
+    table = open_table(path, file_type)
+    try:
+        return TrajectoryReader(table, signals, extra, ignore_extra, derivatives, block_rows)
+    except BaseException:
+        table.close()
+        raise
+
+
+def read_trajectory(
+    path: str | os.PathLike[str],
+    signals: Signals,
+    *,
+    file_type: str | None = None,
+    extra: Sequence[str] = (),
+    ignore_extra: bool = False,
+    derivatives: Derivatives = "auto",
+) -> Trajectory:
+    """The whole trajectory in a file at once; arguments and errors as of `open_trajectory`."""
+    with open_trajectory(
+        path, signals, file_type=file_type, extra=extra, ignore_extra=ignore_extra, derivatives=derivatives
+    ) as reader:
+        return join(list(reader.blocks()))
+
+
+def from_arrays(
+    signals: Signals,
+    time: ArrayLike,
+    q: ArrayLike,
+    qd: ArrayLike | None = None,
+    qdd: ArrayLike | None = None,
+    extra: Mapping[str, ArrayLike] | None = None,
+    derivatives: Derivatives = "auto",
+) -> Trajectory:
+    """A trajectory from arrays, checked and derived as one from a file.
+
+    Args:
+        time: (N,) s; q: (N, nq) rad, m; qd, qdd: (N, n); extra: (N,) columns that the scene names.
+
+    Raises:
+        TrajectoryError: an array has the wrong shape, is not finite, or time does not increase.
+    """
+    columns = {"time": _array("time", time, None)}
+    widths = {"q": len(signals.positions), "qd": len(signals.velocities), "qdd": len(signals.velocities)}
+    for (name, width), values in zip(widths.items(), (q, qd, qdd), strict=True):
+        if values is not None:
+            matrix = _array(name, values, width)
+            columns |= {matrix_column(name, i): matrix[:, i] for i in range(width)}
+    columns |= {name: _array(name, values, None) for name, values in (extra or {}).items()}
+    with TrajectoryReader(ArrayTable(None, columns), signals, tuple(extra or ()), derivatives=derivatives) as reader:
+        return join(list(reader.blocks()))
+
+
+def _array(name: str, values: ArrayLike, width: int | None) -> FloatArray:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TrajectoryError(f"{name} is not an array of numbers", remedy="give floats") from None
+    if array.shape[1:] != (() if width is None else (width,)) or array.ndim == 0:
+        wanted = "(N,)" if width is None else f"(N, {width})"
+        raise TrajectoryError(f"{name} has shape {array.shape}", remedy=f"it should be {wanted}")
+    return array

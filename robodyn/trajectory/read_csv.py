@@ -1,0 +1,159 @@
+"""Comma-, semicolon-, tab- or blank-separated tables, read in chunks of whole lines."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from typing import BinaryIO
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.columns import TIME_NAMES
+from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
+from robodyn.trajectory.table import FloatArray
+
+_LONGEST_LINE = 1 << 20
+_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
+
+
+class CsvTable:
+    """A delimited text file whose first line names the columns; see `Table`.
+
+    Standard input (`-`) is copied to a temporary file first, because the reader looks at it twice.
+    """
+
+    def __init__(self, path: str) -> None:
+        self.file = "<stdin>" if path == "-" else path
+        self._stream: BinaryIO = _stdin_as_file() if path == "-" else open(path, "rb")  # noqa: SIM115
+        try:
+            self.size_bytes = self._stream.seek(0, os.SEEK_END)
+            self._read_header()
+        except BaseException:
+            self._stream.close()
+            raise
+
+    def _read_header(self) -> None:
+        self._stream.seek(0)
+        text, self.header_line = b"", 0
+        while not text.strip():
+            text = self._stream.readline(_LONGEST_LINE)
+            self.header_line += 1
+            if not text:
+                raise TrajectoryError("is empty", remedy="a header line and rows of numbers are needed", file=self.file)
+        self._start = self.position_bytes = self._stream.tell()
+        self._dialect = _dialect(text, self.file, self.header_line)
+        self.names = self._dialect.names
+
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+        self._stream.seek(self._start)
+        size = max(_LONGEST_LINE // 16, rows * 16 * len(self.names))
+        while data := self._stream.read(size):
+            offset = self._stream.tell() - len(data)
+            if not data.endswith(b"\n"):
+                data += self._stream.readline(_LONGEST_LINE)
+            after = self._stream.tell()
+            if not data.endswith(b"\n") and after < self.size_bytes:
+                line = self._line_at(offset) + data.count(b"\n")
+                what = f"a line longer than {_LONGEST_LINE} bytes"
+                raise TrajectoryError(what, remedy="is it a table?", file=self.file, line=line)
+            values = self._parse(data, columns, offset)
+            self.position_bytes = after
+            for start in range(0, len(values), rows):
+                yield values[start : start + rows]
+
+    def _line_at(self, offset: int) -> int:
+        """The number of the line that begins at this byte."""
+        self._stream.seek(0)
+        line = 1
+        while offset > 0 and (data := self._stream.read(min(offset, _LONGEST_LINE))):
+            offset -= len(data)
+            line += data.count(b"\n")
+        return line
+
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+        size = rows * max(1, self._row_bytes())
+        if self.size_bytes - self._start <= count * size:
+            starts, size = [self._start], self.size_bytes
+        else:
+            step = (self.size_bytes - self._start - size) // (count - 1)
+            starts = [self._start + i * step for i in range(count)]
+        found = []
+        for start in starts:
+            self._stream.seek(start)
+            if start > self._start:
+                self._stream.seek(start - 1)
+                self._stream.readline(_LONGEST_LINE)
+            data = self._stream.read(size)
+            data = data[: data.rfind(b"\n") + 1] if self._stream.tell() < self.size_bytes else data
+            try:
+                found.append(self._parse(data, columns, start))
+            except TrajectoryError:  # told with its line when the blocks are read
+                continue
+        return found
+
+    def _row_bytes(self) -> int:
+        self._stream.seek(self._start)
+        data = self._stream.read(1 << 16)
+        return len(data) // max(1, data.count(b"\n"))
+
+    def _parse(self, data: bytes, columns: Sequence[int], offset: int) -> FloatArray:
+        return parse(data, self._dialect, columns, lambda: self._line_at(offset), fast=self.size_bytes > LARGE)
+
+    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
+        self._stream.seek(self._start)
+        line, seen = self.header_line, 0
+        while seen < row and (text := self._stream.readline()):
+            line += 1
+            seen += bool(text.strip())
+        return TrajectoryError(what, remedy=remedy, file=self.file, line=line)
+
+    def close(self) -> None:
+        self._stream.close()
+
+
+def _dialect(first: bytes, file: str, line: int) -> Dialect:
+    """Names and delimiter from the header line: the first of , ; tab that makes several cells, else blanks."""
+
+    def refuse(what: str, remedy: str) -> TrajectoryError:
+        return TrajectoryError(what, remedy=remedy, file=file, line=line)
+
+    mark = next((name for start, name in _MARKS.items() if first.startswith(start)), None)
+    if (mark and not first.isascii()) or b"\0" in first:
+        raise refuse(
+            f"is {mark or 'binary'} data, not text", "give a CSV table in UTF-8, or name its type by the suffix"
+        )
+    try:
+        text = first.decode("utf-8-sig").strip()
+    except UnicodeDecodeError:
+        raise refuse("the header is not UTF-8 text", "save the table as UTF-8") from None
+    if not first.endswith(b"\n") and len(first) >= _LONGEST_LINE:
+        raise refuse(f"a header line longer than {_LONGEST_LINE} bytes", "is it a table?")
+    text = text.removeprefix("#").strip()
+    delimiter = next((mark for mark in ",;\t" if mark in text), " ")
+    try:
+        cells = text.split() if delimiter == " " else next(csv.reader([text], delimiter=delimiter, strict=True))
+    except (csv.Error, StopIteration) as error:
+        raise refuse(
+            f"the header cannot be read: {error}", "name the columns, quoted where a name has a comma"
+        ) from None
+    names = tuple(cell.strip() for cell in cells)
+    if not any(name in TIME_NAMES for name in names) and all(_is_number(name) for name in names):
+        raise refuse("no header: the first line holds numbers", "begin with a line of names, e.g. time,q_<joint>,...")
+    return Dialect(BLANK if delimiter == " " else delimiter.encode(), names, file)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _stdin_as_file() -> BinaryIO:
+    copy = tempfile.TemporaryFile()  # noqa: SIM115
+    shutil.copyfileobj(sys.stdin.buffer, copy)
+    return copy

@@ -1,0 +1,133 @@
+"""The reader of a table: block by block, missing derivatives filled in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from types import TracebackType
+from typing import Literal
+
+import numpy as np
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.assemble import Assembly, cut
+from robodyn.trajectory.columns import Signals
+from robodyn.trajectory.derive import Plan, derive, plan, samples_needed
+from robodyn.trajectory.groups import missing
+from robodyn.trajectory.layout import Header, listing, resolve
+from robodyn.trajectory.motion import Derivation, Trajectory
+from robodyn.trajectory.neighbours import with_neighbours
+from robodyn.trajectory.table import Table
+
+Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
+MODES = ("auto", "given", "spline", "savgol", "central")
+BLOCK_ROWS = 1 << 16
+_PIECES, _PIECE_ROWS = 16, 4096
+
+
+class TrajectoryReader:
+    """Samples of a table, block by block; also a context manager that closes the file.
+
+    columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
+    notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given.
+    """
+
+    def __init__(
+        self,
+        table: Table,
+        signals: Signals,
+        extra: Sequence[str] = (),
+        ignore_extra: bool = False,
+        derivatives: Derivatives = "auto",
+        block_rows: int = BLOCK_ROWS,
+    ) -> None:
+        if derivatives not in MODES:
+            raise TrajectoryError(f"unknown way to differentiate {derivatives!r}", remedy=f"one of {listing(MODES)}")
+        self._table, self._mode, self._rows = table, derivatives, block_rows
+        self.columns = table.names
+        header = Header(table.names, table.file, table.header_line)
+        layout = resolve(header, signals, extra, ignore_extra)
+        self._assembly = Assembly(signals, layout, table.error_at)
+        self._groups, assumptions = missing(signals, layout)
+        if derivatives == "given" and self._groups:
+            lost = [group.name for group in self._groups]
+            what = f"velocity or acceleration of {listing(lost)} is not given"
+            raise header.error(what, "--derivatives auto derives what is missing")
+        self.notes = layout.notes + assumptions
+        self._plan: Plan | None = None
+
+    @property
+    def size_bytes(self) -> int:
+        return self._table.size_bytes
+
+    @property
+    def position_bytes(self) -> int:
+        return self._table.position_bytes
+
+    @property
+    def derivation(self) -> Derivation | None:
+        return self._plan.derivation if self._plan else None
+
+    def blocks(self) -> Iterator[Trajectory]:
+        """Consecutive samples, at most `block_rows` at a time; each pass starts anew.
+
+        Derivatives see enough neighbours of a block that its limits change them by no more than 1e-12 of the largest.
+
+        Raises:
+            TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
+        """
+        if self._groups:
+            self._plan = plan(self._groups, self._pieces(), self._mode)
+            self._remember(self._plan.notes)
+        halo = self._plan.halo if self._plan else 0
+        needed = max(1, samples_needed(self._groups))
+        for samples, start, stop in with_neighbours(self._samples(), halo):
+            if len(samples) < needed:
+                self._refuse_short(len(samples), needed)
+            whole = derive(samples, self._plan) if self._plan else samples
+            yield replace(cut(whole, start, stop), derivation=self.derivation, notes=self.notes)
+
+    def _samples(self) -> Iterator[Trajectory]:
+        row, last_time = 1, -math.inf
+        for block in self._table.blocks(self._assembly.layout.needed, self._rows):
+            if len(block):
+                samples = self._assembly.samples(block, row, last_time)
+                self._remember(samples.notes)
+                row, last_time = row + len(block), float(block[-1, self._time_column])
+                yield samples
+        if row == 1:
+            raise TrajectoryError("has no rows", remedy="give rows of numbers", file=self._table.file)
+
+    @property
+    def _time_column(self) -> int:
+        return self._assembly.layout.needed.index(self._assembly.layout.time)
+
+    def _pieces(self) -> list[Trajectory]:
+        """Runs of samples that stand for the table; bad rows are left for `blocks` to report."""
+        pieces = []
+        for block in self._table.pieces(self._assembly.layout.needed, _PIECES, _PIECE_ROWS):
+            if len(block) and np.isfinite(block).all() and (np.diff(block[:, self._time_column]) > 0).all():
+                with suppress(TrajectoryError):
+                    pieces.append(self._assembly.samples(block, 1, -math.inf))
+        return pieces
+
+    def _remember(self, notes: Sequence[str]) -> None:
+        self.notes = tuple(dict.fromkeys((*self.notes, *notes)))
+
+    def _refuse_short(self, rows: int, needed: int) -> None:
+        what = f"has {rows} row{'s' if rows > 1 else ''}, too few to differentiate"
+        remedy = f"give at least {needed} rows, or velocities and accelerations"
+        raise TrajectoryError(what, remedy=remedy, file=self._table.file)
+
+    def close(self) -> None:
+        self._table.close()
+
+    def __enter__(self) -> TrajectoryReader:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

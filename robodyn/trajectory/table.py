@@ -1,0 +1,124 @@
+"""A table of numbers in a file: what every format offers to the reader."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import TrajectoryError
+
+FloatArray = NDArray[np.float64]
+
+FILE_TYPES = {
+    ".csv": "csv",
+    ".tsv": "csv",
+    ".txt": "csv",
+    ".dat": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".npz": "npz",
+}
+
+
+class Table(Protocol):
+    """Columns of numbers, read a block of rows at a time.
+
+    file: as messages name it; header_line: the line of the header, None where the format has no lines;
+    names: the columns; size_bytes, position_bytes: length of the file and how much of it has been read.
+    """
+
+    @property
+    def file(self) -> str | None: ...
+
+    @property
+    def header_line(self) -> int | None: ...
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+
+    @property
+    def size_bytes(self) -> int: ...
+
+    @property
+    def position_bytes(self) -> int: ...
+
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite."""
+        ...
+
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+        """Up to `count` runs of about `rows` consecutive rows, spread over the file; all of it where it is short."""
+        ...
+
+    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
+        """An error about a data row, counted from 1, that says where the row stands in the file."""
+        ...
+
+    def close(self) -> None:
+        """Give the file back."""
+        ...
+
+
+def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Table:
+    """The table in a file; `-` is standard input (CSV).
+
+    Args:
+        file_type: "csv", "parquet" or "npz"; by the suffix of the name if None.
+
+    Raises:
+        TrajectoryError: there is no such file, it cannot be opened, or it is not of that type.
+    """
+    name = os.fspath(path)
+    kind = file_type or ("csv" if name == "-" else FILE_TYPES.get(os.path.splitext(name)[1].lower()))
+    known = sorted(set(FILE_TYPES.values()))
+    if kind not in known:
+        what = f"unknown type of table {file_type!r}" if file_type else "unknown type of table by this suffix"
+        remedy = f"types: {', '.join(known)}" if file_type else f"suffixes: {' '.join(FILE_TYPES)}"
+        raise TrajectoryError(what, remedy=remedy, file=name)
+    try:
+        if os.path.isdir(name):
+            raise TrajectoryError("is a directory", remedy="name a file", file=name)
+        if kind == "csv":
+            from robodyn.trajectory.read_csv import CsvTable
+
+            return CsvTable(name)
+        if kind == "parquet":
+            from robodyn.trajectory.read_parquet import ParquetTable
+
+            return ParquetTable(name)
+        from robodyn.trajectory.read_npz import read_npz
+
+        return read_npz(name)
+    except OSError as error:
+        raise TrajectoryError(f"cannot be read: {reason(error)}", file=name) from None
+    except ValueError as error:  # an embedded null character in the name
+        raise TrajectoryError(f"cannot be read: {error}", file=name) from None
+
+
+def reason(error: OSError) -> str:
+    """What the system says, without the file name."""
+    return (error.strerror or str(error)).lower()
+
+
+def spread(total: int, count: int, rows: int) -> list[slice]:
+    """Up to `count` slices of `rows` of `total` rows, evenly spread; one slice of everything where that is no more."""
+    if total <= count * rows:
+        return [slice(0, total)]
+    starts = np.linspace(0, total - rows, count).astype(np.int64)
+    return [slice(int(start), int(start) + rows) for start in starts]
+
+
+def check_finite(
+    values: FloatArray, names: Sequence[str], first_row: int, error_at: Callable[[int, str, str], TrajectoryError]
+) -> None:
+    """Raise the error of the first cell that is not finite, in the order of rows."""
+    if np.isfinite(values).all():
+        return
+    row, column = np.argwhere(~np.isfinite(values))[0]
+    value = values[row, column]
+    what = f"column {names[column]!r} is empty or NaN" if np.isnan(value) else f"column {names[column]!r} is {value}"
+    raise error_at(first_row + int(row), what, "every cell must be a finite number")

@@ -1,0 +1,55 @@
+"""The bytes of a description, from a file or from memory."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+from robodyn.errors import DescriptionError
+
+
+def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tuple[str, bytes]:
+    """The name to show in messages, and the bytes."""
+    if isinstance(source, bytes):
+        return name or "<stdin>", source
+    path = os.fspath(source)
+    file = name or path
+    try:
+        with open(path, "rb") as stream:
+            if stat.S_ISCHR(os.fstat(stream.fileno()).st_mode):
+                raise DescriptionError("this is a device, not a file", remedy="give a URDF file", file=file)
+            return file, stream.read()
+    except FileNotFoundError:
+        raise DescriptionError("there is no such file", remedy=_existing(path), file=file) from None
+    except IsADirectoryError:
+        raise DescriptionError("this is a folder, not a file", remedy="give a URDF file", file=file) from None
+    except PermissionError:
+        raise DescriptionError("no permission to read the file", remedy="change its mode", file=file) from None
+    except OSError as error:
+        what = f"cannot read the file: {error.strerror}"
+        raise DescriptionError(what, remedy="check the name and the disk", file=file) from None
+    except ValueError as error:
+        raise DescriptionError(f"this is not a file name: {error}", remedy="check the name", file=file) from None
+
+
+def _existing(path: str) -> str:
+    if path.lstrip().startswith("<"):
+        return "give a path, or the XML as bytes"
+    folder = os.path.dirname(path) or os.curdir
+    return "check the name" if os.path.isdir(folder) else "check the folder"
+
+
+def as_utf8(file: str, data: bytes) -> tuple[bytes, bool]:
+    """UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encoding = "utf-16"
+    elif data[:2] == b"<\0":
+        encoding = "utf-16-le"
+    elif data[:2] == b"\0<":
+        encoding = "utf-16-be"
+    else:
+        return data, False
+    try:
+        return data.decode(encoding).encode(), True
+    except UnicodeError as error:
+        raise DescriptionError(f"broken UTF-16: {error}", remedy="save it as UTF-8", file=file, line=1) from None
