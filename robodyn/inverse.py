@@ -60,7 +60,7 @@ def inverse_dynamics(
     samples = int(np.prod(shape))
     runner = torque_runner(plan(model, scene, still(sources)))
     if out is None:
-        return runner(sources, samples).reshape(*shape, model.n)
+        out = np.empty((*shape, model.n))
     if out.shape != (*shape, model.n) or out.dtype != np.float64:
         raise InputError(f"out has shape {out.shape} and type {out.dtype}, not {(*shape, model.n)} and float64")
     flat = out.reshape(samples, model.n)

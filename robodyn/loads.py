@@ -170,9 +170,8 @@ class _Run:
         self.laws.update(expected, base[rows], net[rows])
         ends = {name: values[[0, -1]] for name, values in sources.items()}
         self.energies += programs.energy(ends, 2)[:, 0].tolist()
-        self.statistics.update(
-            block.time, block.q[:, self.positions], block.qd[:, self.rates], tau[:, self.rates], base, net, sources
-        )
+        q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, net, sources)
         return loads if self.reactions else tau
 
     def result(self, last: Trajectory, explain: bool) -> Result:

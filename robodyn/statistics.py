@@ -25,19 +25,18 @@ class Peak:
         return cls(np.zeros(columns), np.full(columns, -1))
 
     def update(self, values: Floats, first: int) -> list[tuple[int, int]]:
-        """Take in a block whose first sample has the index `first`.
+        """Take in a block (columns, N) whose first sample has the index `first`.
 
         Returns:
-            (column, row of the block) for every column that has a new peak.
+            (column, sample of the block) for every column that has a new peak.
         """
-        rows = values.argmax(axis=0)
-        lows = values.argmin(axis=0)
-        columns = np.arange(values.shape[1])
-        rows = np.where(np.abs(values[lows, columns]) > np.abs(values[rows, columns]), lows, rows)
-        found = values[rows, columns]
+        columns = np.arange(len(values))
+        highest, lowest = values.argmax(axis=1), values.argmin(axis=1)
+        at = np.where(np.abs(values[columns, lowest]) > np.abs(values[columns, highest]), lowest, highest)
+        found = values[columns, at]
         news = np.flatnonzero((self.index < 0) | (np.abs(found) > np.abs(self.value)))
-        self.value[news], self.index[news] = found[news], rows[news] + first
-        return [(int(column), int(rows[column])) for column in news]
+        self.value[news], self.index[news] = found[news], at[news] + first
+        return [(int(column), int(at[column])) for column in news]
 
 
 class Integrals:
@@ -53,18 +52,18 @@ class Integrals:
         Args:
             before: time between the last sample of the previous block and the first of this one, 0 for the first block.
             after: (N - 1,) times between the samples of this block.
-            quantities: (N, columns) or (N,) integrands.
+            quantities: (columns, N) or (N,) integrands.
         """
         weights = np.zeros(len(after) + 1)
         weights[:-1] += after
         weights[1:] += after
         weights[0] += before
         for name, values in quantities.items():
-            total = 0.5 * (weights @ values)
+            total = 0.5 * (values @ weights)
             if name in self._last:
                 total = total + 0.5 * before * self._last[name]
             self.totals[name] = self.totals.get(name, 0.0) + total
-            self._last[name] = values[-1].copy()
+            self._last[name] = values[..., -1].copy()
 
 
 class Statistics:
@@ -98,23 +97,30 @@ class Statistics:
         net_power: Floats,
         state: dict[str, Floats],
     ) -> None:
-        """Take in a block: time (N,), joint positions, speeds and torques (N, joints), base wrench (N, 6) as f, n,
-        the power that goes into stored energy (N,), and the arrays from which a peak's state is kept."""
+        """Take in a block.
+
+        Args:
+            time: (N,) s.
+            q, qd, tau: (joints, N).
+            base: (6, N) base wrench f, n.
+            net_power: (N,) power that goes into stored energy [W].
+            state: (N, k) arrays of which a peak's sample is kept.
+        """
         before = float(time[0] - self.end) if self.samples else 0.0
         steps = np.diff(time)
         self.start = self.start if self.samples else float(time[0])
-        for joint, row in self.torque.update(tau, self.samples):
-            self.peak_speed[joint] = qd[row, joint]
-            self.at_peak[joint] = (float(time[row]), {name: values[row].copy() for name, values in state.items()})
-        for joint, row in self.speed.update(qd, self.samples):
-            self.torque_at_speed[joint] = tau[row, joint]
-        for component, row in self.base.update(base, self.samples):
-            self.base_time[component] = time[row]
-        power, square = tau * qd, tau * tau
-        np.maximum(self.power_most, power.max(axis=0), out=self.power_most)
-        np.minimum(self.power_least, power.min(axis=0), out=self.power_least)
-        np.minimum(self.q_min, q.min(axis=0), out=self.q_min)
-        np.maximum(self.q_max, q.max(axis=0), out=self.q_max)
+        for joint, at in self.torque.update(tau, self.samples):
+            self.peak_speed[joint] = qd[joint, at]
+            self.at_peak[joint] = (float(time[at]), {name: values[at].copy() for name, values in state.items()})
+        for joint, at in self.speed.update(qd, self.samples):
+            self.torque_at_speed[joint] = tau[joint, at]
+        for component, at in self.base.update(base, self.samples):
+            self.base_time[component] = time[at]
+        power, square, speed = tau * qd, tau * tau, np.abs(qd)
+        np.maximum(self.power_most, power.max(axis=1), out=self.power_most)
+        np.minimum(self.power_least, power.min(axis=1), out=self.power_least)
+        np.minimum(self.q_min, q.min(axis=1), out=self.q_min)
+        np.maximum(self.q_max, q.max(axis=1), out=self.q_max)
         self.integrals.update(
             before,
             steps,
@@ -122,14 +128,14 @@ class Statistics:
                 "torque": tau,
                 "square": square,
                 "wear": square * np.abs(power),
-                "travel": np.abs(qd),
+                "travel": speed,
                 "positive": np.maximum(power, 0.0),
                 "negative": np.minimum(power, 0.0),
                 "base square": base * base,
                 "net power": net_power,
                 "turnover": np.abs(net_power),
-                "over effort": (np.abs(tau) > self.effort).astype(float),
-                "over velocity": (np.abs(qd) > self.velocity).astype(float),
+                "over effort": (np.abs(tau) > self.effort[:, None]).astype(float),
+                "over velocity": (speed > self.velocity[:, None]).astype(float),
             },
         )
         self.quadrature += quadrature_error(steps, net_power)

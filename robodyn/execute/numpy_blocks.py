@@ -69,11 +69,11 @@ class NumpyBlocks:
             out: (samples, outputs), written to if given.
 
         Returns:
-            (samples, outputs).
+            (samples, outputs); where `out` is not given each column is contiguous.
 
         Accuracy: each operation is rounded once; sine, cosine and exponential are NumPy's (within 1 ulp).
         """
-        result = np.empty((samples, self.outputs)) if out is None else out
+        result = np.empty((self.outputs, samples)).T if out is None else out
         if samples == 0:
             return result
         size = -(-samples // -(-samples // self.block))

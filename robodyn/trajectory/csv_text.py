@@ -33,9 +33,7 @@ class Dialect:
         return line.split() if self.delimiter == BLANK else line.split(self.delimiter)
 
 
-def parse(
-    data: bytes, dialect: Dialect, columns: Sequence[int], first_line: Callable[[], int], fast: bool
-) -> FloatArray:
+def parse(data: bytes, dialect: Dialect, columns: Sequence[int], line: Callable[[], int], fast: bool) -> FloatArray:
     """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite.
 
     Args:

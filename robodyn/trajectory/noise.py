@@ -8,10 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.trajectory.derivatives import equal_spacing
 from robodyn.trajectory.table import FloatArray
 
 HIGHEST = 10
 """Highest difference looked at."""
+_ORDERS = range(1, HIGHEST + 1)
 _LEVEL = 0.7
 """Ratio of successive differences above which they no longer fall: white noise has 1, n samples a period sin(pi/n)"""
 _STILL = 32
@@ -43,10 +45,12 @@ def quantum(values: FloatArray) -> float:
 
 
 def weights(time: FloatArray) -> list[FloatArray]:
-    """For p = 1..HIGHEST the 2-norm (N - p,) of the weights of the p-th divided differences of these stamps."""
+    """For p = 1..HIGHEST the 2-norm (N - p,) of the weights of the p-th divided differences of stamps a unit apart."""
+    if equal_spacing(time):
+        return [np.full(len(time) - p, math.sqrt(math.comb(2 * p, p)) / math.factorial(p)) for p in _ORDERS]
     norms = []
     table = np.ones((len(time), 1))
-    for p in range(1, HIGHEST + 1):
+    for p in _ORDERS:
         gap = (time[p:] - time[:-p])[:, None]
         new = np.zeros((len(time) - p, p + 1))
         new[:, 1:] = table[1:]
