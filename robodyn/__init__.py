@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from robodyn.model import Model as Model
     from robodyn.scene import ExternalWrench as ExternalWrench
     from robodyn.scene import Friction as Friction
+    from robodyn.scene import Immersed as Immersed
     from robodyn.scene import Payload as Payload
     from robodyn.scene import Rotor as Rotor
     from robodyn.scene import Scene as Scene
@@ -34,7 +35,7 @@ _HOMES = {
     "inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "loads": ("read_motion", "torques"),
     "model": ("Model",),
-    "scene": ("ExternalWrench", "Friction", "Payload", "Rotor", "Scene", "Spring"),
+    "scene": ("ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),
 }
 __all__ = [name for names in _HOMES.values() for name in names]

@@ -81,6 +81,21 @@ class ExternalWrench:
         return tuple(entry for entry in (*self.force, *self.moment) if isinstance(entry, str))
 
 
+@dataclass(frozen=True)
+class Immersed:
+    """A link in the scene's fluid.
+
+    Attributes:
+        volume: displaced [m^3], at `centre` in the link's frame [m].
+        drag_area: drag coefficient times area along each axis of the link [m^2].
+    """
+
+    link: str
+    volume: float = 0.0
+    centre: Vector = (0.0, 0.0, 0.0)
+    drag_area: Vector = (0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
@@ -89,6 +104,7 @@ class Scene:
         gravity: m/s^2, in the axes of the ground (of a fixed base).
         friction: by joint; replaces what the description says of that joint.
         rotor, spring: by joint.
+        immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
         moving_base: the base follows the trajectory's base_* columns.
     """
 
@@ -98,6 +114,9 @@ class Scene:
     spring: Mapping[str, Spring] = field(default_factory=dict)
     payloads: tuple[Payload, ...] = ()
     wrenches: tuple[ExternalWrench, ...] = ()
+    immersed: tuple[Immersed, ...] = ()
+    fluid_density: float = 0.0
+    fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
 
     @property

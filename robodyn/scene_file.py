@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from robodyn.errors import SceneError
-from robodyn.scene import Entry, ExternalWrench, Friction, Payload, Rotor, Scene, Spring, Vector
+from robodyn.scene import Entry, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring, Vector
 from robodyn.urdf.wording import listed
 
 FRAMES = ("link", "base", "world")
@@ -53,6 +53,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         payloads=tuple(_payload(entry) for entry in table.list("payload")),
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
         moving_base=_moving_base(table),
+        **_fluid(table),
     )
     table.finish()
     return scene
@@ -187,6 +188,33 @@ def _wrench(table: _Table) -> ExternalWrench:
     )
     table.finish()
     return wrench
+
+
+def _fluid(table: _Table) -> dict[str, Any]:
+    if "fluid" not in table.values:
+        table.known.append("fluid")
+        return {}
+    fluid = _Table(table.take("fluid", ...), "[fluid]", table.file)
+    density = fluid.number("density")
+    if density < 0:
+        raise fluid.error(f'"density" is {density:g}', remedy="it is positive or zero")
+    velocity = fluid.vector("velocity", Scene.fluid_velocity)
+    immersed = tuple(_immersed(entry) for entry in fluid.list("link"))
+    fluid.finish()
+    return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
+
+
+def _immersed(table: _Table) -> Immersed:
+    immersed = Immersed(
+        table.text("link"),
+        table.number("volume", 0.0),
+        table.vector("centre", Immersed.centre),
+        table.vector("drag_area", Immersed.drag_area),
+    )
+    table.finish()
+    if immersed.volume < 0 or min(immersed.drag_area) < 0:
+        raise table.error("volume and drag_area are positive or zero", remedy="drag opposes motion by itself")
+    return immersed
 
 
 def _moving_base(table: _Table) -> bool:

@@ -27,6 +27,8 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         _known("[[payload]]", "link", load.link, model.links, file)
     for wrench in scene.wrenches:
         _known("[[wrench]]", "link", wrench.link, model.links, file)
+    for immersed in scene.immersed:
+        _known("[[fluid.link]]", "link", immersed.link, model.links, file)
     if scene.moving_base and not model.floating:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file

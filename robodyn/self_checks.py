@@ -91,7 +91,7 @@ def energy(plan: Plan) -> Program:
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)
         terms = applied(plan.effects, sample, plan.scene)
-        joints = motions(sample.model, sample.q, sample.qd, sample.qdd)
+        joints = sample.motions()
         return [_energy(plan, sample, terms, joints), _lost(plan, sample, terms, joints)]
 
     return trace(outputs)
@@ -103,7 +103,7 @@ def losses(plan: Plan) -> Program:
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)
         terms = applied(plan.effects, sample, plan.scene)
-        return [_lost(plan, sample, terms, motions(sample.model, sample.q, sample.qd, sample.qdd))]
+        return [_lost(plan, sample, terms, sample.motions())]
 
     return trace(outputs)
 
@@ -116,9 +116,13 @@ def _energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> S
 
 
 def _lost(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
+    """Power that friction takes, less the power f . v + n . w that wrenches give [W]."""
     total: Scalar = 0.0
     for effect in plan.effects:
         total = total + effect.lost(sample, terms, plan.scene, joints)
+    moving = velocities(sample.model.parents, joints) if terms.wrenches else []
+    for i, wrench in terms.wrenches:
+        total = total - (wrench.f @ moving[i].v + wrench.n @ moving[i].w)
     return total
 
 

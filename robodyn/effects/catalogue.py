@@ -6,6 +6,7 @@ from robodyn.effects import (
     coriolis,
     coulomb_friction,
     external_wrench,
+    fluid,
     gravity,
     inertia,
     joint_spring,
@@ -28,5 +29,6 @@ EFFECTS: tuple[Effect, ...] = (
     rotor_inertia.EFFECT,
     joint_spring.EFFECT,
     external_wrench.EFFECT,
+    fluid.EFFECT,
     mimic.EFFECT,
 )

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from robodyn.dynamics.kinematics import motions
 from robodyn.dynamics.types import Motion, Wrench
 from robodyn.inertia.moments import Inertia
 from robodyn.model import Joint, Model
@@ -30,6 +31,10 @@ class Sample:
     qd: tuple[Scalar, ...]
     qdd: tuple[Scalar, ...]
     columns: Mapping[str, Scalar] = field(default_factory=dict)
+
+    def motions(self) -> list[Motion]:
+        """How every joint moves in this sample."""
+        return motions(self.model, self.q, self.qd, self.qdd)
 
     def position(self, joint: Joint) -> Scalar:
         """The joint's own position, which for a mimic joint is `multiplier q + offset` [rad or m]."""
@@ -97,7 +102,7 @@ class Effect:
         add: the terms with this effect added.
         background: what must be on for the effect to show itself when it stands alone; for most, nothing.
         stored: the energy it stores [J].
-        lost: the power that it takes from the motion [W]; negative where it gives.
+        lost: the power that it takes from the joints [W].
     """
 
     name: str

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.kinematics import motions as motions_of
-from robodyn.dynamics.places import Pose, poses, velocities
-from robodyn.dynamics.types import Motion, Wrench
+from robodyn.dynamics.places import Pose, poses
+from robodyn.dynamics.types import Wrench
 from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
 from robodyn.model import Model
 from robodyn.scene import Entry, ExternalWrench, Scene
-from robodyn.spatial import Array, Scalar, cross
+from robodyn.spatial import Array, cross
 
 
 def _acting(scene: Scene) -> list[ExternalWrench]:
@@ -37,18 +36,9 @@ def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    where = poses(sample.model.parents, motions_of(sample.model, sample.q, sample.qd, sample.qdd))
-    return replace(terms, wrenches=tuple(_on_body(wrench, sample, where) for wrench in _acting(scene)))
+    where = poses(sample.model.parents, sample.motions())
+    acting = tuple(_on_body(wrench, sample, where) for wrench in _acting(scene))
+    return replace(terms, wrenches=terms.wrenches + acting)
 
 
-def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
-    """-(f . v + n . w) [W]: the wrench gives this power to the robot."""
-    moving = velocities(sample.model.parents, motions)
-    power: Scalar = 0.0
-    for i, wrench in terms.wrenches:
-        w, v = moving[i]
-        power = power - (wrench.f @ v + wrench.n @ w)
-    return power
-
-
-EFFECT = Effect("external wrench", why, add, lost=lost)
+EFFECT = Effect("external wrench", why, add)

@@ -56,7 +56,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
         mode: "auto", or the method to use: "spline", "savgol" (the window as above), "central".
     """
     noise = estimate(runs)
-    spacing = float(np.median(np.concatenate([np.diff(time) for time, _, _ in runs]))) if runs else 1.0
+    spacing = np.float64(np.median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
     if mode == "central":
         method = CENTRAL
     elif mode == "spline":
@@ -64,11 +64,11 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
     else:
         method = _best_window(runs, order, noise, spacing, smooth=mode == "savgol")
     first, second = method.stencil.gains
-    gains = (first / spacing, second / spacing / spacing)
+    gains = (float(first / spacing), float(second / spacing / spacing))
     return Diagnosis(method, noise.quantum, noise.sigma, gains, noise.warning)
 
 
-def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: float, smooth: bool) -> Method:
+def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64, smooth: bool) -> Method:
     runs = [run for run in runs if len(run[0]) >= 2 * WINDOWS[0]]
     if not runs or (noise.sigma == 0.0 and not smooth):
         return savgol(WINDOWS[0]) if smooth else SPLINE
@@ -100,7 +100,7 @@ def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[FloatArra
         if spacing := equal_spacing(time):
             fitted = _taps(values, method.stencil.fitted, centres)
             matrix = (method.stencil.first, method.stencil.second)[order - 1]
-            derivatives.append(_taps(values, matrix, centres) / spacing**order)
+            derivatives.append(_taps(values, matrix, centres) / np.float64(spacing) ** order)
         else:
             found = local_polynomial(time, values, centres, method.window, method.order)
             fitted = found[0]

@@ -17,7 +17,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.table import FloatArray
 
 BLANK = b" "
-LARGE = 2_000_000
+LARGE = 4_000_000
 """Bytes of a file above which importing polars (0.1 s) costs less than reading without it."""
 
 

@@ -38,7 +38,8 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Pl
         pieces: runs of consecutive samples that stand for the table.
         mode: "auto" (see `choose.diagnose`), "spline", "savgol" or "central".
     """
-    found = [_diagnose(group, pieces, mode) for group in groups]
+    with np.errstate(all="ignore"):
+        found = [_diagnose(group, pieces, mode) for group in groups]
     accounts = tuple(_account(group, diagnosis) for group, diagnosis in zip(groups, found, strict=True))
     notes = tuple(f"{group.name}: {d.warning}" for group, d in zip(groups, found, strict=True) if d.warning)
     return Plan(tuple(groups), tuple(diagnosis.method for diagnosis in found), Derivation(accounts), notes)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import TIME_NAMES, Quantity, Signals
@@ -151,6 +150,8 @@ def _check_complete(header: Header, signals: Signals, places: Places) -> None:
 
 
 def _hint(wanted: Sequence[str], names: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     for name in wanted:
         close = get_close_matches(name, names, n=1, cutoff=0.7)
         if close:

@@ -22,12 +22,12 @@ _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"P
 class CsvTable:
     """A delimited text file whose first line names the columns; see `Table`.
 
-    Standard input (`-`) is copied to a temporary file first, because the reader looks at it twice.
+    Standard input (`-`) and pipes are copied to a temporary file first, because the reader looks at them twice.
     """
 
     def __init__(self, path: str) -> None:
         self.file = "<stdin>" if path == "-" else path
-        self._stream: BinaryIO = _stdin_as_file() if path == "-" else open(path, "rb")  # noqa: SIM115
+        self._stream = _seekable(path)
         try:
             self.size_bytes = self._stream.seek(0, os.SEEK_END)
             self._read_header()
@@ -153,7 +153,10 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _stdin_as_file() -> BinaryIO:
+def _seekable(path: str) -> BinaryIO:
+    stream = sys.stdin.buffer if path == "-" else open(path, "rb")  # noqa: SIM115
+    if path != "-" and stream.seekable():
+        return stream
     copy = tempfile.TemporaryFile()  # noqa: SIM115
-    shutil.copyfileobj(sys.stdin.buffer, copy)
+    shutil.copyfileobj(stream, copy)
     return copy

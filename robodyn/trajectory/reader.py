@@ -19,7 +19,7 @@ from robodyn.trajectory.groups import missing
 from robodyn.trajectory.layout import Header, listing, resolve
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.neighbours import with_neighbours
-from robodyn.trajectory.table import Table
+from robodyn.trajectory.table import Table, reason
 
 Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
 MODES = ("auto", "given", "spline", "savgol", "central")
@@ -78,6 +78,12 @@ class TrajectoryReader:
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
         """
+        try:
+            yield from self._blocks()
+        except OSError as error:
+            raise TrajectoryError(f"cannot be read: {reason(error)}", file=self._table.file) from None
+
+    def _blocks(self) -> Iterator[Trajectory]:
         if self._groups:
             self._plan = plan(self._groups, self._pieces(), self._mode)
             self._remember(self._plan.notes)

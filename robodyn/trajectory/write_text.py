@@ -6,7 +6,7 @@ from io import BytesIO
 
 from robodyn.trajectory.table import FloatArray
 
-LARGE = 100_000
+LARGE = 150_000
 """Cells above which importing polars (0.1 s) costs less than writing without it."""
 
 

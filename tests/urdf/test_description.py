@@ -1,0 +1,265 @@
+"""What a good description says, which defaults are taken, and what is doubted."""
+
+from __future__ import annotations
+
+from dataclasses import FrozenInstanceError, fields
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robodyn.urdf.description import (
+    Description,
+    Geometry,
+    Inertial,
+    Joint,
+    Limit,
+    Link,
+    Mimic,
+    Origin,
+    Transmission,
+    load_description,
+)
+
+FULL = """<?xml version="1.0"?>
+<robot name="full">
+  <joint name="swing" type="revolute">
+    <origin xyz="1 +2 -3e-1" rpy="
+      .5 1. 0"/>
+    <parent link="base"/>
+    <child link="arm"/>
+    <axis xyz="0 0.6 -0.8"/>
+    <limit lower="-1" upper="2" effort="30" velocity="4"/>
+    <dynamics damping="0.1" friction="0.2"/>
+  </joint>
+  <link name="base"/>
+  <link name="arm">
+    <inertial>
+      <origin xyz="0 0 1" rpy="0 0 0"/>
+      <mass value="2"/>
+      <inertia ixx="1" ixy="2" ixz="3" iyy="4" iyz="5" izz="6"/>
+    </inertial>
+    <visual>
+      <origin xyz="0 0 0" rpy="0 0 1"/>
+      <geometry><mesh filename="package://a/b.stl" scale="1 -1 1"/></geometry>
+    </visual>
+    <collision>
+      <origin xyz="0 0 0" rpy="0 0 0"/>
+      <geometry><cylinder length="2" radius="1"/></geometry>
+    </collision>
+  </link>
+  <link name="finger"><inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+  <joint name="grip" type="prismatic">
+    <parent link="arm"/><child link="finger"/>
+    <mimic joint="swing" multiplier="-2" offset="0.5"/>
+  </joint>
+  <transmission name="drive">
+    <joint name="swing"/>
+    <actuator name="m"><mechanicalReduction> -62.5 </mechanicalReduction><rotorInertia>2e-4</rotorInertia></actuator>
+  </transmission>
+</robot>
+"""  # noqa: E501
+
+
+def load(*lines: str) -> Description:
+    return load_description("\n".join(["<robot name='r'>", *lines, "</robot>"]).encode())
+
+
+def warnings(description: Description) -> list[tuple[int, str]]:
+    return [(note.line, note.what) for note in description.notes if note.kind == "warning"]
+
+
+def moving(inside: str, kind: str = "revolute") -> Description:
+    inside = f"<parent link='a'/><child link='b'/><origin xyz='0 0 0' rpy='0 0 0'/>{inside}"
+    return load("<link name='a'/><link name='b'/>", f"<joint name='j' type='{kind}'>", inside, "</joint>")
+
+
+def test_everything_is_read_in_the_order_of_the_file() -> None:
+    robot = load_description(FULL.encode(), name="full.urdf")
+    assert (robot.name, robot.file, robot.root) == ("full", "full.urdf", "base")
+    inertial = Inertial(2.0, Origin((0.0, 0.0, 1.0)), (1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
+    mesh = Geometry("visual", Origin(rpy=(0, 0, 1)), "mesh", (), "package://a/b.stl", (1.0, -1.0, 1.0), 19)
+    cylinder = Geometry("collision", Origin(), "cylinder", (1.0, 2.0), None, (1.0, 1.0, 1.0), 23)
+    assert robot.links == (
+        Link("base", None, (), 12),
+        Link("arm", inertial, (mesh, cylinder), 13),
+        Link("finger", Inertial(0.0, Origin(), (0.0,) * 6), (), 28),
+    )
+    assert robot.joints == (
+        Joint(
+            name="swing",
+            type="revolute",
+            parent="base",
+            child="arm",
+            origin=Origin((1.0, 2.0, -0.3), (0.5, 1.0, 0.0)),
+            axis=(0.0, 0.6, -0.8),
+            limit=Limit(-1.0, 2.0, 30.0, 4.0),
+            damping=0.1,
+            friction=0.2,
+            mimic=None,
+            line=3,
+        ),
+        Joint("grip", "prismatic", "arm", "finger", mimic=Mimic("swing", -2.0, 0.5), line=29),
+    )
+    assert robot.transmissions == (Transmission("drive", "swing", -62.5, 2e-4, 33),)
+
+
+def test_every_default_is_on_record() -> None:
+    robot = load_description(FULL.encode())
+    assert [(note.line, note.what, note.kind) for note in robot.notes] == [
+        (12, "link 'base' has no <inertial>: no mass", "default"),
+        (28, "<inertial> of link 'finger' has no <origin>: 0 0 0", "default"),
+        (29, "joint 'grip' has no <origin>: 0 0 0", "default"),
+        (29, "joint 'grip' has no <axis>: 1 0 0", "default"),
+        (29, "joint 'grip' has no <limit>: unlimited", "default"),
+    ]
+    notes = [note.what for note in moving("<axis xyz='1 0 0'/><limit effort='1'/><dynamics/>").notes[2:]]
+    assert notes == [
+        "<dynamics> of joint 'j' has no 'damping': 0",
+        "<dynamics> of joint 'j' has no 'friction': 0",
+        "<limit> of joint 'j' has no lower, upper, velocity: unlimited",
+    ]
+
+
+def test_a_description_cannot_be_changed() -> None:
+    robot = load_description(FULL.encode())
+    for part in (robot, *robot.links, *robot.joints, *robot.transmissions, *robot.notes):
+        with pytest.raises(FrozenInstanceError):
+            setattr(part, fields(part)[0].name, None)
+
+
+@pytest.mark.parametrize(
+    ("inside", "kind", "words"),
+    [
+        ("<axis xyz='0 0 -2'/>", "continuous", "the axis of joint 'j' has the length 2, not 1"),
+        ("<axis xyz='1 0 0'/><limit lower='1' upper='0' effort='1' velocity='1'/>", "prismatic", "lower 1 > upper 0"),
+        ("<limit lower='0' upper='1' effort='-1' velocity='1'/>", "revolute", "negative effort: -1"),
+        ("<limit lower='0' upper='1' effort='1' velocity='-1'/>", "revolute", "negative velocity: -1"),
+        ("<dynamics damping='-1' friction='0'/>", "revolute", "negative damping: -1"),
+        ("<dynamics damping='0' friction='-1'/>", "revolute", "negative friction: -1"),
+    ],
+)
+def test_doubts_about_joints_are_warnings(inside: str, kind: str, words: str) -> None:
+    [(_, what)] = warnings(moving(inside, kind))
+    assert words in what
+
+
+def test_doubts_about_links_are_warnings() -> None:
+    robot = load(
+        "<link name='a'><inertial><mass value='-1'/>"
+        "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>",
+        "<visual><geometry><box size='1 0 1'/></geometry></visual></link>",
+    )
+    assert warnings(robot) == [
+        (2, "link 'a' has a negative mass: -1 kg"),
+        (3, "<box> of link 'a' has a length that is not positive: 0 m"),
+    ]
+    assert robot.links[0].inertial is not None
+    assert robot.links[0].inertial.mass == -1.0
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating"])
+def test_joints_without_an_axis_may_write_anything(kind: str) -> None:
+    robot = moving("<axis xyz='0 0 0'/>", kind)
+    assert robot.joints[0].axis == (0.0, 0.0, 0.0)
+    assert warnings(robot) == []
+    assert all("limit" not in note.what and "axis" not in note.what for note in moving("", kind).notes)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "continuous", "prismatic", "planar"])
+def test_axes_are_kept_as_written(kind: str) -> None:
+    robot = moving("<axis xyz='3 0 -4e0'/>", kind)
+    assert robot.joints[0].axis == (3.0, 0.0, -4.0)
+    assert warnings(robot) == [(4, "the axis of joint 'j' has the length 5, not 1")]
+    assert moving("", kind).joints[0].axis == (1.0, 0.0, 0.0)
+
+
+def test_continuous_joints_need_no_range() -> None:
+    robot = moving("<axis xyz='1 0 0'/><limit effort='1' velocity='2'/>", "continuous")
+    assert robot.joints[0].limit == Limit(None, None, 1.0, 2.0)
+    assert [note.what for note in robot.notes if "limit" in note.what] == []
+
+
+def test_shapes() -> None:
+    shapes = "<box size='1 2 3'/>|<sphere radius='4'/>|<capsule radius='5' length='6'/>|<mesh filename='a.obj'/>"
+    robot = load(
+        "<link name='a'>", *(f"<visual><geometry>{s}</geometry></visual>" for s in shapes.split("|")), "</link>"
+    )
+    found = [(g.shape, g.size, g.filename, g.scale) for g in robot.links[0].geometries]
+    unit = (1.0, 1.0, 1.0)
+    assert found == [
+        ("box", (1.0, 2.0, 3.0), None, unit),
+        ("sphere", (4.0,), None, unit),
+        ("capsule", (5.0, 6.0), None, unit),
+        ("mesh", (), "a.obj", unit),
+    ]
+
+
+def transmission(inside: str) -> Description:
+    return load(
+        "<link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>",
+        f"<transmission name='t'>{inside}</transmission>",
+    )
+
+
+@pytest.mark.parametrize(
+    ("inside", "reduction", "rotor_inertia"),
+    [
+        ("<joint name='j'/>", 1.0, None),
+        ("<joint name='j'/><mechanicalReduction>5</mechanicalReduction>", 5.0, None),
+        ("<joint name='j'><mechanical_reduction>5</mechanical_reduction></joint>", 5.0, None),
+        ("<joint name='j'/><actuator><motorInertia>5</motorInertia></actuator>", 1.0, 5.0),
+        (
+            "<joint name='j'/><actuator xmlns:drake='u'><drake:gear_ratio value='3'/>"
+            "<drake:rotor_inertia value='4'/></actuator>",
+            3.0,
+            4.0,
+        ),
+        (
+            "<joint name='j'><mechanicalReduction>5</mechanicalReduction></joint>"
+            "<actuator><mechanicalReduction>5.0</mechanicalReduction></actuator>",
+            5.0,
+            None,
+        ),
+    ],
+)
+def test_transmissions(inside: str, reduction: float, rotor_inertia: float | None) -> None:
+    robot = transmission(inside)
+    assert robot.transmissions == (Transmission("t", "j", reduction, rotor_inertia, 3),)
+    assert warnings(robot) == []
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ("<joint name='k'/>", "names no joint of the robot and is left out: 'k'"),
+        ("<joint/>", "names no joint of the robot"),
+        ("<joint name='j'/><joint name='j'/>", "2 <joint> and 0 <actuator>"),
+        ("<joint name='j'/><actuator/><actuator/>", "1 <joint> and 2 <actuator>"),
+        ("<actuator/>", "0 <joint> and 1 <actuator>"),
+    ],
+)
+def test_transmissions_that_drive_no_single_joint_are_left_out(inside: str, words: str) -> None:
+    robot = transmission(inside)
+    assert robot.transmissions == ()
+    [(line, what)] = warnings(robot)
+    assert line == 3
+    assert words in what
+
+
+def test_a_reduction_of_zero_is_doubted() -> None:
+    robot = transmission("<joint name='j'/><mechanicalReduction>0</mechanicalReduction>")
+    assert robot.transmissions[0].reduction == 0.0
+    assert "reduction 0" in warnings(robot)[0][1]
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=3, max_size=3), st.sampled_from(" \t\n"))
+@settings(deadline=None)
+def test_numbers_are_read_to_the_last_bit(numbers: list[float], blank: str) -> None:
+    text = blank.join(map(repr, numbers))
+    origin = f"<origin xyz='{blank}{text}{blank}' rpy='0 0 0'/>"
+    robot = load(
+        "<link name='a'/><link name='b'/>",
+        f"<joint name='j' type='fixed'><parent link='a'/><child link='b'/>{origin}</joint>",
+    )
+    assert robot.joints[0].origin.xyz == tuple(numbers)

@@ -1,0 +1,199 @@
+"""Whatever the bytes are, nothing but a DescriptionError of one line comes out."""
+
+from __future__ import annotations
+
+from xml.sax.saxutils import quoteattr
+
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from robodyn.errors import DescriptionError
+from robodyn.urdf.description import load_description
+
+VALID = b"""<?xml version="1.0" encoding="utf-8"?>
+<robot name="r" xmlns:x="u">
+  <link name="a"><inertial><origin xyz="0 0 1"/><mass value="2"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <visual><geometry><box size="1 2 3"/></geometry></visual></link>
+  <link name="b"/> <link name="c"/> <!-- \xc3\xa9 -->
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="1" friction="0"/></joint>
+  <joint name="k" type="prismatic"><parent link="b"/><child link="c"/><mimic joint="j"/></joint>
+  <transmission name="t"><joint name="j"/>
+    <actuator><mechanicalReduction>5</mechanicalReduction></actuator></transmission>
+</robot>
+"""
+TOKENS = [
+    b"",
+    b"<",
+    b"/>",
+    b'"',
+    b"&",
+    b"\0",
+    b"\xff",
+    b"nan",
+    b"-1e999",
+    b"${a}",
+    b"x:",
+    b"y:",
+    b"0",
+    b" ",
+    b"<![CDATA[",
+    b"a",
+]
+ENCODINGS = [
+    b"utf-8",
+    b"utf-16",
+    b"latin-1",
+    b"cp037",
+    b"utf-7",
+    b"idna",
+    b"rot13",
+    b"hex",
+    b"cp1006",
+    b"big5",
+    b"\xff",
+    b"",
+]
+
+TAGS = [
+    "robot", "link", "joint", "inertial", "mass", "inertia", "origin", "visual", "collision", "geometry", "box", "mesh",
+    "sphere", "cylinder", "parent", "child", "axis", "limit", "dynamics", "mimic", "transmission", "actuator",
+    "mechanicalReduction", "rotorInertia", "gazebo", "x:y",
+]  # fmt: skip
+NAMES = [
+    "name", "type", "link", "joint", "xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "size", "radius",
+    "length", "filename", "scale", "lower", "upper", "effort", "velocity", "damping", "friction", "multiplier",
+]  # fmt: skip
+VALUES = [
+    "a",
+    "b",
+    "c",
+    "",
+    "0",
+    "1",
+    "-1e-3",
+    "1 0 0",
+    "0 0 0",
+    "nan",
+    "1,2",
+    "1_0",
+    "revolute",
+    "fixed",
+    "${a}",
+    "é\n<",
+]
+
+
+def survive(data: bytes) -> None:
+    error = error_of(data)
+    if error is not None:
+        assert str(error).isprintable()
+        assert error.line is not None
+        assert 1 <= error.line <= len(data) + 1
+
+
+def error_of(data: bytes) -> DescriptionError | None:
+    try:
+        load_description(data)
+    except DescriptionError as error:
+        return error
+    return None
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, len(VALID)), st.integers(0, 30), st.sampled_from(TOKENS) | st.binary(max_size=3)),
+        max_size=4,
+    ),
+    st.integers(0, len(VALID)) | st.none(),
+)
+@settings(deadline=None, max_examples=500)
+def test_mutated_bytes(changes: list[tuple[int, int, bytes]], end: int | None) -> None:
+    data = VALID
+    for start, length, token in changes:
+        data = data[:start] + token + data[start + length :]
+    survive(data[:end])
+
+
+@given(st.sampled_from(ENCODINGS), st.binary(max_size=20))
+@settings(deadline=None, max_examples=200)
+def test_declared_encodings(encoding: bytes, junk: bytes) -> None:
+    survive(VALID.replace(b"utf-8", encoding, 1).replace(b"\xc3\xa9", junk))
+
+
+@given(st.sampled_from(["utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-8-sig"]), st.integers(0, 200), st.binary())
+@settings(deadline=None, max_examples=200)
+def test_wide_encodings(encoding: str, start: int, junk: bytes) -> None:
+    text = VALID.decode().replace('encoding="utf-8"', "").encode(encoding)
+    survive(text[:start] + junk + text[start + len(junk) :])
+
+
+@given(st.binary(max_size=200))
+@example(b"<\0")
+@example(b"\xff\xfe")
+@example(b"\xef\xbb\xbf")
+@settings(deadline=None, max_examples=200)
+def test_any_bytes(data: bytes) -> None:
+    survive(data)
+
+
+def element(tag: str, attributes: dict[str, str], children: list[str]) -> str:
+    written = "".join(f" {name}={quoteattr(value)}" for name, value in attributes.items())
+    return f"<{tag}{written}>{''.join(children)}</{tag}>"
+
+
+ATTRIBUTES = st.dictionaries(st.sampled_from(NAMES), st.sampled_from(VALUES), max_size=5)
+TREES = st.recursive(
+    st.sampled_from(["", "1", " -2 ", "x", "<!-- -->"]),
+    lambda children: st.builds(element, st.sampled_from(TAGS), ATTRIBUTES, st.lists(children, max_size=4)),
+    max_leaves=25,
+)
+
+
+@given(st.lists(TREES, max_size=6), st.sampled_from([VALID, b"<robot name='r'></robot>"]))
+@settings(deadline=None, max_examples=300)
+def test_random_trees(trees: list[str], base: bytes) -> None:
+    survive(base.replace(b"</robot>", "".join(trees).encode() + b"</robot>"))
+
+
+LINKS = ["a", "b", "c", "d"]
+
+
+@given(st.lists(st.tuples(st.sampled_from(LINKS), st.sampled_from(LINKS), st.sampled_from("0123")), max_size=5))
+@settings(deadline=None, max_examples=300)
+def test_random_graphs_load_exactly_if_they_are_trees(edges: list[tuple[str, str, str]]) -> None:
+    links = [element("link", {"name": name}, []) for name in LINKS]
+    joints = [
+        f"<joint name='{i}' type='continuous'><parent link='{parent}'/><child link='{child}'/>"
+        + (f"<mimic joint='{master}'/>" if master != "3" else "")
+        + "</joint>"
+        for i, (parent, child, master) in enumerate(edges)
+    ]
+    text = element("robot", {"name": "r"}, links + joints).encode()
+    if is_tree([edge[:2] for edge in edges]) and mimics_end([edge[2] for edge in edges]):
+        assert len(load_description(text).joints) == 3
+    else:
+        assert error_of(text) is not None
+
+
+def is_tree(edges: list[tuple[str, ...]]) -> bool:
+    """Three edges between four nodes, one into each of three, all reached from the fourth."""
+    children = [child for _, child in edges]
+    if len(edges) != 3 or len(set(children)) != 3:
+        return False
+    reached = set(LINKS) - set(children)
+    for _ in edges:
+        reached |= {child for parent, child in edges if parent in reached}
+    return len(reached) == 4
+
+
+def mimics_end(masters: list[str]) -> bool:
+    """Following the masters (3: free) at most three times leads to a free joint."""
+    for start in range(len(masters)):
+        joint = str(start)
+        for _ in masters:
+            joint = masters[int(joint)] if int(joint) < len(masters) else joint
+        if joint != "3":
+            return False
+    return True

@@ -1,0 +1,118 @@
+"""Large descriptions: linear work, no recursion."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Callable
+
+import pytest
+
+from robodyn.errors import DescriptionError
+from robodyn.urdf import places
+from robodyn.urdf.description import load_description
+from robodyn.urdf.document import read_document
+
+
+def chain(n: int, closed: bool = False) -> bytes:
+    links = "".join(f"<link name='l{i}'/>\n" for i in range(n))
+    joints = "".join(
+        f"<joint name='j{i}' type='fixed'><parent link='l{i}'/><child link='l{(i + 1) % n}'/></joint>\n"
+        for i in range(n if closed else n - 1)
+    )
+    return f"<robot name='chain'>\n{links}{joints}</robot>".encode()
+
+
+def mimics(n: int) -> bytes:
+    joints = "".join(
+        f"<joint name='j{i}' type='continuous'><parent link='l{i}'/><child link='l{i + 1}'/>"
+        f"<mimic joint='j{(i + 1) % n}'/></joint>\n"
+        for i in range(n)
+    )
+    links = "".join(f"<link name='l{i}'/>" for i in range(n + 1))
+    return f"<robot name='mimics'>{links}{joints}</robot>".encode()
+
+
+def refused(text: bytes) -> str:
+    with pytest.raises(DescriptionError) as caught:
+        load_description(text)
+    return str(caught.value)
+
+
+def test_a_chain_of_10000_links_loads_in_any_order() -> None:
+    head, *lines = chain(10_000).decode().splitlines()
+    for text in ([head, *lines], [head, *reversed(lines[:-1]), lines[-1]]):
+        robot = load_description("\n".join(text).encode())
+        assert (len(robot.links), len(robot.joints), robot.root) == (10_000, 9_999, "l0")
+
+
+def test_cycles_of_10000_are_refused() -> None:
+    message = refused(cycle(10_000))
+    assert "10002: links hang on each other in a cycle: 'l0' -> 'l1' ->" in message
+    assert "(10000 in all)" in message
+    assert "'j0' -> 'j1' -> 'j2' -> 'j3' -> 'j4' -> 'j5' -> ... (10000 in all) -> 'j0'" in refused(mimics(10_000))
+
+
+def calls(work: Callable[[], object]) -> int:
+    """Calls of Python and C functions that the work makes."""
+    count = 0
+
+    def profile(frame: object, event: str, argument: object) -> None:
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    before = sys.getprofile()
+    sys.setprofile(profile)
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+def cycle(n: int) -> bytes:
+    return chain(n, closed=True)
+
+
+def useless_transmissions(n: int) -> bytes:
+    transmissions = "".join(f"<transmission><joint name='j{i}x'/></transmission>" for i in range(n))
+    return chain(n).replace(b"</robot>", transmissions.encode() + b"</robot>")
+
+
+def one_line(n: int) -> bytes:
+    return chain(n).replace(b"\n", b"")
+
+
+@pytest.mark.parametrize("text", [chain, cycle, mimics, useless_transmissions, one_line])
+def test_work_grows_with_the_size(text: Callable[[int], bytes]) -> None:
+    def load_or_refuse(data: bytes) -> None:
+        with contextlib.suppress(DescriptionError):
+            load_description(data)
+
+    small, large = text(500), text(2000)
+    assert calls(lambda: load_or_refuse(large)) <= 4.1 * calls(lambda: load_or_refuse(small))
+
+
+def test_every_place_in_a_long_line_reads_a_bounded_piece_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    counted: list[int] = []
+    count = places._count_continuations
+    monkeypatch.setattr(places, "_count_continuations", lambda data: counted.append(len(data)) or count(data))
+
+    def read(n: int) -> int:
+        counted.clear()
+        document = read_document(b"<robot name='\xc3\xa9'>" + b"<link name='a'/>" * n + b"</robot>")
+        assert len([link.attributes["name"].span.column for link in document.root.children]) == n
+        return sum(counted)
+
+    assert read(8000) <= 4.1 * read(2000)
+
+
+@pytest.mark.parametrize("size", [2_000_000, pytest.param(100_000_000, marks=pytest.mark.slow)])
+def test_long_lines_and_attributes(size: int) -> None:
+    long = b"x" * size
+    assert len(load_description(b"<robot name='r'><link name='" + long + b"'/></robot>").links[0].name) == size
+    mass = b"<robot name='r'><link name='a'><inertial><mass value='" + long + b"'/></inertial></link></robot>"
+    assert f"({size} characters)" in refused(mass)
+    assert load_description(b"<robot name='r'>" + b" " * size + b"<link name='a'/></robot>").root == "a"
+    assert load_description(b"<robot name='r'>" + b"\r\n" * (size // 2) + b"<link name='a'/></robot>").root == "a"
+    assert "unclosed token" in refused(b"<robot name='" + long)
