@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 from robodyn.errors import SceneError
-from robodyn.scene import Entry, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring, Vector
-from robodyn.urdf.wording import listed
+from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene_table import SceneTable
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
@@ -42,7 +40,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     else:
         import tomli as tomllib
     try:
-        table = _Table(tomllib.loads(data.decode("utf-8")), "the scene", file)
+        table = SceneTable(tomllib.loads(data.decode("utf-8")), "the scene", file)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise SceneError(f"is not TOML: {error or 'nested too deeply'}", file=file) from None
     scene = Scene(
@@ -59,77 +57,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     return scene
 
 
-class _Table:
-    """A TOML table from which keys are taken one by one; `finish` complains of those left over."""
-
-    def __init__(self, values: Any, what: str, file: str) -> None:
-        if not isinstance(values, Mapping):
-            raise SceneError(f"{what} is {values!r}, not a table", remedy="write key = value pairs", file=file)
-        self.values, self.what, self.file = dict(values), what, file
-        self.known: list[str] = []
-
-    def error(self, what: str, remedy: str | None = None) -> SceneError:
-        return SceneError(f"{self.what}: {what}", remedy=remedy, file=self.file)
-
-    def take(self, key: str, default: Any) -> Any:
-        self.known.append(key)
-        value = self.values.pop(key, default)
-        if value is ...:
-            raise self.error(f'"{key}" is missing')
-        return value
-
-    def number(self, key: str, default: Any = ...) -> Any:
-        value = self.take(key, default)
-        return value if value is default else self._number(key, value)
-
-    def _number(self, key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise self.error(f'"{key}" is {value!r}, not a finite number')
-        return float(value)
-
-    def numbers(self, key: str, count: int, default: Any = ...) -> Any:
-        value = self.take(key, default)
-        if value is default:
-            return value
-        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != count:
-            raise self.error(f'"{key}" is {value!r}, not {count} numbers')
-        return tuple(self._number(key, entry) for entry in value)
-
-    def vector(self, key: str, default: Any = ...) -> Vector:
-        vector: Vector = self.numbers(key, 3, default)
-        return vector
-
-    def entries(self, key: str) -> tuple[Entry, Entry, Entry]:
-        value = self.take(key, (0.0, 0.0, 0.0))
-        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
-            raise self.error(f'"{key}" is {value!r}, not three numbers or names of columns')
-        x, y, z = (entry if isinstance(entry, str) and entry else self._number(key, entry) for entry in value)
-        return x, y, z
-
-    def text(self, key: str, default: Any = ..., choices: Sequence[str] = ()) -> str:
-        value = self.take(key, default)
-        if not isinstance(value, str) or not value:
-            raise self.error(f'"{key}" is {value!r}, not a name')
-        if choices and value not in choices:
-            raise self.error(f'"{key}" is "{value}"', remedy=f"one of: {', '.join(choices)}")
-        return value
-
-    def tables(self, key: str) -> list[tuple[str, _Table]]:
-        values = _Table(self.take(key, {}), f"[{key}]", self.file).values
-        return [(name, _Table(value, f"[{key}] {name}", self.file)) for name, value in values.items()]
-
-    def list(self, key: str) -> list[_Table]:
-        values = self.take(key, [])
-        if not isinstance(values, list):
-            raise self.error(f'"{key}" is not a list of tables', remedy=f"write [[{key}]] above each")
-        return [_Table(value, f"[[{key}]] number {k}", self.file) for k, value in enumerate(values, 1)]
-
-    def finish(self) -> None:
-        for key in self.values:
-            raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {listed(self.known)}")
-
-
-def _friction(table: _Table) -> Friction:
+def _friction(table: SceneTable) -> Friction:
     viscous = table.number("viscous", 0.0)
     if isinstance(table.values.get("coulomb"), list):
         forward, backward = table.numbers("coulomb", 2)
@@ -153,7 +81,7 @@ def _friction(table: _Table) -> Friction:
     return friction
 
 
-def _rotor(table: _Table) -> Rotor:
+def _rotor(table: SceneTable) -> Rotor:
     rotor = Rotor(table.number("inertia"), table.number("gear", None))
     table.finish()
     if rotor.inertia < 0:
@@ -161,13 +89,13 @@ def _rotor(table: _Table) -> Rotor:
     return rotor
 
 
-def _spring(table: _Table) -> Spring:
+def _spring(table: SceneTable) -> Spring:
     spring = Spring(table.number("stiffness"), table.number("rest", 0.0))
     table.finish()
     return spring
 
 
-def _payload(table: _Table) -> Payload:
+def _payload(table: SceneTable) -> Payload:
     payload = Payload(
         table.text("link"),
         table.number("mass"),
@@ -178,7 +106,7 @@ def _payload(table: _Table) -> Payload:
     return payload
 
 
-def _wrench(table: _Table) -> ExternalWrench:
+def _wrench(table: SceneTable) -> ExternalWrench:
     wrench = ExternalWrench(
         table.text("link"),
         table.entries("force"),
@@ -190,11 +118,11 @@ def _wrench(table: _Table) -> ExternalWrench:
     return wrench
 
 
-def _fluid(table: _Table) -> dict[str, Any]:
+def _fluid(table: SceneTable) -> dict[str, Any]:
     if "fluid" not in table.values:
         table.known.append("fluid")
         return {}
-    fluid = _Table(table.take("fluid", ...), "[fluid]", table.file)
+    fluid = SceneTable(table.take("fluid", ...), "[fluid]", table.file)
     density = fluid.number("density")
     if density < 0:
         raise fluid.error(f'"density" is {density:g}', remedy="it is positive or zero")
@@ -204,7 +132,7 @@ def _fluid(table: _Table) -> dict[str, Any]:
     return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
 
 
-def _immersed(table: _Table) -> Immersed:
+def _immersed(table: SceneTable) -> Immersed:
     immersed = Immersed(
         table.text("link"),
         table.number("volume", 0.0),
@@ -217,8 +145,8 @@ def _immersed(table: _Table) -> Immersed:
     return immersed
 
 
-def _moving_base(table: _Table) -> bool:
-    base = _Table(table.take("base", {}), "[base]", table.file)
+def _moving_base(table: SceneTable) -> bool:
+    base = SceneTable(table.take("base", {}), "[base]", table.file)
     moving = base.text("motion", "fixed", MOTIONS) == "moving"
     base.finish()
     return moving

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from robodyn.errors import SceneError
 from robodyn.model import Model
 from robodyn.scene import Scene
-from robodyn.urdf.wording import alternatives, shown
+from robodyn.wording import alternatives, shown
 
 
 def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:

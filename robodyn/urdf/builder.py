@@ -9,7 +9,7 @@ from xml.parsers import expat
 from robodyn.errors import DescriptionError
 from robodyn.urdf.elements import Element
 from robodyn.urdf.places import Places
-from robodyn.urdf.wording import shown
+from robodyn.wording import shown
 
 MAX_DEPTH = 200
 RUN_XACRO = "expand it first: xacro FILE.xacro > FILE.urdf"

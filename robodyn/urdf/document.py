@@ -11,7 +11,7 @@ from robodyn.urdf.builder import RUN_XACRO, Builder
 from robodyn.urdf.elements import Attribute, Element
 from robodyn.urdf.places import BOM, Span
 from robodyn.urdf.sources import as_utf8, read_source
-from robodyn.urdf.wording import shown
+from robodyn.wording import shown
 
 __all__ = ["Attribute", "Document", "Element", "Span", "read_document"]
 

@@ -7,7 +7,7 @@ from math import hypot, isinf
 from robodyn.urdf.elements import Element
 from robodyn.urdf.fields import Fields
 from robodyn.urdf.parts import Joint, Limit, Mimic, Vector
-from robodyn.urdf.wording import alternatives, shown
+from robodyn.wording import alternatives, shown
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})

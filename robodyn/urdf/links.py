@@ -7,7 +7,7 @@ from typing import Literal, cast
 from robodyn.urdf.elements import Element
 from robodyn.urdf.fields import Fields
 from robodyn.urdf.parts import Geometry, Inertial, Link, Vector
-from robodyn.urdf.wording import alternatives, shown
+from robodyn.wording import alternatives, shown
 
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from robodyn.urdf.wording import shown
+from robodyn.wording import shown
 
 
 class NumbersError(ValueError):

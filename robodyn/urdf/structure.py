@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 from robodyn.urdf.fields import Fields
 from robodyn.urdf.parts import Joint, Link
-from robodyn.urdf.wording import alternatives, listed, shown
+from robodyn.wording import alternatives, listed, shown
 
 _MOST_SHOWN = 6
 

@@ -8,7 +8,7 @@ from robodyn.urdf.elements import Element
 from robodyn.urdf.fields import Fields
 from robodyn.urdf.numbers import NumbersError, parse_numbers
 from robodyn.urdf.parts import Transmission
-from robodyn.urdf.wording import shown
+from robodyn.wording import shown
 
 _REDUCTIONS = ("mechanicalReduction", "mechanical_reduction", "drake:gear_ratio")
 _ROTOR_INERTIAS = ("rotorInertia", "rotor_inertia", "motorInertia", "motor_inertia", "drake:rotor_inertia")
