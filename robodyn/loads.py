@@ -167,7 +167,7 @@ class _Run:
         net = np.einsum("ij,ij->i", tau, block.qd) - programs.losses(sources, samples)[:, 0]
         rows = np.unique(np.linspace(0, samples - 1, CHECKED_PER_BLOCK).astype(int))
         expected = programs.laws({name: values[rows] for name, values in sources.items()}, len(rows))
-        self.laws.update(expected, base[rows], net[rows])
+        self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
         ends = {name: values[[0, -1]] for name, values in sources.items()}
         self.energies += programs.energy(ends, 2)[:, 0].tolist()
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))

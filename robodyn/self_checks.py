@@ -69,13 +69,21 @@ class LawResiduals:
         self._worst = np.zeros(3)
         self._scale = np.full(3, np.finfo(float).tiny)
 
-    def update(self, expected: Floats, base: Floats, power: Floats) -> None:
-        """Take in samples: outputs of `laws` (N, 10), base wrench (N, 6), power into stored energy (N,)."""
+    def update(self, expected: Floats, base: Floats, power: Floats, gross: Floats) -> None:
+        """Take in samples.
+
+        Args:
+            expected: (N, 10) outputs of `laws`.
+            base: (N, 6) base wrench.
+            power: (N,) power into stored energy, the difference of power supplied and lost.
+            gross: (N, n) power at each coordinate.
+        """
         found = np.column_stack((base, power))
         for k, part in enumerate((slice(0, 3), slice(3, 6), slice(6, 7))):
             self._worst[k] = max(self._worst[k], np.abs(expected[:, part] - found[:, part]).max())
             balancing = np.sqrt(expected[:, 7 + k].max())
             self._scale[k] = max(self._scale[k], np.abs(found[:, part]).max(), balancing)
+        self._scale[2] = max(self._scale[2], np.abs(gross).max(initial=0.0))
         self.samples += len(base)
 
     @property
