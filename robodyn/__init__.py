@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from robodyn.inverse import bias_forces as bias_forces
     from robodyn.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.inverse import mass_matrix as mass_matrix
+    from robodyn.loads import motion as motion
     from robodyn.loads import read_motion as read_motion
     from robodyn.loads import torques as torques
     from robodyn.model import Model as Model
@@ -33,7 +34,7 @@ _HOMES = {
     "assemble": ("load",),
     "errors": ("RobodynError",),
     "inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
-    "loads": ("read_motion", "torques"),
+    "loads": ("motion", "read_motion", "torques"),
     "model": ("Model",),
     "scene": ("ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robodyn.effects.effect import Still
 from robodyn.errors import InputError
@@ -24,7 +24,7 @@ from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rate
 from robodyn.statistics import COMPONENTS, Statistics
 from robodyn.trajectory.columns import Kind, Signal, Signals
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reader import Derivatives, TrajectoryReader
 
 Floats = NDArray[np.float64]
@@ -71,6 +71,30 @@ def read_motion(
     )
 
 
+def motion(
+    model: Model,
+    time: ArrayLike,
+    q: ArrayLike,
+    qd: ArrayLike | None = None,
+    qdd: ArrayLike | None = None,
+    *,
+    columns: Mapping[str, ArrayLike] | None = None,
+    derivatives: Derivatives = "auto",
+) -> Trajectory:
+    """A motion of this robot from arrays, for `torques`; velocities and accelerations that are left out are derived.
+
+    Args:
+        time: (N,) s, increasing.
+        q: (N, nq) rad or m; qd, qdd: (N, n) per s and per s^2; in the order of `model.coordinates` and `model.rates`.
+        columns: (N,) values of the columns that the scene's wrenches name.
+        derivatives: see `robodyn.trajectory.read`.
+
+    Raises:
+        TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
+    """
+    return from_arrays(signals(model), time, q, qd, qdd, columns, derivatives)
+
+
 def output_names(model: Model, reactions: bool) -> list[str]:
     """Names of the columns that `torques` gives its sinks: tau, then the base wrench, then joint wrenches."""
     names = [f"tau_{name}" for name in model.rates]
@@ -82,7 +106,7 @@ def output_names(model: Model, reactions: bool) -> list[str]:
 
 def torques(
     model: Model,
-    trajectory: Trajectory | TrajectoryReader,
+    trajectory: Trajectory | TrajectoryReader | str | os.PathLike[str],
     scene: Scene = DEFAULT,
     *,
     reactions: bool = False,
@@ -96,7 +120,7 @@ def torques(
 
     Args:
         model: of `robodyn.load`.
-        trajectory: of `robodyn.trajectory`; a reader is read to its end.
+        trajectory: of `robodyn.motion`, or a file, or a reader of `robodyn.read_motion`, which is read to its end.
         scene: what surrounds the robot.
         reactions: compute the six components of every joint's wrench for the sinks.
         explain: count the operations that the absence of each effect would save.
@@ -108,6 +132,9 @@ def torques(
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
     check_scene(scene, model)
+    if isinstance(trajectory, (str, os.PathLike)):
+        with read_motion(trajectory, model, scene) as reader:
+            return torques(model, reader, scene, reactions=reactions, explain=explain, sinks=sinks)
     run = _Run(model, scene, reactions)
     last: Trajectory | None = None
     for block in (trajectory,) if isinstance(trajectory, Trajectory) else trajectory.blocks():
