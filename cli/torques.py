@@ -11,7 +11,8 @@ import click
 from robodyn.assemble import load
 from robodyn.cli.options import VECTOR, Vector
 from robodyn.cli.progress import watched
-from robodyn.loads import output_names, read_motion, torques
+from robodyn.loads import output_names, torques
+from robodyn.motion_input import read_motion
 from robodyn.report.json_torques import torques_json
 from robodyn.report.text_torques import torques_text
 from robodyn.scene import DEFAULT

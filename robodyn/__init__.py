@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from robodyn.inverse import bias_forces as bias_forces
     from robodyn.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.inverse import mass_matrix as mass_matrix
-    from robodyn.loads import motion as motion
-    from robodyn.loads import read_motion as read_motion
     from robodyn.loads import torques as torques
     from robodyn.model import Model as Model
+    from robodyn.motion_input import motion as motion
+    from robodyn.motion_input import read_motion as read_motion
     from robodyn.scene import ExternalWrench as ExternalWrench
     from robodyn.scene import Friction as Friction
     from robodyn.scene import Immersed as Immersed
@@ -34,8 +34,9 @@ _HOMES = {
     "assemble": ("load",),
     "errors": ("RobodynError",),
     "inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
-    "loads": ("motion", "read_motion", "torques"),
+    "loads": ("torques",),
     "model": ("Model",),
+    "motion_input": ("motion", "read_motion"),
     "scene": ("ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),
 }

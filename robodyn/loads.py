@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robodyn.effects.effect import Still
 from robodyn.errors import InputError
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.inverse import mass_matrix, runner_of, still
-from robodyn.model import Joint, Model
+from robodyn.model import Model
+from robodyn.motion_input import read_motion, sources_of
 from robodyn.plan import Plan, plan
 from robodyn.result import Checks, EnergyBalance, Result
 from robodyn.scene import DEFAULT, Scene
@@ -22,77 +23,14 @@ from robodyn.scene_fit import check_scene
 from robodyn.self_checks import LawResiduals, energy, laws, losses
 from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rates, position_of_rates, shares_at_peaks
 from robodyn.statistics import COMPONENTS, Statistics
-from robodyn.trajectory.columns import Kind, Signal, Signals
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import from_arrays, open_trajectory
-from robodyn.trajectory.reader import Derivatives, TrajectoryReader
+from robodyn.trajectory.reader import TrajectoryReader
 
 Floats = NDArray[np.float64]
 Sink = Callable[[Floats, Floats], None]
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
-
-
-def signals(model: Model) -> Signals:
-    """What the model wants to read from a trajectory."""
-    dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
-    return Signals(tuple(Signal(joint.name, _kind(joint)) for joint in model.independent), dependent)
-
-
-def _kind(joint: Joint) -> Kind:
-    if joint.kind == "floating":
-        return "floating"
-    if joint.kind == "prismatic":
-        return "length"
-    return "continuous" if joint.continuous else "angle"
-
-
-def read_motion(
-    path: str | os.PathLike[str],
-    model: Model,
-    scene: Scene = DEFAULT,
-    *,
-    derivatives: Derivatives = "auto",
-    ignore_extra: bool = False,
-) -> TrajectoryReader:
-    """A reader of the motion of this robot in this scene, for `torques`.
-
-    Args:
-        path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
-        derivatives: how missing velocities and accelerations are derived; see `robodyn.trajectory.read`.
-        ignore_extra: leave unknown columns out instead of refusing them.
-
-    Raises:
-        TrajectoryError: the file cannot be read or its columns do not fit the robot.
-    """
-    return open_trajectory(
-        path, signals(model), extra=scene.columns, derivatives=derivatives, ignore_extra=ignore_extra
-    )
-
-
-def motion(
-    model: Model,
-    time: ArrayLike,
-    q: ArrayLike,
-    qd: ArrayLike | None = None,
-    qdd: ArrayLike | None = None,
-    *,
-    columns: Mapping[str, ArrayLike] | None = None,
-    derivatives: Derivatives = "auto",
-) -> Trajectory:
-    """A motion of this robot from arrays, for `torques`; velocities and accelerations that are left out are derived.
-
-    Args:
-        time: (N,) s, increasing.
-        q: (N, nq) rad or m; qd, qdd: (N, n) per s and per s^2; in the order of `model.coordinates` and `model.rates`.
-        columns: (N,) values of the columns that the scene's wrenches name.
-        derivatives: see `robodyn.trajectory.read`.
-
-    Raises:
-        TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
-    """
-    return from_arrays(signals(model), time, q, qd, qdd, columns, derivatives)
 
 
 def output_names(model: Model, reactions: bool) -> list[str]:
@@ -247,10 +185,3 @@ class _Run:
         std = np.array([spread.get(name, 0.0) for name in self.model.rates])
         M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)
         return float(np.linalg.norm(M[k + self.rates.start] * std))
-
-
-def sources_of(block: Trajectory, scene: Scene) -> dict[str, Floats]:
-    """The arrays of a block as programs read them."""
-    extra = [block.extra[name] for name in scene.columns]
-    columns = np.stack(extra, axis=1) if extra else np.empty((len(block), 0))
-    return {"q": block.q, "qd": block.qd, "qdd": block.qdd, "columns": columns}

@@ -1,18 +1,22 @@
-"""Parquet tables, through polars."""
+"""Parquet tables, through polars in a process of its own."""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Iterator, Sequence
-from typing import BinaryIO, TypeVar
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.table import FloatArray, check_finite, spread
 
-T = TypeVar("T")
 _MARK = b"PAR1"
+_PROGRAM = "import sys; sys.path[:] = {path}; from robodyn.trajectory.parquet_child import serve; serve({file})"
 
 
 class ParquetTable:
@@ -21,17 +25,23 @@ class ParquetTable:
     header_line = None
 
     def __init__(self, path: str) -> None:
-        import polars as pl
-
         self.file = path
         with open(path, "rb") as stream:
             self.size_bytes = stream.seek(0, os.SEEK_END)
             if self.size_bytes < 12 or not _is_parquet(stream, self.size_bytes):
                 raise TrajectoryError("is not a Parquet file, or is cut short", remedy="write it again", file=path)
-        self._scan = self._guard(lambda: pl.scan_parquet(path, glob=False))
-        self._schema = self._guard(self._scan.collect_schema)
-        self.names = tuple(self._schema)
-        self._rows = int(self._guard(lambda: self._scan.select(pl.len()).collect()).item())
+        program = _PROGRAM.format(path=sys.path, file=repr(path))
+        pipe = subprocess.PIPE
+        command = [sys.executable, "-c", program]
+        self._child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
+        try:
+            head, _ = self._ask({})
+        except BaseException:
+            self.close()
+            raise
+        self.names: tuple[str, ...] = tuple(head["names"])
+        self._types: list[str | None] = head["types"]
+        self._rows: int = head["rows"]
         self.position_bytes = 0
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
@@ -46,36 +56,43 @@ class ParquetTable:
         return [self._read(columns, cut.start, cut.stop - cut.start) for cut in cuts]
 
     def _read(self, columns: Sequence[int], start: int, rows: int) -> FloatArray:
-        import polars as pl
-
         names = [self.names[i] for i in columns]
-        for name in names:
-            if not self._schema[name].is_numeric():
-                what = f"column {name!r} holds {self._schema[name]}, not numbers"
+        for name, kind in ((self.names[i], self._types[i]) for i in columns):
+            if kind:
+                what = f"column {name!r} holds {kind}, not numbers"
                 raise TrajectoryError(what, remedy="store it as float64", file=self.file)
-        part = self._scan.slice(start, rows).select(pl.col(names).cast(pl.Float64))
-        values: FloatArray = np.asarray(self._guard(lambda: part.collect().to_numpy()), dtype=np.float64)
-        if len(values) != rows:
+        head, values = self._ask({"names": names, "start": start, "rows": rows})
+        if head["rows"] != rows:
             raise TrajectoryError("holds fewer rows than it says", remedy="write it again", file=self.file)
-        return values
+        return np.frombuffer(values).reshape(len(columns), rows).T
 
-    def _guard(self, act: Callable[[], T]) -> T:
-        """What `act` returns; whatever a damaged file makes polars raise becomes one TrajectoryError."""
-        import polars as pl
-
-        damage = (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError, ValueError, MemoryError)
+    def _ask(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """The child's answer; a child that says no, or dies, has met a damaged file."""
+        assert self._child.stdin is not None
+        assert self._child.stdout is not None
         try:
-            return act()
-        except damage as error:
-            first = str(error).strip().partition("\n")[0]
-            what = f"cannot be read as Parquet: {first}"
-            raise TrajectoryError(what, remedy="write it again", file=self.file) from None
+            self._child.stdin.write(json.dumps(request).encode() + b"\n")
+            self._child.stdin.flush()
+            line = self._child.stdout.readline()
+        except BrokenPipeError:
+            line = b""
+        head: dict[str, Any] = json.loads(line) if line.endswith(b"\n") else {"error": "the decoder gave up"}
+        if "error" in head:
+            what = f"cannot be read as Parquet: {head['error']}"
+            raise TrajectoryError(what, remedy="write it again", file=self.file)
+        return head, self._child.stdout.read(head["bytes"])
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
 
     def close(self) -> None:
-        """Nothing is kept open."""
+        """End the child."""
+        self._child.kill()
+        self._child.wait()
+        for pipe in (self._child.stdin, self._child.stdout):
+            if pipe:
+                with suppress(OSError):
+                    pipe.close()
 
 
 def _is_parquet(stream: BinaryIO, size: int) -> bool:
