@@ -13,7 +13,7 @@ from robodyn.model import Joint, Model
 from robodyn.plan import Plan
 from robodyn.result import ComponentLoad, EffectReport, JointLoad
 from robodyn.scene import Scene
-from robodyn.statistics import COMPONENTS, Statistics
+from robodyn.statistics import FOUNDATION, Statistics
 
 Floats = NDArray[np.float64]
 
@@ -100,9 +100,9 @@ def shares_at_peaks(
 
 
 def base_loads(gathered: Statistics) -> tuple[ComponentLoad, ...]:
-    """Peak with sign, its time, and RMS of each component of the base wrench: the loads on the foundation."""
+    """Peak with sign, its time, and RMS of each component of the base wrench, and of Fxy and Mxy: foundation loads."""
     rms = np.sqrt(gathered.mean("base square", gathered.base.value**2))
-    rows = zip(COMPONENTS, gathered.base.value, gathered.base_time, rms, strict=True)
+    rows = zip(FOUNDATION, gathered.base.value, gathered.base_time, rms, strict=True)
     return tuple(ComponentLoad(name, float(peak), float(time), float(mean)) for name, peak, time, mean in rows)
 
 

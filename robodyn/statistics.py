@@ -12,6 +12,9 @@ Floats = NDArray[np.float64]
 COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
 """Of a wrench, in the order of its columns."""
 
+FOUNDATION = (*COMPONENTS, "fxy", "mxy")
+"""Of the base wrench in reports: its components, and the resultants in the ground's plane that foundations bear."""
+
 
 @dataclass
 class Peak:
@@ -78,8 +81,8 @@ class Statistics:
         n = len(effort)
         self.effort, self.velocity = effort, velocity
         self.samples, self.start, self.end = 0, 0.0, 0.0
-        self.torque, self.speed, self.base = Peak.of(n), Peak.of(n), Peak.of(len(COMPONENTS))
-        self.base_time = np.zeros(len(COMPONENTS))
+        self.torque, self.speed, self.base = Peak.of(n), Peak.of(n), Peak.of(len(FOUNDATION))
+        self.base_time = np.zeros(len(FOUNDATION))
         self.peak_speed, self.torque_at_speed = np.zeros(n), np.zeros(n)
         self.power_most, self.power_least = np.full(n, -np.inf), np.full(n, np.inf)
         self.q_min, self.q_max = np.full(n, np.inf), np.full(n, -np.inf)
@@ -106,6 +109,7 @@ class Statistics:
             net_power: (N,) power that goes into stored energy [W].
             state: (N, k) arrays of which a peak's sample is kept.
         """
+        base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
         before = float(time[0] - self.end) if self.samples else 0.0
         steps = np.diff(time)
         self.start = self.start if self.samples else float(time[0])
