@@ -55,6 +55,7 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
         order: the highest derivative wanted, 1 or 2.
         mode: "auto", or the method to use: "spline", "savgol" (the window as above), "central".
     """
+    runs = [run for run in runs if len(run[0]) > 1]
     noise = estimate(runs)
     spacing = np.float64(np.median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
     if mode == "central":
@@ -74,7 +75,7 @@ def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.floa
         return savgol(WINDOWS[0]) if smooth else SPLINE
     widest = min(len(time) for time, _, _ in runs) // 2
     methods = [savgol(window) for window in WINDOWS if window <= widest]
-    allowed = (_RESIDUAL * max(noise.sigma, noise.quantum / math.sqrt(12.0))) ** 2
+    allowed = np.float64(_RESIDUAL * max(noise.sigma, noise.quantum / math.sqrt(12.0))) ** 2
     chosen, least, risen = methods[0], math.inf, 0
     derivative, _ = _sampled(runs, chosen, order)
     now = derivative
@@ -86,8 +87,8 @@ def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.floa
             break
         if change < least:
             chosen, least, derivative = wider, change, now
-    noise_of_spline = noise.sigma * SPLINE.stencil.gains[order - 1] / spacing**order
-    harmless = noise_of_spline**2 <= HARMLESS**2 * float((derivative**2).mean())
+    noise_of_spline = np.float64(noise.sigma) * SPLINE.stencil.gains[order - 1] / spacing**order
+    harmless = bool(noise_of_spline**2 <= HARMLESS**2 * (derivative**2).mean())
     return SPLINE if harmless and not smooth else chosen
 
 

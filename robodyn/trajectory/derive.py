@@ -72,8 +72,10 @@ def derive(samples: Trajectory, plan: Plan) -> Trajectory:
     """The samples with the missing columns of qd and qdd filled in.
 
     Raises:
-        TrajectoryError: a derivative is not finite, because stamps almost coincide.
+        TrajectoryError: a derivative is not finite, because stamps almost coincide; or a pause in the stamps is longer
+            than the window that smooths.
     """
+    _refuse_pauses(samples, plan.methods)
     qd, qdd = samples.qd.copy(order="F"), samples.qdd.copy(order="F")
     with np.errstate(all="ignore"):
         for group, method in zip(plan.groups, plan.methods, strict=True):
@@ -90,6 +92,16 @@ def derive(samples: Trajectory, plan: Plan) -> Trajectory:
             row = samples.first_row + int(np.argwhere(~np.isfinite(values))[0][0])
             raise TrajectoryError(f"row {row}: the derivative is not finite", remedy="are two stamps almost equal?")
     return replace(samples, qd=qd, qdd=qdd)
+
+
+def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
+    """A polynomial through the ends of two recordings means nothing, and its equations are singular."""
+    steps = np.diff(samples.time)
+    window = min((method.window for method in methods if method.kind == "savgol"), default=0)
+    if window and len(steps) and steps.max() > window * np.median(steps):
+        row = samples.first_row + int(np.argmax(steps)) + 1
+        what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
+        raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
 
 
 def samples_needed(groups: Sequence[Group]) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.trajectory.derivatives import equal_spacing
 from robodyn.trajectory.table import FloatArray
 
-HIGHEST = 10
+HIGHEST = 14
 """Highest difference looked at."""
 _ORDERS = range(1, HIGHEST + 1)
 _LEVEL = 0.7
@@ -143,12 +143,12 @@ def _floor(levels: list[float]) -> float:
 
 
 def _judge(sigma: float, grid: float, fine: bool, jumps: FloatArray, raw: FloatArray) -> Noise:
+    leaps = jumps[jumps > 0.0]
+    if 0 < 2 * len(leaps) < len(jumps) and not (fine and float(np.median(leaps)) <= 4.0 * grid):
+        return Noise(0.0, grid, "most samples repeat the one before, then jump; steps are not smoothed")
     largest, span = float(np.abs(raw).max()), float(raw.max() - raw.min())
     if sigma <= 8.0 * float(np.finfo(np.float64).eps) * largest:
         return Noise(0.0, grid)
-    leaps = jumps[jumps > 0.0]
-    if 2 * len(leaps) < len(jumps) and not (fine and float(np.median(leaps)) <= 4.0 * grid):
-        return Noise(0.0, grid, "most samples repeat the one before, then jump; derivatives of steps are not smoothed")
     if sigma > 0.01 and sigma > 0.01 * span:
         return Noise(0.0, grid, "sampled too coarsely to tell motion from noise; not smoothed")
     return Noise(sigma, grid)

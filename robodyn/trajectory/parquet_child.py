@@ -1,8 +1,8 @@
 """The decoder of Parquet files, which runs in a process of its own.
 
-On some damaged files polars ends the process (it asks for more memory than there is) or prints a backtrace. Neither may
-happen to the program, so `read_parquet` talks to this module through pipes: a request is one line of JSON, an answer one
-line of JSON, followed by the values if there are any.
+On some damaged files polars ends the process (it asks for more memory than there is) or prints a backtrace. Neither
+may happen to the program, so `read_parquet` talks to this module through pipes: a request is one line of JSON, an
+answer one line of JSON, followed by the values if there are any.
 """
 
 from __future__ import annotations

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from typing import BinaryIO
 
@@ -157,6 +155,9 @@ def _seekable(path: str) -> BinaryIO:
     stream = sys.stdin.buffer if path == "-" else open(path, "rb")  # noqa: SIM115
     if path != "-" and stream.seekable():
         return stream
+    import shutil
+    import tempfile
+
     copy = tempfile.TemporaryFile()  # noqa: SIM115
     shutil.copyfileobj(stream, copy)
     return copy

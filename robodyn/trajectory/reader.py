@@ -59,6 +59,11 @@ class TrajectoryReader:
         self._plan: Plan | None = None
 
     @property
+    def file(self) -> str | None:
+        """As messages name it; None for arrays."""
+        return self._table.file
+
+    @property
     def size_bytes(self) -> int:
         return self._table.size_bytes
 
@@ -73,15 +78,21 @@ class TrajectoryReader:
     def blocks(self) -> Iterator[Trajectory]:
         """Consecutive samples, at most `block_rows` at a time; each pass starts anew.
 
-        Derivatives see enough neighbours of a block that its limits change them by no more than 1e-12 of the largest.
+        Derivatives see neighbours on either side of a block.
 
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
+
+        Accuracy: the limits of blocks change a derivative by at most 1e-9 of the largest, 1e-8 with unequal stamps.
         """
         try:
             yield from self._blocks()
         except OSError as error:
-            raise TrajectoryError(f"cannot be read: {reason(error)}", file=self._table.file) from None
+            raise TrajectoryError(f"cannot be read: {reason(error)}", file=self.file) from None
+        except TrajectoryError as error:
+            if error.file is not None or self.file is None:
+                raise
+            raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
 
     def _blocks(self) -> Iterator[Trajectory]:
         if self._groups:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import stat
 from collections.abc import Sequence
 from contextlib import suppress
@@ -95,7 +94,7 @@ class Writer:
             self._path = os.path.realpath(self._path)
             if not os.access(self._path, os.W_OK):
                 raise PermissionError(0, "permission denied")
-        temporary = f"{self._path}.{secrets.token_hex(4)}.part"
+        temporary = f"{self._path}.{os.urandom(4).hex()}.part"
         stream = open(temporary, "xb")  # noqa: SIM115
         self._temporary = temporary
         return stream

@@ -1,0 +1,156 @@
+"""Names of columns: every form is understood, and every mistake is named."""
+
+from __future__ import annotations
+
+import pytest
+
+from robodyn.errors import InputError, TrajectoryError
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.layout import ABSENT, Header, header_names, resolve
+
+ARM = Signals((Signal("shoulder", "angle"), Signal("elbow", "continuous"), Signal("lift", "length")))
+FREE = Signals((Signal("base", "floating"), Signal("arm/wrist", "angle")))
+
+
+@pytest.mark.parametrize(
+    ("column", "meaning"),
+    [
+        ("q_elbow", ("q", 1)),
+        ("qd_elbow", ("qd", 1)),
+        ("qdd_elbow", ("qdd", 1)),
+        ("elbow", ("q", 1)),
+        ("elbow.pos", ("q", 1)),
+        ("elbow.vel", ("qd", 1)),
+        ("elbow.acc", ("qdd", 1)),
+        ("elbow/position", ("q", 1)),
+        ("/joint_states/elbow/velocity", ("qd", 1)),
+        ("a/b/c/lift/acceleration", ("qdd", 2)),
+        ("q1", ("q", 0)),
+        ("qd2", ("qd", 1)),
+        ("qdd3", ("qdd", 2)),
+        ("q[3]", ("q", 2)),
+        ("q4", None),
+        ("q0", None),
+        ("elbow/effort", None),
+        ("Elbow", None),
+        ("elbow_x", None),
+    ],
+)
+def test_every_form_of_a_name(column: str, meaning: tuple[str, int] | None) -> None:
+    assert ARM.find(column) == meaning
+
+
+@pytest.mark.parametrize(
+    ("column", "meaning"),
+    [
+        ("base_x", ("q", 0)),
+        ("q_base_z", ("q", 2)),
+        ("base_qx", ("q", 3)),
+        ("base_qw", ("q", 6)),
+        ("base_wx", ("qd", 0)),
+        ("base_vz", ("qd", 5)),
+        ("qd_base_vx", ("qd", 3)),
+        ("base_wdy", ("qdd", 1)),
+        ("base_ax", ("qdd", 3)),
+        ("qdd_base_wx", ("qdd", 0)),
+        ("qdd_base_wdx", ("qdd", 0)),
+        ("ros/base_wx/velocity", ("qd", 0)),
+        ("q_arm/wrist", ("q", 7)),
+        ("states/arm/wrist/position", ("q", 7)),
+        ("qd7", ("qd", 6)),
+        ("base", None),
+    ],
+)
+def test_floating_joints_and_slashes(column: str, meaning: tuple[str, int] | None) -> None:
+    assert FREE.find(column) == meaning
+
+
+def test_stems_in_coordinate_order() -> None:
+    assert FREE.positions[:7] == tuple(f"base_{part}" for part in ("x", "y", "z", "qx", "qy", "qz", "qw"))
+    assert FREE.velocities == (*(f"base_{part}" for part in ("wx", "wy", "wz", "vx", "vy", "vz")), "arm/wrist")
+
+
+def test_a_joint_called_like_a_number_wins() -> None:
+    swapped = Signals((Signal("q2", "angle"), Signal("q1", "angle")))
+    assert swapped.find("q1") == ("q", 1)
+    assert swapped.find("q[1]") == ("q", 0)
+    both = Signals((Signal("a", "angle"), Signal("q_a", "angle")))
+    assert (both.find("q_a"), both.find("q_q_a")) == (("q", 0), ("q", 1))
+
+
+def test_two_coordinates_of_one_name() -> None:
+    with pytest.raises(InputError, match="share the column name 'a_x'"):
+        Signals((Signal("a", "floating"), Signal("a_x", "angle")))
+
+
+def test_any_order_and_what_is_absent() -> None:
+    layout = resolve(Header(("lift", "qd_elbow", "t", "q_elbow", "shoulder.pos", "fx")), ARM, extra=("fx",))
+    assert (layout.time, layout.q, layout.qd) == (2, (4, 3, 0), (ABSENT, 1, ABSENT))
+    assert layout.qdd == (ABSENT,) * 3
+    assert layout.extra == {"fx": 5}
+    assert layout.needed == (0, 1, 2, 3, 4, 5)
+
+
+def test_a_column_is_both_a_position_and_an_extra() -> None:
+    layout = resolve(Header(("time", "q_shoulder", "q_elbow", "q_lift")), ARM, extra=("q_lift",))
+    assert (layout.q[2], layout.extra) == (3, {"q_lift": 3})
+
+
+ALL = ("time", "q_shoulder", "q_elbow", "q_lift")
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        ((), "no column of time"),
+        (("Time", *ALL[1:]), "no column of time"),
+        ((*ALL, "t"), "time is given 2 times, by 'time', 't'"),
+        ((*ALL, "time"), "column 'time' appears twice"),
+        ((*ALL, ""), "column 5 of 5 has no name"),
+        ((*ALL, "elbow.pos"), "columns 'q_elbow' and 'elbow.pos' give the same quantity"),
+        ((*ALL, "q2"), "columns 'q_elbow' and 'q2' give the same quantity"),
+        (ALL[:3], "no position of joint 'lift' (there is 'time', 'q_shoulder', 'q_elbow')"),
+        (("time", "q_shoulder", "q_elbov", "q_lift"), "did you mean 'q_elbov' for 'q_elbow'?"),
+        (("time", "qd_shoulder", "q_elbow", "q_lift"), "no position of joint 'shoulder'"),
+        ((*ALL, "qd_elbo"), "unknown column 'qd_elbo'"),
+        ((*ALL, "force"), "unknown column 'force'"),
+        ((*ALL, "force"), "--ignore-extra"),
+    ],
+)
+def test_every_mistake_is_named(names: tuple[str, ...], message: str) -> None:
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(names, "t.csv", 1), ARM)
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("t.csv:1: ")
+
+
+def test_missing_columns_of_the_scene() -> None:
+    with pytest.raises(TrajectoryError, match="no column 'fx', which the scene names"):
+        resolve(Header(ALL), ARM, extra=("fx",))
+
+
+def test_extra_columns_can_be_left_out() -> None:
+    layout = resolve(Header((*ALL, "force", "moment")), ARM, ignore_extra=True)
+    assert layout.needed == (0, 1, 2, 3)
+    assert layout.notes == ("columns not used: 'force', 'moment'",)
+
+
+@pytest.mark.parametrize("column", ["finger", "q_finger", "finger.vel", "/states/finger/position", "finger/velocity"])
+def test_columns_of_dependent_joints_are_not_used(column: str) -> None:
+    signals = Signals((Signal("thumb", "angle"),), dependent=("finger",))
+    assert resolve(Header(("t", "thumb", column)), signals).notes == (f"columns not used: {column!r}",)
+
+
+def test_floating_joint_needs_one_column_and_whole_quaternions() -> None:
+    free = Signals((Signal("base", "floating"),))
+    for column in ("base_x", "base_wz", "base_ax"):
+        resolve(Header(("t", column)), free)
+    with pytest.raises(TrajectoryError, match="no position of joint 'base'"):
+        resolve(Header(("t",)), free)
+    with pytest.raises(TrajectoryError, match="orientation of 'base' is incomplete: only 'base_qx', 'base_qw'"):
+        resolve(Header(("t", "base_qx", "base_qw")), free)
+
+
+def test_usual_names() -> None:
+    assert header_names(ARM) == ALL
+    assert header_names(FREE)[:3] == ("time", "base_x", "base_y")

@@ -1,0 +1,247 @@
+"""Which signals are called noisy, how noisy, which method they get and how far its accelerations are off."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from robodyn.trajectory.choose import WINDOWS
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.derivatives import differentiate, savgol
+from robodyn.trajectory.motion import JointDerivation, Trajectory
+from robodyn.trajectory.noise import quantum
+from robodyn.trajectory.read import from_arrays
+
+Array = NDArray[np.float64]
+ONE = Signals((Signal("a", "angle"),))
+
+
+def derive(time: Array, q: Array, mode: str = "auto") -> tuple[Trajectory, JointDerivation]:
+    result = from_arrays(ONE, time, q[:, None], derivatives=mode)  # type: ignore[arg-type]
+    assert result.derivation is not None
+    return result, result.derivation.joints[0]
+
+
+def encoder(bits: int) -> Callable[[Array], Array]:
+    step = 2 * np.pi / 2**bits
+    return lambda q: np.round(q / step) * step
+
+
+def decimals(count: int) -> Callable[[Array], Array]:
+    return lambda q: np.round(q, count)
+
+
+def noise(size: float) -> Callable[[Array], Array]:
+    return lambda q: q + size * np.random.default_rng(0).normal(size=q.shape)
+
+
+@pytest.mark.parametrize(
+    ("values", "step"),
+    [
+        (np.round(np.sin(np.arange(300.0)), 3), 1e-3),
+        (np.round(np.sin(np.arange(300.0)), 6), 1e-6),
+        (encoder(17)(np.sin(np.arange(300.0))), 2 * np.pi / 2**17),
+        (encoder(12)(1000 + 3 * np.sin(np.arange(300.0))), 2 * np.pi / 2**12),
+        (np.round(encoder(13)(np.sin(np.arange(300.0))), 9), 2 * np.pi / 2**13),
+        (np.arange(10) * 6 + 4.0, 6.0),
+        (np.array([0.0, 6.0, 10.0]), 2.0),
+        (np.sin(np.arange(300.0)), 0.0),
+        (np.full(300, 1.234), 0.0),
+        (np.array([1.5]), 0.0),
+    ],
+)
+def test_grid(values: Array, step: float) -> None:
+    assert quantum(values) == pytest.approx(step, rel=1e-4, abs=0.0)
+
+
+def minimum_jerk(time: Array) -> Array:
+    """Ten moves of 1 s from point to point, each a quintic; corners in the jerk between them."""
+    points = np.random.default_rng(1).uniform(-1, 1, 12)
+    i = np.clip(time.astype(int), 0, 10)
+    s = np.clip(time - i, 0.0, 1.0)
+    return points[i] + (points[i + 1] - points[i]) * s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def trapezoid(time: Array) -> Array:
+    """Bang, cruise, bang: steps in the acceleration."""
+    speed = np.interp(time % 4.0, [0.0, 0.5, 1.5, 2.0, 2.5, 3.5, 4.0], [0.0, 1.0, 1.0, 0.0, -1.0, -1.0, 0.0])
+    return np.concatenate(([0.0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))))
+
+
+CLEAN: dict[str, Callable[[Array], Array]] = {
+    "sine": lambda t: np.sin(2 * np.pi * t),
+    "five samples a period": lambda t: np.sin(2 * np.pi * t * 0.2 / (t[1] - t[0])),
+    "chirp": lambda t: np.sin(t**2),
+    "far from zero": lambda t: 1e4 + np.sin(t),
+    "minimum jerk": minimum_jerk,
+    "trapezoid": trapezoid,
+    "ramp of decimals": lambda t: np.round(0.001 * np.arange(len(t)), 3),
+    "rest": lambda t: np.full(len(t), 0.7),
+    "one step": lambda t: np.where(t > 3.0, 1.0, 0.0),
+    "one small step": lambda t: np.where(t > 3.0, 0.125, 0.0),
+    "square wave": lambda t: np.where(t % 2.0 < 1.0, 0.5, -0.5),
+    "held samples": lambda t: np.sin(np.floor(t * 5.0) / 5.0),
+    "teach points": lambda t: np.random.default_rng(2).uniform(-1, 1, len(t)),
+    "coarse decimals": lambda t: np.round(np.sin(t), 1),
+    "move after rest": lambda t: np.where(t < 8.0, 0.0, np.where(t > 9.0, 1.0, minimum_jerk(t))),
+}
+
+
+@pytest.mark.parametrize("rate", [50, 100, 1000])
+@pytest.mark.parametrize("name", CLEAN)
+def test_clean_signals_are_not_smoothed(name: str, rate: int) -> None:
+    time = np.arange(10 * rate) / rate
+    _, joint = derive(time, CLEAN[name](time))
+    assert joint.acceleration == "quintic spline"
+    assert joint.std_acceleration <= 1e-3
+
+
+@pytest.mark.parametrize("name", ["held samples", "teach points", "square wave", "one step"])
+def test_what_is_not_smoothed_although_rough_is_said(name: str) -> None:
+    time = np.arange(1000) / 100
+    result, _ = derive(time, CLEAN[name](time))
+    assert any("smoothed" in note for note in result.notes)
+
+
+NOISY = {
+    "17 bits": encoder(17),
+    "13 bits": encoder(13),
+    "6 decimals": decimals(6),
+    "4 decimals": decimals(4),
+    "1e-4": noise(1e-4),
+    "1e-6": noise(1e-6),
+    "float32": lambda q: q.astype(np.float32).astype(np.float64),
+}
+
+
+@pytest.mark.parametrize("rate", [1000, 5000])
+@pytest.mark.parametrize("name", NOISY)
+def test_noisy_signals_are_smoothed_nearly_as_well_as_can_be(name: str, rate: int) -> None:
+    """The window is found without the truth; with the truth one could do better by 60 % at most."""
+    time = np.arange(4 * rate) / rate
+    parts = [(1.0, 0.5, 0.0), (0.3, 1.7, 1.0)]
+    truth = sum(-a * (2 * np.pi * f) ** 2 * np.sin(2 * np.pi * f * time + p) for a, f, p in parts)
+    q = NOISY[name](np.asarray(sum(a * np.sin(2 * np.pi * f * time + p) for a, f, p in parts)))
+    result, joint = derive(time, q)
+
+    def error(qdd: Array) -> float:
+        return float(np.sqrt(np.mean((qdd - truth)[rate // 10 : -rate // 10] ** 2)))
+
+    best = min(error(differentiate(time, q[:, None], savgol(window))[1][:, 0]) for window in WINDOWS)
+    assert joint.acceleration.startswith("Savitzky-Golay (window ")
+    assert error(result.qdd[:, 0]) < 1.6 * best
+    assert error(result.qdd[:, 0]) < 0.01 * np.abs(truth).max()
+
+
+def test_encoder_of_17_bits_at_1_khz() -> None:
+    """Central differences would be off by 34-38 rad/s^2 rms; the reference's best window reaches 0.005."""
+    time = np.arange(2000) / 1000
+    q = encoder(17)(np.sin(2 * np.pi * time))
+    result, joint = derive(time, q)
+    truth = -4 * np.pi**2 * np.sin(2 * np.pi * time)
+    raw = derive(time, q, "central")[0].qdd[:, 0] - truth
+    assert 30.0 < np.sqrt(np.mean(raw[10:-10] ** 2)) < 40.0
+    assert np.sqrt(np.mean((result.qdd[:, 0] - truth)[60:-60] ** 2)) < 0.015
+    assert joint.quantum == pytest.approx(2 * np.pi / 2**17, rel=1e-6)
+    assert joint.noise == pytest.approx(joint.quantum / np.sqrt(12), rel=0.25)
+
+
+def test_six_decimals_at_1_khz() -> None:
+    time = np.arange(2000) / 1000
+    q = np.round(np.sin(2 * np.pi * time), 6)
+    result, joint = derive(time, q)
+    truth = -4 * np.pi**2 * np.sin(2 * np.pi * time)
+    raw = derive(time, q, "central")[0].qdd[:, 0] - truth
+    assert 1.2 < np.abs(raw[10:-10]).max() < 2.1
+    assert np.abs(result.qdd[:, 0] - truth)[40:-40].max() < 0.01
+    assert joint.noise == pytest.approx(1e-6 / np.sqrt(12), rel=0.1)
+
+
+def test_harmless_noise_is_not_smoothed() -> None:
+    """Six decimals at 100 Hz: 0.02 rad/s^2 of 39; said, but left alone."""
+    time = np.arange(200) / 100
+    _, joint = derive(time, np.round(np.sin(2 * np.pi * time), 6))
+    assert joint.acceleration == "quintic spline"
+    assert 0.005 < joint.std_acceleration < 0.03
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e-5, 1e-3])
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_size_of_white_noise(size: float, jitter: float) -> None:
+    rng = np.random.default_rng(3)
+    time = (np.arange(2000) + rng.uniform(-jitter, jitter, 2000)) / 20.0
+    _, joint = derive(time, np.sin(2 * np.pi * time) + size * rng.normal(size=2000))
+    assert joint.noise == pytest.approx(size, rel=0.2)
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.6, 0.9])
+def test_rest_says_nothing_about_noise(rest: float) -> None:
+    time = np.arange(10_000) / 1000
+    move = np.clip(time - 10 * rest, 0.0, None)
+    _, joint = derive(time, encoder(17)(0.5 - 0.5 * np.cos(2 * move)))
+    assert joint.noise == pytest.approx(2 * np.pi / 2**17 / np.sqrt(12), rel=0.3)
+    assert joint.acceleration.startswith("Savitzky-Golay")
+
+
+def test_implied_deviation_agrees_with_monte_carlo() -> None:
+    """40 noisy copies of one motion: the spread of qd and qdd is what was implied, within a factor of 1.25."""
+    time = np.arange(1500) / 500
+    clean = np.sin(2 * np.pi * time)
+    rng = np.random.default_rng(4)
+    for mode in ("auto", "spline", "central"):
+        runs = [derive(time, clean + 2e-5 * rng.normal(size=1500), mode) for _ in range(40)]
+        methods = {joint.acceleration for _, joint in runs}
+        most = max(methods, key=[joint.acceleration for _, joint in runs].count)
+        chosen = [(result, joint) for result, joint in runs if joint.acceleration == most]
+        assert len(chosen) >= 15
+        for found, implied in (
+            (np.stack([r.qdd[:, 0] for r, _ in chosen]), np.mean([j.std_acceleration for _, j in chosen])),
+            (np.stack([r.qd[:, 0] for r, _ in chosen]), np.mean([j.std_velocity for _, j in chosen])),
+        ):
+            spread = float(np.sqrt(found[:, 200:-200].var(axis=0, ddof=1).mean()))
+            assert 1 / 1.25 < implied / spread < 1.25
+
+
+@pytest.mark.parametrize(("bits", "factor"), [(20, 2.0), (17, 2.0), (13, 2.5)])
+def test_implied_deviation_of_encoders(bits: int, factor: float) -> None:
+    """Quantisation is not white noise: random phases of one motion scatter as implied within a factor of 2 to 2.5."""
+    time = np.arange(2000) / 1000
+    offsets = np.random.default_rng(5).uniform(0.0, 1.0, 20)
+    runs = [derive(time, encoder(bits)(np.sin(2 * np.pi * time) + offset)) for offset in offsets]
+    found = np.stack([result.qdd[:, 0] for result, _ in runs])
+    spread = float(np.sqrt(found[:, 300:-300].var(axis=0, ddof=1).mean()))
+    implied = float(np.median([joint.std_acceleration for _, joint in runs]))
+    assert 1 / factor < implied / spread < factor
+
+
+def test_noise_of_a_fast_small_motion_does_not_erase_it() -> None:
+    """Amplitude ten times the noise, 25 samples a period: windows that hold whole periods must not be chosen."""
+    time = np.arange(4000) / 1000
+    rng = np.random.default_rng(6)
+    q = 0.01 * np.sin(2 * np.pi * 40 * time)
+    result, _ = derive(time, q + 1e-3 * rng.normal(size=4000))
+    truth = -((2 * np.pi * 40) ** 2) * q
+    assert np.std((result.qdd[:, 0] - truth)[60:-60]) < 0.3 * np.std(truth)
+
+
+def test_report() -> None:
+    time = np.arange(2000) / 1000
+    q = np.column_stack((np.round(np.sin(2 * np.pi * time), 6), np.cos(time)))
+    result = from_arrays(Signals((Signal("a", "angle"), Signal("b", "length"))), time, q)
+    assert result.derivation is not None
+    lines = result.derivation.lines()
+    assert result.derivation.velocity.endswith("order 4) (a); quintic spline (b)")
+    assert lines[2].startswith("a: noise of q 2.")
+    assert "on a grid of 1e-06" in lines[2]
+    assert len(lines) == 3
+
+
+def test_methods_can_be_forced() -> None:
+    time = np.arange(300) / 100
+    q = np.sin(time)
+    assert derive(time, q, "central")[1].acceleration == "central differences"
+    assert derive(time, q, "savgol")[1].acceleration.startswith("Savitzky-Golay")
+    assert derive(time, noise(1e-3)(q), "spline")[1].acceleration == "quintic spline"
