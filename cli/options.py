@@ -1,4 +1,4 @@
-"""Types of options."""
+"""Options that commands share, and their types."""
 
 from __future__ import annotations
 
@@ -17,13 +17,20 @@ class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Vector:
         parts = str(value).split(",")
         try:
-            numbers = [float(part) for part in parts]
+            numbers = [] if "_" in str(value) else [float(part) for part in parts]
         except ValueError:
             numbers = []
         if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-            self.fail(f"{value!r} is not three numbers between commas, such as 0,0,-9.81", param, ctx)
+            self.fail(f"{value!r} is not three finite numbers between commas, such as 0,0,-9.81", param, ctx)
         x, y, z = numbers
         return x, y, z
 
 
 VECTOR = VectorType()
+SCENE = click.option(
+    "--scene", "scene_file", metavar="FILE", help="TOML: friction, rotors, springs, payloads, wrenches, base."
+)
+GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
+FORMAT = click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
+)

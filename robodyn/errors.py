@@ -29,7 +29,8 @@ class RobodynError(Exception):
         super().__init__(what)
 
     def __str__(self) -> str:
-        place = "" if self.file is None else f"{self.file}:" + ("" if self.line is None else f"{self.line}:") + " "
+        line = "" if self.line is None else f"{self.line}:"
+        place = "" if self.file is None else f"{self.file or repr('')}:{line} "
         text = place + self.what + ("" if self.remedy is None else f" ({self.remedy})")
         return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
 

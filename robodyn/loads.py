@@ -16,6 +16,8 @@ from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.inverse import mass_matrix, runner_of, still
 from robodyn.model import Model
 from robodyn.motion_input import read_motion, sources_of
+from robodyn.overflow import check_figures, check_loads
+from robodyn.overlap import ahead
 from robodyn.plan import Plan, plan
 from robodyn.result import Checks, EnergyBalance, Result
 from robodyn.scene import DEFAULT, Scene
@@ -73,9 +75,9 @@ def torques(
     if isinstance(trajectory, (str, os.PathLike)):
         with read_motion(trajectory, model, scene) as reader:
             return torques(model, reader, scene, reactions=reactions, explain=explain, sinks=sinks)
-    run = _Run(model, scene, reactions)
+    run = _Run(model, scene, reactions, trajectory.file if isinstance(trajectory, TrajectoryReader) else None)
     last: Trajectory | None = None
-    for block in (trajectory,) if isinstance(trajectory, Trajectory) else trajectory.blocks():
+    for block in (trajectory,) if isinstance(trajectory, Trajectory) else ahead(trajectory.blocks()):
         if len(block):
             columns, last = run.take(block), block
             for sink in sinks:
@@ -107,8 +109,9 @@ class _Run:
         still: what has been zero in every block so far.
     """
 
-    def __init__(self, model: Model, scene: Scene, reactions: bool) -> None:
-        self.model, self.scene, self.reactions = model, scene, reactions
+    def __init__(self, model: Model, scene: Scene, reactions: bool, file: str | None) -> None:
+        self.model, self.scene, self.reactions, self.file = model, scene, reactions, file
+        self.names = output_names(model, reactions=True)
         self.rates = slice(6 if model.floating else 0, model.n)
         self.joints = joint_of_rates(model)[self.rates]
         self.positions = position_of_rates(model)[self.rates]
@@ -120,6 +123,7 @@ class _Run:
         self.energies: list[float] = []
         self.laws = LawResiduals()
 
+    @np.errstate(all="ignore")
     def take(self, block: Trajectory) -> Floats:
         """The output columns of one block, whose statistics are gathered."""
         sources = sources_of(block, self.scene)
@@ -128,9 +132,10 @@ class _Run:
         programs = _programs(plan(self.model, self.scene, pattern), self.reactions)
         samples, n = len(block), self.model.n
         loads = programs.wrenches(sources, samples)
+        check_loads(loads, self.names, block.first_row, self.file)
         tau, base = loads[:, :n], loads[:, n : n + 6]
         net = np.einsum("ij,ij->i", tau, block.qd) - programs.losses(sources, samples)[:, 0]
-        rows = np.unique(np.linspace(0, samples - 1, CHECKED_PER_BLOCK).astype(int))
+        rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
         expected = programs.laws({name: values[rows] for name, values in sources.items()}, len(rows))
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
         ends = {name: values[[0, -1]] for name, values in sources.items()}
@@ -139,10 +144,13 @@ class _Run:
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, net, sources)
         return loads if self.reactions else tau
 
+    @np.errstate(all="ignore")
     def result(self, last: Trajectory, explain: bool) -> Result:
         """Everything gathered, with shares and uncertainty at the peaks."""
         whole = plan(self.model, self.scene, self.still or frozenset())
         gathered = self.statistics
+        peaks = np.concatenate((gathered.torque.value, gathered.base.value))
+        check_figures((*gathered.integrals.totals.values(), self.energies, self.laws.relative), peaks, self.file)
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
         joints = tuple(
             joint_load(gathered, k, joint, name, self.scene, shares[k], self._uncertainty(k, last))
@@ -169,11 +177,11 @@ class _Run:
             joints=joints,
             base_wrench=base_loads(gathered),
             effects=effect_reports(whole, explain),
-            checks=Checks(balance, *self.laws.relative, self.laws.samples),
+            checks=Checks(balance, *self.laws.relative, self.laws.samples, *self.laws.largest),
             operations=whole.torques().size,
             executor="numpy",
             reason="the executor that is there; it starts at once",
-            derivation=last.derivation.lines() if last.derivation else (),
+            derivation=last.derivation,
             warnings=tuple(warnings),
         )
 

@@ -3,8 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from robodyn.effects.effect import Verdict
+from robodyn.trajectory.motion import Derivation
+
+
+@dataclass(frozen=True)
+class Excess:
+    """A limit of the description that the motion exceeds; effort and velocity are magnitudes."""
+
+    joint: str
+    quantity: Literal["effort", "velocity", "position"]
+    value: float
+    limit: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -62,24 +75,19 @@ class JointLoad:
         return None if self.velocity_limit is None else self.velocity_limit - abs(self.max_speed)
 
     @property
-    def exceeded(self) -> tuple[str, ...]:
-        """The limits that the motion exceeds, in plain words."""
+    def exceeded(self) -> tuple[Excess, ...]:
+        """The limits that the motion exceeds."""
+        speed = "rad/s" if self.unit == "N m" else "m/s"
+        place = speed.partition("/")[0]
         out = []
-        speed_unit = "rad/s" if self.unit == "N m" else "m/s"
-        if self.effort_margin is not None and self.effort_margin < 0:
-            out.append(
-                f"{self.name}: {abs(self.peak):.4g} {self.unit} exceeds the effort limit {self.effort_limit:.4g}"
-            )
-        if self.velocity_margin is not None and self.velocity_margin < 0:
-            speed = abs(self.max_speed)
-            out.append(f"{self.name}: {speed:.4g} {speed_unit} exceeds the velocity limit {self.velocity_limit:.4g}")
-        length = speed_unit.partition("/")[0]
-        for bound, value, over in (
-            (self.lower, self.q_min, self.lower is not None and self.q_min < self.lower),
-            (self.upper, self.q_max, self.upper is not None and self.q_max > self.upper),
-        ):
-            if over:
-                out.append(f"{self.name}: position {value:.6g} {length} is beyond the limit {bound:.6g}")
+        if self.effort_limit is not None and abs(self.peak) > self.effort_limit:
+            out.append(Excess(self.name, "effort", abs(self.peak), self.effort_limit, self.unit))
+        if self.velocity_limit is not None and abs(self.max_speed) > self.velocity_limit:
+            out.append(Excess(self.name, "velocity", abs(self.max_speed), self.velocity_limit, speed))
+        if self.lower is not None and self.q_min < self.lower:
+            out.append(Excess(self.name, "position", self.q_min, self.lower, place))
+        if self.upper is not None and self.q_max > self.upper:
+            out.append(Excess(self.name, "position", self.q_max, self.upper, place))
         return tuple(out)
 
 
@@ -141,6 +149,7 @@ class Checks:
         second_law: the same for moments about the base's origin.
         power: |tau . qd - losses - dE/dt| of the largest power, at the same samples.
         samples: how many samples the laws were checked at.
+        largest_force, largest_moment: the largest that balance in the laws there [N, N m].
     """
 
     energy_balance: EnergyBalance
@@ -148,6 +157,8 @@ class Checks:
     second_law: float
     power: float
     samples: int
+    largest_force: float
+    largest_moment: float
 
 
 @dataclass(frozen=True)
@@ -165,10 +176,10 @@ class Result:
     operations: int
     executor: str
     reason: str
-    derivation: tuple[str, ...]
+    derivation: Derivation | None
     warnings: tuple[str, ...]
 
     @property
-    def exceeded(self) -> tuple[str, ...]:
+    def exceeded(self) -> tuple[Excess, ...]:
         """Every limit that the motion exceeds."""
-        return tuple(line for joint in self.joints for line in joint.exceeded)
+        return tuple(excess for joint in self.joints for excess in joint.exceeded)

@@ -41,7 +41,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         import tomli as tomllib
     try:
         table = SceneTable(tomllib.loads(data.decode("utf-8")), "the scene", file)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:
         raise SceneError(f"is not TOML: {error or 'nested too deeply'}", file=file) from None
     scene = Scene(
         gravity=table.vector("gravity", Scene.gravity),

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from robodyn.errors import SceneError
 from robodyn.scene import Entry, Vector
 from robodyn.wording import listed
+
+_LARGEST = sys.float_info.max
 
 
 class SceneTable:
@@ -35,8 +37,8 @@ class SceneTable:
         return value if value is default else self._number(key, value)
 
     def _number(self, key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise self.error(f'"{key}" is {value!r}, not a finite number')
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not -_LARGEST <= value <= _LARGEST:
+            raise self.error(f'"{key}" is {value!r:.60}, not a finite number')
         return float(value)
 
     def numbers(self, key: str, count: int, default: Any = ...) -> Any:

@@ -92,6 +92,12 @@ class LawResiduals:
         first, second, third = (self._worst / self._scale).tolist()
         return first, second, third
 
+    @property
+    def largest(self) -> tuple[float, float]:
+        """The largest force [N] and moment [N m] that balance."""
+        force, moment, _ = self._scale.tolist()
+        return force, moment
+
 
 def energy(plan: Plan) -> Program:
     """The program of the stored energy [J] and of the power lost [W]."""

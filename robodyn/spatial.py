@@ -47,7 +47,7 @@ def _elementary(name: str, of_float: Callable[[float], float]) -> Callable[[Scal
 sin = _elementary("sin", math.sin)
 cos = _elementary("cos", math.cos)
 exp = _elementary("exp", math.exp)
-sign = _elementary("sign", lambda x: float((x > 0) - (x < 0)))
+sign = _elementary("sign", lambda x: float(x > 0) - float(x < 0))
 
 
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:

@@ -35,7 +35,8 @@ class Peak:
         """
         columns = np.arange(len(values))
         highest, lowest = values.argmax(axis=1), values.argmin(axis=1)
-        at = np.where(np.abs(values[columns, lowest]) > np.abs(values[columns, highest]), lowest, highest)
+        low, high = np.abs(values[columns, lowest]), np.abs(values[columns, highest])
+        at = np.where((low > high) | ((low == high) & (lowest < highest)), lowest, highest)
         found = values[columns, at]
         news = np.flatnonzero((self.index < 0) | (np.abs(found) > np.abs(self.value)))
         self.value[news], self.index[news] = found[news], at[news] + first
@@ -62,7 +63,7 @@ class Integrals:
         weights[1:] += after
         weights[0] += before
         for name, values in quantities.items():
-            total = 0.5 * (values @ weights)
+            total = 0.5 * np.einsum("...k,k->...", values, weights)  # BLAS would wake threads for less than they cost
             if name in self._last:
                 total = total + 0.5 * before * self._last[name]
             self.totals[name] = self.totals.get(name, 0.0) + total

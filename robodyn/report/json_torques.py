@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from typing import Any
 
 from robodyn.result import JointLoad, Result
+from robodyn.trajectory.motion import JointDerivation
 
 
 def torques_json(result: Result) -> str:
     """The document; see README for its keys. Units are SI: N m or N, W, J, s, rad or m."""
+    import json
+
     balance = result.checks.energy_balance
     document: dict[str, Any] = {
         "robot": result.robot,
@@ -49,8 +51,8 @@ def torques_json(result: Result) -> str:
             "samples": result.checks.samples,
         },
         "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
-        "derivatives": list(result.derivation),
-        "limits_exceeded": list(result.exceeded),
+        "derivatives": [_derived(joint) for joint in result.derivation.joints] if result.derivation else [],
+        "limits_exceeded": [asdict(excess) for excess in result.exceeded],
         "warnings": list(result.warnings),
     }
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
@@ -60,3 +62,7 @@ def _joint(joint: JointLoad) -> dict[str, Any]:
     fields = asdict(joint)
     shares = fields.pop("shares")
     return {**fields, "effort_margin": joint.effort_margin, "velocity_margin": joint.velocity_margin, "shares": shares}
+
+
+def _derived(joint: JointDerivation) -> dict[str, Any]:
+    return {**asdict(joint), "std_velocity": joint.std_velocity, "std_acceleration": joint.std_acceleration}

@@ -3,139 +3,133 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import StringIO
 
-from robodyn.result import JointLoad, Result
+from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.text_joints import derivation_table, share_table
+from robodyn.result import Excess, JointLoad, Result
 
 
-def torques_text(result: Result, explain: bool = False, color: bool = False) -> str:
-    """The report: a table of joints, what makes the peaks, base loads, checks, then limits and warnings.
+def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:
+    """The report: joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings.
 
     Args:
-        explain: add why each effect is on or off, and what it costs.
-        color: for a terminal that shows colour.
+        explain: add why each effect is on or off, what it costs, and the plan.
     """
-    x, y, z = result.gravity
-    lines = [
-        f"{result.robot}: {_count(len(result.joints), 'joint')}, {_count(result.samples, 'sample')}, "
-        f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2",
-        *result.derivation,
-        "",
-    ]
+    parts = [_head(result)]
     if result.joints:
-        lines += [_loads(result.joints, color), "What makes the peaks", _shares(result, color)]
-    lines += ["Base wrench (ground on robot, about the base's origin)", _base(result, color)]
+        parts += [page.table(_loads(result.joints)), f"What makes the peaks\n{page.table(share_table(result))}"]
+    if result.derivation:
+        methods, rows = derivation_table(result.derivation)
+        parts.append(f"{methods}\n{page.table(rows) if rows else ''}")
+    parts.append(_base(result, page))
     if explain:
-        lines += [f"Effects ({result.operations} operations per sample for the torques)", _effects(result, color)]
-    lines += _checks(result)
-    lines += [f"over limit: {line}" for line in result.exceeded]
-    lines += [f"warning: {line}" for line in result.warnings]
-    return "\n".join(lines) + "\n"
+        plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
+        parts.append(f"Effects: {plan}\n{page.table(_effects(result))}")
+    parts.append(_checks(result))
+    parts.append(_limits(result, page))
+    parts.append("".join(f"warning: {printable(line)}\n" for line in result.warnings))
+    return "\n".join(part for part in parts if part)
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+def _head(result: Result) -> str:
+    x, y, z = result.gravity
+    return (
+        f"{printable(result.robot)}: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
+        f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+    )
 
 
-def _loads(joints: Sequence[JointLoad], color: bool) -> str:
+def count(amount: int, noun: str) -> str:
+    return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
+
+
+def _loads(joints: Sequence[JointLoad]) -> Content:
     rows = [
         (
             joint.name,
-            f"{_number(joint.peak)} {joint.unit}",
-            f"{joint.peak_time:.6g} s",
-            _number(joint.rms),
-            _number(joint.cubic_mean),
-            f"{_number(joint.max_speed)} {'m/s' if joint.unit == 'N' else 'rad/s'}",
-            f"{_number(joint.peak_power)} W",
-            f"{_number(joint.work_positive)} / {_number(joint.work_negative)} J",
+            f"{number(joint.peak)} {joint.unit}",
+            f"{joint.peak_time:.6g}",
+            number(joint.rms),
+            number(joint.cubic_mean),
+            f"{number(joint.max_speed)} {'m/s' if joint.unit == 'N' else 'rad/s'}",
+            number(joint.peak_power),
+            number(joint.work_positive),
+            number(joint.work_negative),
             _use(joint.peak, joint.effort_limit),
             _use(joint.max_speed, joint.velocity_limit),
         )
         for joint in joints
     ]
-    head = ("joint", "peak", "at", "RMS", "cubic mean", "max speed", "peak power", "work done / returned")
-    return table((*head, "of effort limit", "of velocity limit"), rows, color)
-
-
-def _shares(result: Result, color: bool) -> str:
-    active = [effect.name for effect in result.effects if any(effect.name in joint.shares for joint in result.joints)]
-    shown = [name for name in active if any(joint.shares[name] for joint in result.joints)]
-    rows = [
-        (
-            joint.name,
-            *(_number(joint.shares[name], joint.peak) for name in shown),
-            f"{_number(joint.peak)} {joint.unit}",
-        )
-        for joint in result.joints
-    ]
-    head = ["joint", *shown, "sum"]
-    if any(joint.uncertainty for joint in result.joints):
-        head.append("from noise (1 sigma)")
-        rows = [(*row, f"+- {_number(joint.uncertainty)}") for row, joint in zip(rows, result.joints, strict=True)]
-    if any(joint.hold for joint in result.joints):
-        head.append("friction holds")
-        rows = [(*row, f"+- {_number(joint.hold)}") for row, joint in zip(rows, result.joints, strict=True)]
-    return table(head, rows, color)
-
-
-def _base(result: Result, color: bool) -> str:
-    rows = [
-        (
-            part.name,
-            f"{_number(part.peak)} {'N' if part.name[0] == 'f' else 'N m'}",
-            f"{part.peak_time:.6g} s",
-            _number(part.rms),
-        )
-        for part in result.base_wrench
-    ]
-    return table(("", "peak", "at", "RMS"), rows, color)
-
-
-def _effects(result: Result, color: bool) -> str:
-    rows = [
-        (
-            effect.name,
-            "on" if effect.verdict.active else "off",
-            str(effect.operations),
-            str(effect.saved or 0),
-            effect.verdict.reason,
-        )
-        for effect in result.effects
-    ]
-    return table(("effect", "", "alone", "saved without", "why"), rows, color, left=(0, 1, 4))
-
-
-def _checks(result: Result) -> list[str]:
-    checks, balance = result.checks, result.checks.energy_balance
-    return [
-        f"energy: work {_number(balance.work)} J, stored {_number(balance.energy_change)} J, residual "
-        f"{balance.residual:.1e} J (sampling explains {abs(balance.quadrature):.1e} J)",
-        f"laws at {_count(checks.samples, 'sample')}: Euler's first {checks.first_law:.0e}, second "
-        f"{checks.second_law:.0e}, power {checks.power:.0e} (relative, from the momentum recursion)",
-    ]
-
-
-def _number(x: float, scale: float = 0.0) -> str:
-    """Four digits; 0 for what vanishes beside `scale`."""
-    return "0" if abs(x) <= 1e-12 * abs(scale) else f"{x:.4g}"
+    head = ("joint", "peak", "at [s]", "RMS", "cubic mean", "max speed", "peak power [W]", "work [J]", "returned [J]")
+    return (*head, "of effort limit", "of velocity limit"), rows
 
 
 def _use(value: float, limit: float | None) -> str:
     if limit is None:
-        return "no limit"
-    return f"{abs(value) / limit:.0%} of {limit:g}" if limit > 0 else f"limit {limit:g}"
+        return "-"
+    percent = 100.0 * abs(value) / limit if limit > 0.0 else 0.0
+    share = ">100" if limit <= 0.0 < abs(value) else "<1" if 0.0 < percent < 0.5 else f"{percent:.0f}"
+    return f"{share}% of {limit:g}"
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], color: bool, left: Sequence[int] = (0,)) -> str:
-    """A table with a header; columns but those in `left` are aligned at their right."""
-    from rich.console import Console
-    from rich.table import Table
+def _base(result: Result, page: Page) -> str:
+    scale = {"f": result.checks.largest_force, "m": result.checks.largest_moment}
+    rows = []
+    for part in result.base_wrench:
+        kind = part.name[0]
+        peak, rms = number(part.peak, scale[kind]), number(part.rms, scale[kind])
+        rows.append((part.name, f"{peak} {'N' if kind == 'f' else 'N m'}", f"{part.peak_time:.6g}", rms))
+    title = "Base wrench: ground on robot, about the base's origin"
+    if all(rms == "0" for *_, rms in rows):
+        return f"{title}: zero throughout\n"
+    return f"{title}\n{page.table((('', 'peak', 'at [s]', 'RMS'), rows))}"
 
-    grid = Table(box=None, pad_edge=False, header_style="bold")
-    for k, title in enumerate(head):
-        grid.add_column(title, justify="left" if k in left else "right", no_wrap=True)
-    for row in rows:
-        grid.add_row(*row)
-    out = StringIO()
-    Console(file=out, width=400, force_terminal=color, highlight=False, markup=False).print(grid)
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+def _effects(result: Result) -> Content:
+    rows = [
+        (
+            effect.name,
+            "on" if effect.verdict.active else "off",
+            str(effect.operations) if effect.verdict.active else "",
+            str(effect.saved) if effect.verdict.active else "",
+            effect.verdict.reason,
+        )
+        for effect in result.effects
+    ]
+    return ("effect", "", "operations alone", "saved without", "why"), rows
+
+
+def _checks(result: Result) -> str:
+    checks, balance = result.checks, result.checks.energy_balance
+    work, stored, residual, sampling = (
+        number(x, balance.turnover)
+        for x in (balance.work, balance.energy_change, balance.residual, abs(balance.quadrature))
+    )
+    laws = [f"{x:.0e}" if x else "0" for x in (checks.first_law, checks.second_law, checks.power)]
+    return (
+        "Self-checks, from momenta and energy\n"
+        f"energy: work {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)\n"
+        f"laws at {count(checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
+        f"power {laws[2]}\n"
+    )
+
+
+def _limits(result: Result, page: Page) -> str:
+    exceeded = result.exceeded
+    if not exceeded:
+        return "No limit is exceeded.\n" if any(map(_limited, result.joints)) else ""
+    found: dict[str, dict[str, list[str]]] = {}
+    for excess in exceeded:
+        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
+    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
+    rows = [(joint, *(", ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
+    title = f"LIMITS EXCEEDED by {len(found)} of {count(len(result.joints), 'joint')}"
+    return f"{title}\n{page.table((('joint', *quantities), rows))}"
+
+
+def _limited(joint: JointLoad) -> bool:
+    return any(limit is not None for limit in (joint.effort_limit, joint.velocity_limit, joint.lower, joint.upper))
+
+
+def _over(excess: Excess) -> str:
+    return f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"

@@ -55,7 +55,7 @@ class ParquetFormat(_Held):
         try:
             pl.DataFrame(self.columns()).write_parquet(stream)
         except pl.exceptions.PolarsError as error:
-            raise OSError(str(error).partition("\n")[0]) from None
+            raise OSError(str(error).partition("\n")[0].rpartition("IO error: ")[2]) from None
 
 
 class NpzFormat(_Held):

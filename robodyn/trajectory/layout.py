@@ -60,7 +60,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), ignore_
     places, unknown = _meanings(header, signals, time, extra)
     unused = [name for name in unknown if ignore_extra or signals.is_dependent(name)]
     unknown = [name for name in unknown if name not in unused]
-    _check_complete(header, signals, places)
+    _check_complete(header, signals, places, unknown)
     absent = [name for name in extra if name not in header.names]
     if absent:
         raise header.error(f"no column {listing(absent)}, which the scene names", _hint(absent, header.names))
@@ -127,7 +127,7 @@ def _meanings(header: Header, signals: Signals, time: int, extra: Sequence[str])
     return places, unknown
 
 
-def _check_complete(header: Header, signals: Signals, places: Places) -> None:
+def _check_complete(header: Header, signals: Signals, places: Places, unknown: Sequence[str]) -> None:
     position = velocity = 0
     missing: list[str] = []
     for joint in signals.joints:
@@ -146,14 +146,15 @@ def _check_complete(header: Header, signals: Signals, places: Places) -> None:
         position, velocity = position + width[0], velocity + width[1]
     if missing:
         wanted = [f"{name}_x" if f"{name}_x" in signals.positions else f"q_{name}" for name in missing]
-        raise header.error(f"no position of joint {listing(missing)}", _hint(wanted, header.names))
+        raise header.error(f"no position of joint {listing(missing)}", _hint(wanted, header.names, unknown))
 
 
-def _hint(wanted: Sequence[str], names: Sequence[str]) -> str:
+def _hint(wanted: Sequence[str], names: Sequence[str], candidates: Sequence[str] | None = None) -> str:
+    """The candidate (of all names by default) closest to one that is wanted, and the names that exist."""
     from difflib import get_close_matches
 
     for name in wanted:
-        close = get_close_matches(name, names, n=1, cutoff=0.7)
+        close = get_close_matches(name, names if candidates is None else candidates, n=1, cutoff=0.7)
         if close:
             return f"did you mean {close[0]!r} for {name!r}? there is {listing(names)}"
     return f"there is {listing(names)}"

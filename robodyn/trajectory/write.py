@@ -36,6 +36,7 @@ class Writer:
 
     def __init__(self, path: str, names: Sequence[str], form: Format) -> None:
         self._path, self._names, self._form = path, ("time", *names), form
+        self._target = path
         self._temporary: str | None = None
         self._stream: BinaryIO | None = None
 
@@ -76,7 +77,7 @@ class Writer:
             self._form.end(stream)
             stream.close()
             if self._temporary:
-                os.replace(self._temporary, self._path)
+                os.replace(self._temporary, self._target)
                 self._temporary = None
         except OSError as failure:
             raise self._error(failure) from None
@@ -91,10 +92,10 @@ class Writer:
                 raise IsADirectoryError(0, "is a directory")
             if not stat.S_ISREG(mode):
                 return open(self._path, "wb")
-            self._path = os.path.realpath(self._path)
-            if not os.access(self._path, os.W_OK):
+            self._target = os.path.realpath(self._path)
+            if not os.access(self._target, os.W_OK):
                 raise PermissionError(0, "permission denied")
-        temporary = f"{self._path}.{os.urandom(4).hex()}.part"
+        temporary = f"{self._target}.{os.urandom(4).hex()}.part"
         stream = open(temporary, "xb")  # noqa: SIM115
         self._temporary = temporary
         return stream
@@ -127,6 +128,8 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> Writer:
     """
     name = os.fspath(path)
     form = FORMATS.get(FILE_TYPES.get(os.path.splitext(name)[1].lower(), ""))
+    if "\0" in name:
+        raise InputError("cannot be written: the name has a null character", remedy="check the name", file=name)
     if form is None:
         raise InputError("unknown type of table by this suffix", remedy="name it .csv, .parquet or .npz", file=name)
     twice = sorted({column for column in names if [*names, "time"].count(column) > 1})

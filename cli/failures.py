@@ -1,0 +1,59 @@
+"""How failures end: one line on standard error and an exit status, never a traceback."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NoReturn
+
+import click
+
+from robodyn.cli.screen import discard_output
+from robodyn.errors import RobodynError
+from robodyn.report.table import printable
+from robodyn.wording import alternatives
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """Turn what is raised inside into one line and an exit status."""
+    try:
+        yield
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else "robodyn"
+        fail(f"{_sentence(error)} (try: {command} --help)")
+    except click.ClickException as error:
+        fail(_sentence(error))
+    except (RobodynError, MemoryError) as error:
+        fail(str(error) or "out of memory")
+    except BrokenPipeError:
+        discard_output()
+        sys.exit(0)
+    except OSError as error:
+        discard_output()
+        fail(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
+    except (KeyboardInterrupt, click.Abort):
+        sys.exit(130)
+    except Exception as error:
+        from traceback import extract_tb
+
+        place = extract_tb(error.__traceback__)[-1]
+        where = f"{os.path.basename(place.filename)}:{place.lineno}"
+        fail(f"internal error at {where}: {type(error).__name__}: {error} (please report this line with the files)")
+
+
+def fail(message: str) -> NoReturn:
+    """Print one line of error and exit with status 2."""
+    if sys.stderr is not None:
+        print(f"error: {printable(' '.join(message.split()))}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _sentence(error: click.ClickException) -> str:
+    if isinstance(error, click.NoSuchOption) and error.possibilities:
+        near = alternatives(error.option_name, error.possibilities, "options")
+        return f"no such option {error.option_name!r}; {near}"
+    text = " ".join(error.format_message().split()).rstrip(".")
+    return text[:1].lower() + text[1:]

@@ -1,0 +1,47 @@
+"""Files that are named on the command line; `-` is standard input."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import suppress
+from dataclasses import replace
+
+from robodyn.assemble import load
+from robodyn.cli.options import Vector
+from robodyn.errors import InputError
+from robodyn.model import Model
+from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_file import load_scene, parse_scene
+from robodyn.scene_fit import check_scene
+
+STANDARD_INPUT = "-"
+
+
+def robot_in_scene(urdf: str, scene_file: str | None, gravity: Vector | None) -> tuple[Model, Scene]:
+    """The robot of a URDF file and the scene it is in; without a file the default scene, and `gravity` wins over it."""
+    scene = _scene(scene_file) if scene_file is not None else DEFAULT
+    scene = scene if gravity is None else replace(scene, gravity=gravity)
+    model = load(_bytes() if urdf == STANDARD_INPUT else urdf, moving_base=scene.moving_base)
+    check_scene(scene, model, scene_file)
+    return model, scene
+
+
+def check_names(inputs: list[str | None], output: str | None) -> None:
+    """Raise if standard input is asked for twice or is not there, or if the output would overwrite an input."""
+    if inputs.count(STANDARD_INPUT) > 1:
+        raise InputError("standard input is asked for twice", remedy="name a file for one of them", file="<stdin>")
+    if STANDARD_INPUT in inputs and sys.stdin is None:
+        raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
+    for path in inputs:
+        with suppress(OSError, ValueError):
+            if path and output and os.path.samefile(path, output):
+                raise InputError("the output would overwrite an input", remedy="give --out another name", file=output)
+
+
+def _scene(path: str) -> Scene:
+    return parse_scene(_bytes(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
+
+
+def _bytes() -> bytes:
+    return sys.stdin.buffer.read()

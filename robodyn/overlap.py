@@ -1,0 +1,75 @@
+"""Reading ahead and writing behind: work that waits for the next block or the last one, in threads of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from queue import Queue
+from threading import Thread
+from typing import Any, TypeVar
+
+Item = TypeVar("Item")
+_END = object()
+
+
+def ahead(items: Iterator[Item]) -> Iterator[Item]:
+    """The same items, each made while the one before is used; what `items` raises is raised in its place."""
+    ready: Queue[Any] = Queue(maxsize=1)
+    wanted = True
+
+    def make() -> None:
+        try:
+            for item in items:
+                ready.put((item, None))
+                if not wanted:
+                    return
+            ready.put((_END, None))
+        except BaseException as error:
+            ready.put((_END, error))
+
+    maker = Thread(target=make, daemon=True)
+    maker.start()
+    try:
+        while True:
+            item, error = ready.get()
+            if error is not None:
+                raise error
+            if item is _END:
+                return
+            yield item
+    finally:
+        wanted = False
+        while maker.is_alive():
+            if not ready.empty():
+                ready.get()
+            maker.join(0.01)
+
+
+@contextmanager
+def behind(use: Callable[..., None]) -> Iterator[Callable[..., None]]:
+    """A function that lets `use` run later, in order; what it raises is raised by a later call or at the end."""
+    waiting: Queue[Any] = Queue(maxsize=1)
+    failures: list[BaseException] = []
+
+    def work() -> None:
+        while (arguments := waiting.get()) is not _END:
+            try:
+                if not failures:
+                    use(*arguments)
+            except BaseException as error:
+                failures.append(error)
+
+    def call(*arguments: Any) -> None:
+        if failures:
+            raise failures[0]
+        waiting.put(arguments)
+
+    worker = Thread(target=work, daemon=True)
+    worker.start()
+    try:
+        yield call
+    finally:
+        waiting.put(_END)
+        worker.join()
+    if failures:
+        raise failures[0]

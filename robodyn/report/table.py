@@ -1,0 +1,102 @@
+"""Tables of text whose numbers stand with their decimal points below one another."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+from unicodedata import combining, east_asian_width
+
+_NUMBER = re.compile(r"((?:\+- )?[-+<>]?\d+)(\.\d+)?(e[-+]\d+)?")
+_GAP = 2
+NOTHING = ("", "-")
+"""Cells that may stand among numbers."""
+
+Content = tuple[Sequence[str], Sequence[Sequence[str]]]
+"""Titles of columns, and rows."""
+
+
+class Page(NamedTuple):
+    """How text is shown: its width in characters (None: any), and whether headers are emphasised."""
+
+    width: int | None = None
+    bold: bool = False
+
+    def table(self, content: Content) -> str:
+        return table(*content, self.width, self.bold)
+
+
+PLAIN = Page()
+
+
+def number(x: float, scale: float = 0.0) -> str:
+    """Four digits; 0 for what vanishes beside `scale`."""
+    size = abs(x)
+    if size <= 1e-12 * abs(scale):
+        return "0"
+    if 999.95 <= size < 1e7:
+        return f"{x:.0f}"
+    return f"{x:#.4g}" if size >= 1e-3 else f"{x:.3e}"
+
+
+def printable(text: str) -> str:
+    """The text with control characters escaped."""
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None = None, bold: bool = False) -> str:
+    """Rows of text below a header.
+
+    A column in which every cell begins with a number (or is empty or -) is aligned by decimal point, with the unit
+    after it; others begin at the left. Where the columns are wider than `width`, the rest of them follow in tables
+    below, each with the first column.
+
+    Args:
+        width: of the page in characters; None for any.
+        bold: emphasise the header as terminals do.
+    """
+    columns = [_column([title, *(row[k] for row in rows)]) for k, title in enumerate(head)]
+    pages: list[list[list[str]]] = [[columns[0]]]
+    for column in columns[1:]:
+        used = sum(_width(other[0]) + _GAP for other in pages[-1])
+        if width is not None and used + _width(column[0]) > width and len(pages[-1]) > 1:
+            pages.append([columns[0]])
+        pages[-1].append(column)
+    return "\n".join(_page(page, bold) for page in pages)
+
+
+def _page(columns: Sequence[Sequence[str]], bold: bool) -> str:
+    first, *lines = [(" " * _GAP).join(line).rstrip() for line in zip(*columns, strict=True)]
+    return "\n".join([f"\x1b[1m{first}\x1b[0m" if bold else first, *lines]) + "\n"
+
+
+def _column(cells: Sequence[str]) -> list[str]:
+    """A title and its cells, all of one width."""
+    title, *cells = [printable(cell) for cell in cells]
+    matches = [_NUMBER.match(cell) for cell in cells]
+    if not all(match or cell in NOTHING for match, cell in zip(matches, cells, strict=True)):
+        return _left([title, *cells])
+    before = [match.group(1) if match else "" for match in matches]
+    after = [cell[len(whole) :] for cell, whole in zip(cells, before, strict=True)]
+    digits = [_fraction(match) for match in matches]
+    units = [rest[len(part) :] for rest, part in zip(after, digits, strict=True)]
+    whole, part = max(map(len, before)), max(map(len, digits))
+    body = _left([f"{a:>{whole}}{b:<{part}}{unit}" for a, b, unit in zip(before, digits, units, strict=True)])
+    wide = max(_width(title), _width(body[0]))
+    return [" " * (wide - _width(line)) + line for line in (title, *body)]
+
+
+def _fraction(match: re.Match[str] | None) -> str:
+    return "" if match is None else (match.group(2) or "") + (match.group(3) or "")
+
+
+def _left(cells: Sequence[str]) -> list[str]:
+    wide = max(map(_width, cells))
+    return [cell + " " * (wide - _width(cell)) for cell in cells]
+
+
+def _width(text: str) -> int:
+    """Columns of a terminal that a text takes."""
+    if text.isascii():
+        return len(text)
+    return sum(0 if combining(char) else 2 if east_asian_width(char) in "WF" else 1 for char in text)

@@ -1,0 +1,70 @@
+"""What makes the peaks of joints, and how far derived motion can be trusted, as rows of text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from robodyn.report.table import Content, number
+from robodyn.result import Result
+from robodyn.trajectory.motion import Derivation
+
+
+def share_table(result: Result) -> Content:
+    """For every joint what each effect adds to its peak; effects that add nothing are left out."""
+    joints = result.joints
+    present = [effect.name for effect in result.effects if any(joint.shares.get(effect.name) for joint in joints)]
+    head = ["joint", *present, "sum"]
+    rows = [[joint.name, *(number(joint.shares[name], joint.peak) for name in present)] for joint in joints]
+    for joint, row in zip(joints, rows, strict=True):
+        row.append(f"{number(joint.peak)} {joint.unit}")
+    for title, values in (
+        ("noise (1 sigma)", [joint.uncertainty for joint in joints]),
+        ("friction holds", [joint.hold for joint in joints]),
+    ):
+        if any(values):
+            head.append(title)
+            for row, value in zip(rows, values, strict=True):
+                row.append(f"+- {number(value)}" if value else "")
+    return tuple(head), [tuple(row) for row in rows]
+
+
+def derivation_table(derivation: Derivation) -> tuple[str, Content | None]:
+    """A line that names the methods, and rows for the joints with noise in their data; for all if methods differ."""
+    joints = derivation.joints
+    velocity, acceleration = _named(joint.velocity for joint in joints), _named(joint.acceleration for joint in joints)
+    several = len({*velocity, *acceleration}) > 1
+    quantities = " and ".join(name for name, used in (("velocity", velocity), ("acceleration", acceleration)) if used)
+    shown = [joint for joint in joints if joint.noise or several]
+    text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
+    if not shown:
+        return f"{text}; the data are clean", None
+    rows: list[tuple[str, ...]] = [
+        (
+            joint.name,
+            joint.acceleration if joint.velocity == "given" else joint.velocity,
+            joint.source,
+            number(joint.noise),
+            number(joint.quantum) if joint.quantum else "",
+            number(joint.gain_velocity),
+            number(joint.gain_acceleration),
+            number(joint.std_velocity),
+            number(joint.std_acceleration),
+        )
+        for joint in shown
+    ]
+    head = (
+        "joint",
+        "method",
+        "from",
+        "its noise",
+        "grid",
+        "gain of qd [1/s]",
+        "of qdd [1/s^2]",
+        "noise of qd",
+        "of qdd",
+    )
+    return text, (head, rows)
+
+
+def _named(methods: Iterable[str]) -> list[str]:
+    return [method for method in dict.fromkeys(methods) if method != "given"]

@@ -1,0 +1,93 @@
+"""A CSV of millions of rows through `robodyn torques`, against polars alone.
+
+    cd tests && python -m benchmarks.bench_streaming [--rows N] [--turns N] [--write FILE]
+
+The table has time and q, qd, qdd of six joints: 19 columns. polars reads it and writes time and six columns, which is
+what any program pays that uses it; robodyn writes time and six torques, and its report. Each is a process of its own,
+the two take turns, and the medians count.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+from machine import machine
+from markdown_tables import main, table
+from oracles import ROBOTS, robot
+
+ROBOT = "puma560"
+CHUNK = 20_000
+ALONE = """
+import sys, polars
+frame = polars.read_csv(sys.argv[1])
+frame.select(frame.columns[:7]).write_csv(sys.argv[2])
+"""
+HEAD = ("process", "wall time", "largest memory")
+
+
+def write_motion(path: Path, rows: int) -> None:
+    """Sines of 1 ms steps for every joint, within its limits."""
+    import polars as pl
+
+    names = robot(ROBOT).joint_names
+    w = 0.3 + 0.11 * np.arange(len(names))
+    with path.open("wb") as file:
+        for start in range(0, rows, CHUNK):
+            t = np.arange(start, min(start + CHUNK, rows)) * 1e-3
+            columns = {"time": t}
+            columns |= {f"q_{name}": 0.3 * np.sin(k * t) for name, k in zip(names, w, strict=True)}
+            columns |= {f"qd_{name}": 0.3 * k * np.cos(k * t) for name, k in zip(names, w, strict=True)}
+            columns |= {f"qdd_{name}": -0.3 * k * k * np.sin(k * t) for name, k in zip(names, w, strict=True)}
+            file.write(pl.DataFrame(columns).write_csv(include_header=start == 0).encode())
+
+
+def run(command: Sequence[str], target: Path) -> tuple[float, float]:
+    """Wall time [s] and largest memory [MB] of a process that writes `target`, which is removed afterwards."""
+    start = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    spent = time.perf_counter() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, command
+    assert target.stat().st_size > 0
+    target.unlink()
+    return spent, usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
+
+
+def report(rows: int, turns: int) -> str:
+    robodyn = shutil.which("robodyn", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "motion.csv", Path(folder) / "out.csv"
+        write_motion(source, rows)
+        size = source.stat().st_size / 1e6
+        ours = [str(robodyn), "torques", str(ROBOTS / f"{ROBOT}.urdf"), str(source), "--out", str(target)]
+        alone = [sys.executable, "-c", ALONE, str(source), str(target)]
+        run(alone, target)
+        spent = [(run(ours, target), run(alone, target)) for _ in range(turns)]
+    (mine, my_memory), (raw, raw_memory) = (
+        [median(numbers) for numbers in zip(*each, strict=True)] for each in zip(*spent, strict=True)
+    )
+    shown = [
+        ("`robodyn torques --out tau.csv`", f"{mine:.2f} s", f"{my_memory:.0f} MB"),
+        ("polars: read, write seven columns", f"{raw:.2f} s", f"{raw_memory:.0f} MB"),
+        ("ratio", f"{mine / raw:.2f}", f"{my_memory / raw_memory:.2f}"),
+    ]
+    return (
+        f"{rows} rows of 19 columns ({size:.0f} MB) in, {rows} rows of 7 columns out:\n\n"
+        + table(HEAD, shown)
+        + "\n"
+        + machine("polars")
+    )
+
+
+if __name__ == "__main__":
+    main(report, __doc__, rows=2_000_000, turns=5)

@@ -1,0 +1,216 @@
+"""Inputs that are wrong: one line that says where and what, exit status 2, and nothing else."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+import pytest
+from command_line import ARM, HEADER, Outcome, motion, run, write_arm
+
+BINARY = bytes(range(256))
+GOOD = motion(10)
+LAST = GOOD.splitlines()[-1]
+OLD = b"an older result"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_arm(tmp_path)
+    (tmp_path / "tau.csv").write_bytes(OLD)
+    monkeypatch.chdir(tmp_path)
+
+
+def refused(outcome: Outcome, pattern: str) -> None:
+    """One line of error that the pattern describes, nothing on standard output, no file begun, the old one intact."""
+    assert outcome.status == 2
+    assert outcome.out == ""
+    assert outcome.err.endswith("\n")
+    assert len(outcome.err.splitlines()) == 1, outcome.err
+    assert "internal error" not in outcome.err
+    assert re.match("error: " + pattern, outcome.err), outcome.err
+    assert Path("tau.csv").read_bytes() == OLD
+    assert not list(Path().glob("*.part"))
+
+
+def torques(urdf: str = "arm.urdf", trajectory: str = "arm.csv", *options: str, stdin: bytes = b"") -> Outcome:
+    return run("torques", urdf, trajectory, "--out", "tau.csv", *options, stdin=stdin)
+
+
+def test_good_input_is_not_refused() -> None:
+    assert torques().status == 0
+    assert Path("tau.csv").read_bytes() != OLD
+
+
+DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
+    ("cut off", ARM[:400], r"bad.urdf:\d+: malformed XML: .*cut off"),
+    ("empty", "", r"bad.urdf:1: the file is empty"),
+    ("binary", BINARY, r"bad.urdf:1: this is a binary file"),
+    ("a table", GOOD, r"bad.urdf:1: malformed XML.*<robot>"),
+    ("SDF", "<sdf/>", r"bad.urdf:1: the root element is 'sdf'.*convert it to URDF"),
+    ("xacro", ARM.replace('"2"', '"${mass}"'), r"bad.urdf:3: .*xacro"),
+    ("entities", f"<!DOCTYPE r [<!ENTITY a 'b'>]>{ARM}", r"bad.urdf:1: .*DOCTYPE"),
+    ("no links", '<robot name="r"/>', r"bad.urdf:1: the robot has no links"),
+    ("cycle", ARM.replace('parent link="base"', 'parent link="fore"'), r"bad.urdf:\d+: .*cycle: 'fore' -> 'upper'"),
+    ("two roots", ARM.replace("<link", '<link name="lost"/><link', 1), r"bad.urdf:2: 2 links have no parent: 'lost'"),
+    ("dangling", ARM.replace('child link="fore"', 'child link="for"'), r"bad.urdf:\d+: .*'for'.*did you mean 'fore'"),
+    ("same name", ARM.replace('"elbow"', '"shoulder"'), r"bad.urdf:\d+: a second joint 'shoulder'"),
+    ("joint type", ARM.replace("revolute", "revolut", 1), r"bad.urdf:\d+: .*'revolut' \(did you mean 'revolute'\?\)"),
+    ("NaN", ARM.replace('"2"', '"nan"'), r"bad.urdf:3: .*not finite: 'nan'"),
+    ("1e400", ARM.replace('"2"', '"1e400"'), r"bad.urdf:3: .*not finite: '1e400'"),
+    ("comma", ARM.replace("0.2 0 0", "0.2,0,0"), r"bad.urdf:3: .*comma: '0.2,0,0'"),
+    ("no mass", ARM.replace('<mass value="2"/>', ""), r"bad.urdf:3: .*<mass>"),
+    ("inertia overflows", ARM.replace("0.2 0 0", "1e200 0 0"), r"arm.csv: row 1: tau_shoulder overflows .*SI units"),
+]
+
+
+@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in DESCRIPTIONS])
+def test_description(text: str | bytes, pattern: str) -> None:
+    Path("bad.urdf").write_bytes(text if isinstance(text, bytes) else text.encode())
+    refused(torques("bad.urdf"), pattern)
+
+
+TABLES: list[tuple[str, str | bytes, str]] = [
+    ("empty", "", r"bad.csv: is empty"),
+    ("blank", "\n\n", r"bad.csv: is empty"),
+    ("header only", HEADER, r"bad.csv: has no rows"),
+    ("no header", GOOD.partition("\n")[2], r"bad.csv:1: no header"),
+    ("binary", BINARY, r"bad.csv:1: is binary data"),
+    ("UTF-16", GOOD.encode("utf-16"), r"bad.csv:1: is UTF-16 data"),
+    ("NUL in a name", GOOD.replace("q_elbow", "q_el\0bow", 1), r"bad.csv:1: is binary data"),
+    ("latin header", b"time,q_\xe9\n0,0\n", r"bad.csv:1: .*UTF-8"),
+    ("NaN", GOOD + "1,nan,0,0,0,0,0\n", r"bad.csv:12: column 'q_shoulder': 'nan' is not finite"),
+    ("1e400", GOOD + "1,0,1e400,0,0,0,0\n", r"bad.csv:12: column 'q_elbow': '1e400' is not finite"),
+    ("text", GOOD + "1,0,0,fast,0,0,0\n", r"bad.csv:12: column 'qd_shoulder': 'fast' is not a number"),
+    ("empty cell", GOOD + "1,,0,0,0,0,0\n", r"bad.csv:12: column 'q_shoulder' is empty"),
+    ("ragged, short", GOOD + "1,0,0\n", r"bad.csv:12: 3 cells where the header names 7"),
+    ("ragged, long", GOOD + "1,0,0,0,0,0,0,0\n", r"bad.csv:12: 8 cells where the header names 7"),
+    ("same time", f"{GOOD}{LAST}\n", r"bad.csv:12: time 0.09 repeats"),
+    ("time goes back", GOOD + "0.01,0,0,0,0,0,0\n", r"bad.csv:12: time 0.01 is before 0.09"),
+    ("no time", GOOD.replace("time", "when"), r"bad.csv:1: no column of time .*'when'"),
+    ("wrong joint", GOOD.replace("q_elbow", "q_elbw", 1), r"bad.csv:1: no position of joint 'elbow' .*mean 'q_elbw'"),
+    ("joint missing", "time,q_elbow\n0,0\n1,0\n", r"bad.csv:1: no position of joint 'shoulder' .*'q_elbow'"),
+    ("extra column", "time,q_shoulder,q_elbow,foo\n0,0,0,1\n", r"bad.csv:1: unknown column 'foo' .*--ignore-extra"),
+    ("column twice", GOOD.replace("qd_elbow", "qd_shoulder"), r"bad.csv:1: column 'qd_shoulder' appears twice"),
+    ("nameless", GOOD.replace("qd_elbow", ""), r"bad.csv:1: column 5 of 7 has no name"),
+    ("one row", "time,q_shoulder,q_elbow\n0,0,0\n", r"bad.csv: has 1 row, too few"),
+    ("stamps coincide", "t,q1,q2\n0,0,0\n1e-300,1,1\n2e-300,3,0\n", r"bad.csv: row 1: the derivative is not finite"),
+    ("torque overflows", GOOD + "1,0,0,0,0,1.7e308,1.7e308\n", r"bad.csv: row 11: tau_shoulder overflows"),
+    ("speed overflows", GOOD + "1,0,0,1e300,1e300,0,0\n", r"bad.csv: row 11: tau_shoulder overflows"),
+    ("squares overflow", GOOD + "1,0,0,1e80,1e80,0,0\n", r"bad.csv: the loads are finite, .*overflow; the largest is"),
+]
+
+
+@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in TABLES])
+def test_table(text: str | bytes, pattern: str) -> None:
+    Path("bad.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    refused(torques(trajectory="bad.csv"), pattern)
+
+
+def test_motion_that_must_be_given() -> None:
+    Path("bad.csv").write_text("time,q_shoulder,q_elbow\n0,0,0\n1,0,0\n")
+    refused(torques("arm.urdf", "bad.csv", "--derivatives", "given"), "bad.csv:1: .*'shoulder', 'elbow' is not given")
+
+
+def test_robot_without_joints_has_no_columns() -> None:
+    Path("stone.urdf").write_text('<robot name="stone"><link name="stone"/></robot>')
+    refused(torques("stone.urdf"), "arm.csv:1: unknown column 'q_shoulder'")
+
+
+SCENES = [
+    ("not TOML", "gravity = [", r"is not TOML"),
+    ("binary", BINARY, r"is not TOML"),
+    ("nested", "a = " + "[" * 5000, r"is not TOML"),
+    ("key", "gravty = [0, 0, 0]", r'.*unknown key "gravty" \(valid keys: .*gravity'),
+    ("joint", "[friction]\nelbw = {viscous = 1}", r".*no joint 'elbw'.*did you mean 'elbow'"),
+    ("link", '[[payload]]\nlink = "hand"\nmass = 1', r".*no link 'hand'.*'fore'"),
+    ("value", "[friction]\nelbow = {viscous = -1}", r'.*"viscous" is -1'),
+    ("NaN", '[[payload]]\nlink = "fore"\nmass = nan', r'.*"mass" is nan'),
+    ("long integer", f"gravity = [0, 0, {'9' * 400}]", r'.*"gravity" is 9+, not a finite number'),
+    ("endless integer", f"gravity = [0, 0, {'9' * 5000}]", r".*digits"),
+]
+
+
+@pytest.mark.parametrize(("text", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in SCENES])
+def test_scene(text: str | bytes, pattern: str) -> None:
+    Path("bad.toml").write_bytes(text if isinstance(text, bytes) else text.encode())
+    refused(torques("arm.urdf", "arm.csv", "--scene", "bad.toml"), "bad.toml: " + pattern)
+
+
+def test_scene_that_needs_a_column_that_is_not_there() -> None:
+    Path("wind.toml").write_text('[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]')
+    refused(torques("arm.urdf", "arm.csv", "--scene", "wind.toml"), "arm.csv:1: no column 'fx', which the scene names")
+
+
+def test_scene_that_makes_loads_overflow() -> None:
+    Path("heavy.toml").write_text('[[payload]]\nlink = "fore"\nmass = 1e308\ncom = [1e10, 0, 0]')
+    refused(torques("arm.urdf", "arm.csv", "--scene", "heavy.toml"), "arm.csv: row 1: tau_shoulder overflows")
+
+
+@pytest.mark.parametrize("name", ["missing", "no_folder/missing", "", "nul\0", "folder"])
+@pytest.mark.parametrize("suffix", [".urdf", ".csv", ".toml"])
+def test_name_of_no_file(name: str, suffix: str) -> None:
+    for kind in (".urdf", ".csv", ".toml"):
+        Path(f"folder{kind}").mkdir()
+    file = name and name + suffix
+    calls: dict[str, Callable[[], Outcome]] = {
+        ".urdf": lambda: torques(file),
+        ".csv": lambda: torques(trajectory=file),
+        ".toml": lambda: torques("arm.urdf", "arm.csv", "--scene", file),
+    }
+    refused(calls[suffix](), re.escape(file.replace("\0", "\\x00") or "''") + ": ")
+
+
+@pytest.mark.parametrize(("file", "suffix"), [("arm.urdf", ".urdf"), ("arm.csv", ".csv"), ("calm.toml", ".toml")])
+def test_no_permission(file: str, suffix: str) -> None:
+    Path("calm.toml").write_text("gravity = [0, 0, 0]")
+    real = open
+
+    def guarded(path: object, *args: object, **more: object) -> object:
+        if str(path).endswith(suffix):
+            raise PermissionError(13, "Permission denied", str(path))
+        return real(path, *args, **more)  # type: ignore[call-overload]
+
+    with mock.patch("builtins.open", guarded):
+        outcome = torques("arm.urdf", "arm.csv", "--scene", "calm.toml")
+    refused(outcome, rf"{re.escape(file)}: .*(?i:permission)")
+
+
+ARRAYS: list[tuple[str, str, dict[str, np.ndarray], str]] = [
+    ("objects", "bad.npz", {"time": np.array([1, 2], dtype=object), "q": np.zeros((2, 2))}, "bad.npz: .*bject arrays"),
+    ("lengths", "bad.npz", {"time": np.arange(3.0), "q": np.zeros((2, 2))}, "bad.npz: .*'time' has 3 rows.* 2"),
+    ("no time", "bad.npz", {"q": np.zeros((2, 2))}, "bad.npz: no column of time"),
+]
+
+
+@pytest.mark.parametrize(("file", "arrays", "pattern"), [pytest.param(*case[1:], id=case[0]) for case in ARRAYS])
+def test_arrays(file: str, arrays: dict[str, np.ndarray], pattern: str) -> None:
+    np.savez(file, **arrays)  # type: ignore[arg-type]
+    refused(torques(trajectory=file), pattern)
+
+
+@pytest.mark.parametrize("file", ["bad.parquet", "bad.npz"])
+@pytest.mark.parametrize("data", [b"", BINARY, b"PAR1junkPAR1", b"PK\x03\x04junk"])
+def test_damaged_table(file: str, data: bytes) -> None:
+    Path(file).write_bytes(data)
+    refused(torques(trajectory=file), f"{file}: ")
+
+
+@pytest.mark.parametrize("file", ["arm.xlsx", "arm", "arm.urdf"])
+def test_unknown_type_of_table(file: str) -> None:
+    refused(torques(trajectory=file), f"{file}: unknown type of table .*\\.csv")
+
+
+@pytest.mark.parametrize(
+    ("data", "pattern"), [(b"", "is empty"), (b"garbage", ".*no column of time"), (BINARY, ".*binary")]
+)
+def test_rubbish_on_standard_input(data: bytes, pattern: str) -> None:
+    refused(torques(trajectory="-", stdin=data), f"<stdin>:.*{pattern}")
+    refused(torques(urdf="-", stdin=data), "<stdin>:1: ")
+
+
+def test_standard_input_twice() -> None:
+    refused(torques("-", "-", stdin=GOOD.encode()), "<stdin>: standard input is asked for twice")

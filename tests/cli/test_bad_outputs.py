@@ -1,0 +1,109 @@
+"""Outputs that cannot be written: one line, exit status 2, nothing begun, an older file intact."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from command_line import Outcome, command, motion, run, write_arm
+
+resource = pytest.importorskip("resource")
+
+FORMATS = ("csv", "parquet", "npz")
+ROWS = 2000
+SMALL_DISK = 20_000
+"""Bytes: less than the table of `ROWS` rows takes in every format."""
+OLD = b"an older result"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_arm(tmp_path)
+    (tmp_path / "arm.csv").write_text(motion(ROWS))
+    monkeypatch.chdir(tmp_path)
+
+
+def refused(outcome: Outcome, line: str, *files: str) -> None:
+    assert (outcome.status, outcome.out) == (2, "")
+    assert len(outcome.err.splitlines()) == 1, outcome.err
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+    assert sorted(path.name for path in Path().iterdir()) == sorted(["arm.csv", "arm.urdf", *files])
+
+
+def on_small_disk(*args: str) -> Outcome:
+    done = subprocess.run(
+        command(*args),
+        capture_output=True,
+        check=False,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL_DISK, SMALL_DISK)),
+    )
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_full_disk(form: str) -> None:
+    out = f"tau.{form}"
+    refused(on_small_disk("torques", "arm.urdf", "arm.csv", "--out", out), f"{out}: cannot be written: file too large")
+    Path(out).write_bytes(OLD)
+    refused(on_small_disk("torques", "arm.urdf", "arm.csv", "--out", out), f"{out}: cannot be written", out)
+    assert Path(out).read_bytes() == OLD
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the system has no device that is always full")
+@pytest.mark.parametrize("form", FORMATS)
+def test_full_device(form: str) -> None:
+    out = f"full.{form}"
+    os.symlink("/dev/full", out)
+    refused(run("torques", "arm.urdf", "arm.csv", "--out", out), f"{out}: cannot be written: no space left", out)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the system has no device that is always full")
+def test_full_standard_output() -> None:
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(
+            command("torques", "arm.urdf", "arm.csv"), stdout=full, stderr=subprocess.PIPE, check=False, text=True
+        )
+    assert (done.returncode, done.stderr) == (2, "error: standard output: no space left on device\n")
+
+
+@pytest.mark.parametrize(
+    ("out", "reason"),
+    [
+        ("no_folder/tau.csv", "no such file or directory"),
+        ("arm.urdf/tau.csv", "not a directory"),
+        ("x" * 300 + ".csv", "file name too long"),
+        ("nul\0.csv", "the name has a null character"),
+    ],
+)
+def test_place_that_is_none(out: str, reason: str) -> None:
+    printable = out.replace("\0", "\\x00")
+    refused(run("torques", "arm.urdf", "arm.csv", "--out", out), f"{printable}: cannot be written: {reason}")
+
+
+def test_a_folder_of_that_name() -> None:
+    os.mkdir("tau.csv")
+    refused(
+        run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv"), "tau.csv: cannot be written: is a dir", "tau.csv"
+    )
+
+
+def test_no_permission(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = open
+
+    def guarded(path: object, *args: object, **more: object) -> object:
+        if "tau.csv" in str(path):
+            raise PermissionError(13, "Permission denied", str(path))
+        return real(path, *args, **more)  # type: ignore[call-overload]
+
+    monkeypatch.setattr("builtins.open", guarded)
+    refused(run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv"), "tau.csv: cannot be written: permission denied")
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_an_error_in_the_last_row_leaves_nothing(form: str) -> None:
+    Path("arm.csv").write_text(motion(ROWS) + "0,0,0,0,0,0,0\n")
+    outcome = run("torques", "arm.urdf", "arm.csv", "--out", f"tau.{form}")
+    refused(outcome, f"arm.csv:{ROWS + 2}: time 0.0 is before {(ROWS - 1) / 100}")

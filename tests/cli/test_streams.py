@@ -1,0 +1,186 @@
+"""Standard streams: `-`, pipes that break, streams that are closed, interrupts, terminals."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
+
+SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
+ESCAPE = "\x1b"
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_arm(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    for name in ("NO_COLOR", "FORCE_COLOR", "TERM", "COLUMNS"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_each_file_may_be_standard_input() -> None:
+    Path("calm.toml").write_text("gravity = [0, 0, -1.62]")
+    call = ("torques", "arm.urdf", "arm.csv", "--scene", "calm.toml")
+    expected = run(*call)
+    assert expected.status == 0
+    for file in ("arm.urdf", "arm.csv", "calm.toml"):
+        piped = [("-" if word == file else word) for word in call]
+        assert run(*piped, stdin=Path(file).read_bytes()) == expected
+
+
+def test_standard_input_of_a_process() -> None:
+    expected = run("torques", "arm.urdf", "arm.csv")
+    assert spawn("torques", "arm.urdf", "-", stdin=motion(10).encode()) == expected
+    assert spawn("torques", "-", "arm.csv", stdin=ARM.encode()) == expected
+
+
+def test_errors_name_standard_input_and_the_line() -> None:
+    assert run("torques", "arm.urdf", "-", stdin=motion(3).encode() + b"1,2\n").err.startswith(
+        "error: <stdin>:5: 2 cells"
+    )
+    assert run("torques", "-", "arm.csv", stdin=ARM[:300].encode()).err.startswith("error: <stdin>:6: malformed XML")
+
+
+@pytest.mark.parametrize(
+    ("stream", "status", "line"), [("stdin", 2, "error: <stdin>: standard input is closed"), ("stdout", 0, "")]
+)
+def test_closed_stream(stream: str, status: int, line: str) -> None:
+    mark = {"stdin": "<&-", "stdout": ">&-"}[stream]
+    urdf = "-" if stream == "stdin" else "arm.urdf"
+    call = ["sh", "-c", f'"$@" {mark}', "sh", *command("torques", urdf, "arm.csv")]
+    done = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (status, "")
+    assert done.stderr.startswith(line)
+    assert len(done.stderr.splitlines()) == bool(line)
+
+
+@pytest.mark.parametrize("options", [(), ("--format", "json"), ("--fail-on-limits", "--gravity", "0,0,-9000")])
+def test_a_reader_that_goes_away_is_no_error(options: tuple[str, ...]) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(command("torques", *SCARA, *options), stdout=write, stderr=subprocess.PIPE, check=False)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (int("--fail-on-limits" in options), b"")
+
+
+def test_help_to_a_reader_that_goes_away() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(command("torques", "--help"), stdout=write, stderr=subprocess.PIPE, check=False)
+    os.close(write)
+    assert done.stderr == b""
+
+
+def test_interrupt_while_reading() -> None:
+    """The signal comes when standard input is being copied."""
+    code = (
+        "import os, shutil, signal, time\n"
+        "shutil.copyfileobj = lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
+        "from robodyn.cli.main import main; main()"
+    )
+    call = [sys.executable, "-c", code, "torques", "arm.urdf", "-", "--out", "tau.csv"]
+    done = subprocess.run(call, stdin=subprocess.DEVNULL, capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (130, b"", b"")
+    assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]
+
+
+def test_interrupt_between_blocks() -> None:
+    code = (
+        "import os, signal, time\n"
+        "from robodyn.cli import sinks\n"
+        "from contextlib import nullcontext\n"
+        "sinks.watched = lambda _: nullcontext(lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60)))\n"
+        "from robodyn.cli.main import main; main()"
+    )
+    call = [sys.executable, "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
+    done = subprocess.run(call, capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (130, b"", b"")
+    assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]
+
+
+def test_plain_text_unless_on_a_terminal() -> None:
+    outcome = spawn("torques", *SCARA, FORCE_COLOR="1", TERM="xterm-256color")
+    assert outcome.status == 0
+    assert ESCAPE not in outcome.out + outcome.err
+
+
+def on_terminal(call: list[str], stdout: bool, stderr: bool, columns: int = 300, **environment: str) -> tuple[str, str]:
+    """What the terminal shows and what goes to pipes, of a command with these streams on a terminal."""
+    pty = pytest.importorskip("pty")
+    import fcntl
+    import struct
+    import termios
+
+    master, slave = pty.openpty()
+    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    with subprocess.Popen(
+        call,
+        stdin=subprocess.DEVNULL,
+        stdout=slave if stdout else subprocess.PIPE,
+        stderr=slave if stderr else subprocess.PIPE,
+        env={**os.environ, "TERM": "xterm-256color", **environment},
+    ) as child:
+        os.close(slave)
+        shown = b""
+        while True:
+            try:
+                data = os.read(master, 65536)
+            except OSError:
+                break
+            if not data:
+                break
+            shown += data
+        piped = b"".join(stream.read() for stream in (child.stdout, child.stderr) if stream)
+    os.close(master)
+    assert child.returncode == 0
+    return shown.decode().replace("\r\n", "\n"), piped.decode()
+
+
+def test_bold_headers_on_a_terminal() -> None:
+    shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False)
+    assert f"\n{ESCAPE}[1mjoint " in shown
+    plain = shown.replace(f"{ESCAPE}[1m", "").replace(f"{ESCAPE}[0m", "")
+    assert plain == run("torques", *SCARA).out
+
+
+@pytest.mark.parametrize("variables", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
+def test_plain_text_where_the_terminal_wants_it(variables: dict[str, str]) -> None:
+    shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, **variables)
+    assert shown == run("torques", *SCARA).out
+
+
+def test_tables_fit_a_narrow_terminal() -> None:
+    shown, _ = on_terminal(command("torques", *SCARA), stdout=True, stderr=False, columns=80, NO_COLOR="1")
+    tables = shown.partition("Self-checks")[0].splitlines()
+    assert max(map(len, tables)) <= 80
+    assert sum(line.startswith("joint") for line in tables) == 3
+
+
+def with_bar() -> list[str]:
+    """The command with a progress bar for files of any length."""
+    code = "import robodyn.cli.progress as p; p.LONG = 0; from robodyn.cli.main import main; main()"
+    return [sys.executable, "-c", code, "torques", *SCARA, "--format", "json"]
+
+
+def test_progress_is_shown_on_a_terminal_and_never_on_standard_output() -> None:
+    shown, piped = on_terminal(with_bar(), stdout=False, stderr=True)
+    assert "reading" in shown
+    assert piped == run("torques", *SCARA, "--format", "json").out
+
+
+def test_no_progress_without_a_terminal_nor_for_a_short_file() -> None:
+    done = subprocess.run(with_bar(), capture_output=True, check=True)
+    assert done.stderr == b""
+    shown, _ = on_terminal(command("torques", *SCARA), stdout=False, stderr=True)
+    assert shown == ""
+
+
+def test_names_that_the_terminal_cannot_show() -> None:
+    Path("arm.urdf").write_text(ARM.replace('name="arm"', 'name="\u8155&#155;31m"'), encoding="utf-8")
+    outcome = spawn("torques", "arm.urdf", "arm.csv", PYTHONIOENCODING="latin-1", PYTHONUTF8="0")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert outcome.out.startswith("\\u8155\\x9b31m: 2 joints")

@@ -1,0 +1,159 @@
+"""One recursion for every scalar: floats, 50 digits, symbols, traced and dual scalars run the same function."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from oracles import frictionless, golden_model, random_state, reference, robot, run, worst
+from program_values import evaluated
+
+import robodyn
+from robodyn.dynamics.dual import Dual
+from robodyn.dynamics.kinematics import REST, joint_motion
+from robodyn.dynamics.newton_euler import newton_euler
+from robodyn.effects.catalogue import EFFECTS
+from robodyn.effects.effect import Sample
+from robodyn.inertia.moments import MASSLESS, Inertia
+from robodyn.inverse import inverse_dynamics
+from robodyn.model import Joint
+from robodyn.plan import Plan, applied, loads
+from robodyn.scene import Scene
+from robodyn.spatial import vector
+
+MODELS = reference("golden_inverse_dynamics")["models"]
+
+
+def _tau(model, q, qd, qdd, scene):
+    """The torques of one sample in whatever scalar it is made of, all effects on."""
+    sample = Sample(model, tuple(q), tuple(qd), tuple(qdd))
+    return loads(sample, applied(EFFECTS, sample, scene)).tau
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_plain_floats(name):
+    model, case = golden_model(name), MODELS[name]["cases"][3]
+    scene = Scene(gravity=tuple(case["gravity"]))
+    tau = _tau(model, case["q"], case["qd"], case["qdd"], scene)
+    assert all(isinstance(x, float) for x in tau)
+    assert worst(tau, case["tau"]) <= 1e-14
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_fifty_digits(name):
+    model = golden_model(name)
+    with mpmath.workdps(50):
+        for case in MODELS[name]["cases"]:
+            q, qd, qdd = ([mpmath.mpf(x) for x in case[key]] for key in ("q", "qd", "qdd"))
+            tau = _tau(model, q, qd, qdd, Scene(gravity=tuple(case["gravity"])))
+            largest = max(np.abs(case["tau"]).max(), 1e-3)
+            assert worst(tau, case["tau"], largest) <= 4e-15
+
+
+def test_fifty_digits_are_fifty():
+    """The mass matrix by two accelerations: a float recursion would lose all but 16 digits of the difference."""
+    model = golden_model("puma560_corke")
+    weightless = Scene(gravity=(0.0, 0.0, 0.0))
+    with mpmath.workdps(50):
+        q, qdd = [mpmath.mpf(k) / 7 for k in range(1, 7)], [mpmath.mpf(1) / 3] * 6
+        nudge = mpmath.mpf(10) ** -30
+        still = [mpmath.mpf(0)] * 6
+        one = _tau(model, q, still, qdd, weightless)
+        two = _tau(model, q, still, [x + nudge for x in qdd], weightless)
+        slope = [float((b - a) / nudge) for a, b in zip(one, two, strict=True)]
+        expected = [float(x) for x in _tau(model, q, still, [mpmath.mpf(1)] * 6, weightless)]
+    assert worst(slope, expected) <= 1e-15
+
+
+def _carried(x):
+    """A hinge about z whose body has its origin at x on its parent's x axis."""
+    return Joint("hinge", "revolute", np.eye(3), np.array([x, 0, 0]), np.array([0, 0, 1]))
+
+
+def test_symbols():
+    """Point masses at the ends of two links: Craig's closed form, lengths and masses being symbols too."""
+    l1, l2, m1, m2, g = sympy.symbols("l1 l2 m1 m2 g", positive=True)
+    q1, q2, w1, w2, a1, a2 = sympy.symbols("q1 q2 w1 w2 a1 a2", real=True)
+    hinges = joint_motion(_carried(0), [q1], [w1], [a1]), joint_motion(_carried(l1), [q2], [w2], [a2])
+    masses = [Inertia(m, m * vector(r, 0, 0), m * r**2 * np.diag([0, 1, 1])) for m, r in ((m1, l1), (m2, l2))]
+    reactions = newton_euler((-1, 0, 1), (REST, *hinges), (MASSLESS, *masses), vector(0, -g, 0))
+    s2, c2 = sympy.sin(q2), sympy.cos(q2)
+    M11 = l2**2 * m2 + 2 * l1 * l2 * m2 * c2 + l1**2 * (m1 + m2)
+    M12 = l2**2 * m2 + l1 * l2 * m2 * c2
+    weight = m2 * l2 * g * sympy.cos(q1 + q2)
+    upper = M11 * a1 + M12 * a2 - m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2) + weight
+    craig = upper + (m1 + m2) * l1 * g * sympy.cos(q1), M12 * a1 + l2**2 * m2 * a2 + m2 * l1 * l2 * s2 * w1**2 + weight
+    for reaction, expected in zip(reactions[1:], craig, strict=True):
+        assert sympy.simplify(sympy.nsimplify(reaction.n[2] - expected)) == 0
+
+
+def test_a_model_of_symbols():
+    model = robot("two_link_planar")
+    q, qd, qdd = ([sympy.Symbol(f"{name}{k}") for k in (1, 2)] for name in ("q", "w", "a"))
+    tau = _tau(model, q, qd, qdd, frictionless(model))
+    state = random_state(model, np.random.default_rng(1), 1)
+    at = dict(zip([*q, *qd, *qdd], np.concatenate(state, axis=1)[0].tolist(), strict=True))
+    found = [float(x.evalf(30, subs=at)) for x in tau]
+    assert worst(found, inverse_dynamics(model, *state, scene=frictionless(model))[0]) <= 1e-15
+
+
+@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "scara_rrp"])
+def test_traced_scalars(name):
+    model = golden_model(name)
+    rng = np.random.default_rng(3)
+    states = random_state(model, rng, 5)
+    program = Plan(model, Scene()).torques()
+    for q, qd, qdd in zip(*states, strict=True):
+        found = evaluated(program, {"q": q, "qd": qd, "qdd": qdd})
+        assert worst(found, _tau(model, q.tolist(), qd.tolist(), qdd.tolist(), Scene())) <= 1e-14
+    assert worst(run(program, Plan(model, Scene()), *states), inverse_dynamics(model, *states)) == 0
+
+
+def test_dual_scalars():
+    """d tau/dt along q + t qd, qd + t qdd at constant qdd, against a central difference with 50 digits."""
+    model = golden_model("puma560_corke")
+    q, qd, qdd = (row[0] for row in random_state(model, np.random.default_rng(4), 1))
+    moving = [Dual(x, rate) for x, rate in zip(q.tolist(), qd.tolist(), strict=True)]
+    turning = [Dual(x, rate) for x, rate in zip(qd.tolist(), qdd.tolist(), strict=True)]
+    found = _tau(model, moving, turning, qdd.tolist(), Scene())
+    with mpmath.workdps(50):
+        h = mpmath.mpf(10) ** -15
+        q, qd, qdd = ([mpmath.mpf(x) for x in row.tolist()] for row in (q, qd, qdd))
+
+        def at(t):
+            position = [x + t * v + t * t * a / 2 for x, v, a in zip(q, qd, qdd, strict=True)]
+            return _tau(model, position, [v + t * a for v, a in zip(qd, qdd, strict=True)], qdd, Scene())
+
+        expected = [float((b - a) / (2 * h)) for a, b in zip(at(-h), at(h), strict=True)]
+        values = [float(x) for x in at(mpmath.mpf(0))]
+    assert worst([x.rate for x in found], expected) <= 1e-14
+    assert worst([x.value for x in found], values) <= 1e-14
+
+
+def _defined(name):
+    sources = Path(robodyn.__file__).parent.rglob("*.py")
+    trees = [ast.parse(path.read_text()) for path in sources]
+    return sum(isinstance(node, ast.FunctionDef) and node.name == name for tree in trees for node in ast.walk(tree))
+
+
+@pytest.mark.parametrize("name", ["newton_euler", "joint_torques", "joint_motion", "euler", "momenta", "loads"])
+def test_is_written_once(name):
+    assert _defined(name) == 1
+
+
+def test_is_as_short_as_the_textbook_and_asks_no_types():
+    source = inspect.getsource(newton_euler)
+    tree = ast.parse(source).body[0]
+    assert isinstance(tree.body[0], ast.Expr)
+    statements = tree.body[1:]
+    code = source.splitlines()[statements[0].lineno - 1 :]
+    assert len([line for line in code if line.strip()]) <= 30
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    assert not names & {"isinstance", "type", "hasattr", "float", "Traced", "Dual"}
+    branches = [node for node in ast.walk(tree) if isinstance(node, ast.If)]
+    assert [ast.unparse(node.test) for node in branches] == ["(j := parents[i]) >= 0"]

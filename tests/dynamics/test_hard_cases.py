@@ -1,0 +1,200 @@
+"""Long chains, wide scales, far places, odd axes, massless and unphysical bodies."""
+
+from __future__ import annotations
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from independent_dynamics import torques_of
+from oracles import EPS, random_state, reference, worst
+from small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
+
+from robodyn.assemble import load
+from robodyn.inverse import inverse_dynamics, mass_matrix
+from robodyn.plan import Plan
+from robodyn.scene import Scene
+from robodyn.spatial import rotation_from_rpy
+
+
+def _states(model, seed, scale=1.0):
+    q, qd, qdd = random_state(model, np.random.default_rng(seed), 2)
+    return q, scale * qd, scale * qdd
+
+
+@pytest.mark.parametrize("skew", [False, True], ids=["planar", "skew"])
+@pytest.mark.parametrize("n", [2, 10, 30, 100])
+def test_chains_against_fifty_digits(n, skew):
+    model = chain(n, skew)
+    q, qd, qdd = _states(model, n)
+    tau = inverse_dynamics(model, q, qd, qdd)
+    with mpmath.workdps(50):
+        expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
+    assert worst(tau, expected) <= 1e-14
+
+
+def test_a_hundred_joints_of_every_kind_against_fifty_digits():
+    model = random_tree(40, 100, branching=3)
+    q, qd, qdd = _states(model, 41)
+    with mpmath.workdps(50):
+        expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
+    assert worst(inverse_dynamics(model, q, qd, qdd), expected) <= 1e-14
+
+
+def test_mass_ratios_of_twenty_four_decades():
+    for taper in (1e-3, 1e3):
+        model = chain(9, skew=True, taper=taper)
+        q, qd, qdd = _states(model, 42)
+        with mpmath.workdps(60):
+            expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
+        found = inverse_dynamics(model, q, qd, qdd)
+        assert worst(found, expected) <= 1e-14
+        if taper < 1:
+            assert np.max(np.abs(found - expected) / np.abs(expected)) <= 1e-12
+
+
+@pytest.mark.parametrize("n", [4, 5, 6, 8, 10, 15, 20, 30, 50, 75, 100])
+def test_condition_of_the_mass_matrix_of_equal_links(n):
+    cond = np.linalg.cond(mass_matrix(chain(n), np.zeros(n)))
+    assert abs(cond / (4 * n**4) - 1) <= 0.09
+    printed = dict(row[:2] for row in reference("cond")["cond_q0"]["chain planar"])
+    assert abs(cond / printed[n] - 1) <= 1e-6
+
+
+@pytest.mark.parametrize("scale", [1e-8, 1e-4, 1e4, 1e75, 1e150])
+def test_scales_of_speed(scale):
+    """Without gravity tau(q, s qd, s^2 qdd) = s^2 tau(q, qd, qdd)."""
+    model, weightless = random_tree(43), Scene(gravity=(0.0, 0.0, 0.0))
+    q, qd, qdd = random_state(model, np.random.default_rng(44), 10)
+    fast = inverse_dynamics(model, q, scale * qd, scale * (scale * qdd), scene=weightless)
+    assert worst(fast / scale / scale, inverse_dynamics(model, q, qd, qdd, scene=weightless)) <= 4 * EPS
+
+
+@pytest.mark.parametrize("scale", [2.0**-60, 2.0**60])
+def test_scales_of_mass_and_length(scale):
+    """Masses times s and lengths times r: hinge torques times s r^2, exactly for powers of two."""
+
+    def robot(s, r):
+        rng, parts = np.random.default_rng(45), [link("l0")]
+        for i in range(1, 6):
+            m, com, six = body_numbers(rng)
+            parts.append(link(f"l{i}", s * m, r * com, s * r * r * six))
+            placed = {"xyz": r * rng.uniform(-1, 1, 3), "rpy": rng.uniform(-3, 3, 3)}
+            parts.append(joint(f"j{i}", f"l{i - 1}", f"l{i}", axis=(0.6, 0, 0.8), **placed))
+        return built(*parts)
+
+    state, weightless = _states(robot(1, 1), 46), Scene(gravity=(0.0, 0.0, 0.0))
+    tau = inverse_dynamics(robot(scale, 1 / scale), *state, scene=weightless)
+    np.testing.assert_array_equal(tau * scale, inverse_dynamics(robot(1, 1), *state, scene=weightless))
+
+
+@pytest.mark.parametrize("place", [(1e6, 0, 0), (-7e5, 3e5, 1e6)])
+def test_a_base_a_thousand_kilometres_away(place):
+    """A world link carries the robot by a fixed joint: not one bit of tau changes."""
+    parts = random_tree_parts(np.random.default_rng(47), 8)
+    here = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
+    there = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", xyz=place)))
+    free, state = load(urdf(*parts), moving_base=True), _states(here, 48)
+    np.testing.assert_array_equal(inverse_dynamics(there, *state), inverse_dynamics(here, *state))
+    q, qd, qdd = random_state(free, np.random.default_rng(49), 5)
+    away = q.copy()
+    away[:, :3] = place
+    np.testing.assert_array_equal(inverse_dynamics(free, away, qd, qdd), inverse_dynamics(free, q, qd, qdd))
+
+
+def test_reversed_axes():
+    """tau(-axis, -q) = -tau(axis, q), joint by joint."""
+    parts = random_tree_parts(np.random.default_rng(50), 7, kinds=("revolute", "prismatic"))
+    model = load(urdf(*parts))
+    state = _states(model, 51)
+    for k, name in enumerate(model.joint_names):
+        flipped = load(urdf(*(_flipped(part) if f'joint name="{name}"' in part else part for part in parts)))
+        sign = np.where(np.arange(model.n) == k, -1.0, 1.0)
+        tau = inverse_dynamics(flipped, *(sign * x for x in state))
+        assert worst(sign * tau, inverse_dynamics(model, *state)) <= 8 * EPS
+
+
+def _flipped(part):
+    before, _, rest = part.partition('<axis xyz="')
+    axis, _, after = rest.partition('"')
+    return f'{before}<axis xyz="{" ".join(repr(-float(x)) for x in axis.split())}"{after}'
+
+
+def test_non_unit_axes_are_normalised_with_a_note():
+    arm = link("arm", 2, (0.5, 0.1, 0.2), (0.1, 0, 0, 0.2, 0, 0.3))
+    for axis in ((0, 3, 4), (0, 3e-200, 4e-200), (0, 3e200, 4e200)):
+        model = built(link("base"), arm, joint("j", "base", "arm", axis=axis))
+        assert worst(model.bodies[1].joint.axis, [0, 0.6, 0.8]) <= 2 * EPS
+        assert any("length" in note for note in model.notes)
+    unit = built(link("base"), arm, joint("j", "base", "arm", axis=(0, 0.6, 0.8)))
+    assert not unit.notes
+
+
+def _with_massless(joints):
+    """A heavy tip behind three joints, two of which carry nothing."""
+    parts = [link("l0"), link("l1"), link("l2"), link("l3", 1, (0, 0.5, 0), (1, 0, 0, 1, 0, 1))]
+    return built(*parts, *joints)
+
+
+def test_massless_links_between_joints():
+    axes = {"j1": (0, 0, 1), "j2": (0, 1, 0), "j3": (1, 0, 0)}
+    model = _with_massless(
+        [joint(name, f"l{i}", f"l{i + 1}", axis=axis) for i, (name, axis) in enumerate(axes.items())]
+    )
+    state = _states(model, 52)
+    with mpmath.workdps(50):
+        expected = [[float(x) for x in torques_of(model, *row)] for row in zip(*state, strict=True)]
+    assert worst(inverse_dynamics(model, *state), expected) <= 4 * EPS
+    assert (np.linalg.eigvalsh(mass_matrix(model, state[0])) > 0).all()
+
+
+def test_a_massless_leaf_feels_nothing():
+    model = built(link("base"), link("leaf"), joint("j", "base", "leaf"))
+    assert not inverse_dynamics(model, *_states(model, 53)).any()
+    assert not mass_matrix(model, [0.3]).any()
+    assert Plan(model, Scene()).torques().size == 0
+
+
+@pytest.mark.parametrize(
+    ("inertia", "why"),
+    [
+        ((0.1, 0, 0, 0.1, 0, -0.2), "a principal moment of inertia is negative (-0.2 kg m^2)"),
+        ((0.1, 0, 0, 0.2, 0, 0.5), "principal moments 0.1 + 0.2 < 0.5 kg m^2 break the triangle inequality"),
+    ],
+)
+def test_unphysical_inertia_is_computed_and_noted(inertia, why):
+    model = built(link("base"), link("arm", 2, (0.5, 0, 0), inertia), joint("j", "base", "arm"))
+    noted = [note for note in model.notes if "computed as given" in note]
+    assert noted == [f'link "arm" (line 4): {why}; computed as given']
+    tau = inverse_dynamics(model, [0.0], [0.0], [1.0])
+    assert worst(tau, [2 * 0.25 + inertia[5]]) <= EPS
+
+
+def test_negative_mass_is_computed_and_noted():
+    model = built(link("base"), link("arm", -2, (0.5, 0, 0)), joint("j", "base", "arm", axis=(0, 1, 0)))
+    assert any("mass" in note for note in model.notes)
+    assert inverse_dynamics(model, [0.0], [0.0], [0.0])[0] == 2 * 9.81 * 0.5
+
+
+def test_physical_robots_have_no_such_note():
+    assert not random_tree(54).notes
+
+
+@pytest.mark.parametrize("pitch", [math.pi / 2, -math.pi / 2, math.nextafter(math.pi / 2, 0), 1.5707963])
+def test_a_joint_frame_at_the_gimbal(pitch):
+    """Where roll and yaw turn about the same axis; no angle is ever recovered from the matrix."""
+    R = rotation_from_rpy(0.3, pitch, 0.7)
+    with mpmath.workdps(40):
+        expected = [[float(x) for x in row] for row in _rpy(0.3, pitch, 0.7)]
+    assert worst(R, expected) <= 4 * EPS
+    assert worst(R @ R.T, np.eye(3)) <= 4 * EPS
+
+
+def _rpy(roll, pitch, yaw):
+    cr, sr, cp, sp, cy, sy = (f(mpmath.mpf(x)) for x in (roll, pitch, yaw) for f in (mpmath.cos, mpmath.sin))
+    return [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]

@@ -1,0 +1,166 @@
+"""Momenta: of a satellite whose torques are internal, against Pinocchio's, and Euler's laws in full."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from busy_robot import busy_parts, busy_robot
+from oracles import EPS, frictionless, random_state, robot, run, worst
+from pinocchio_robots import PinocchioRobot
+from small_robots import urdf
+
+from robodyn.dynamics.along import along_motion
+from robodyn.dynamics.dual import rate_of, value_of
+from robodyn.dynamics.kinematics import motions
+from robodyn.dynamics.momentum import momenta, momentum_of_bodies
+from robodyn.dynamics.places import poses
+from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.plan import Plan
+from robodyn.scene import Scene
+
+WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))
+
+
+def _each(part, array):
+    return np.array([part(x) for x in np.ravel(array)], dtype=float).reshape(np.shape(array))
+
+
+def _of(model, q, qd, qdd):
+    """P and H about the ground's origin in the ground's axes, as (values, rates), and the scale of the rates."""
+    position, speed = along_motion(model, q.tolist(), qd.tolist(), qdd.tolist())
+    joints = motions(model, position, speed, qdd.tolist())
+    inertias = [body.inertia for body in model.bodies]
+    whole, pose = momenta(model.parents, joints, inertias), poses(model.parents[:1], joints[:1])[0]
+    P = pose.R @ whole.P
+    H = pose.R @ whole.H + np.cross(pose.p, P)
+    return (_each(value_of, P), _each(value_of, H)), (_each(rate_of, P), _each(rate_of, H))
+
+
+def _floating_freely(model, rng, scene):
+    """A random state whose base accelerates so that it needs no wrench, the joints being pushed at random."""
+    (q,), (qd,), (qdd,) = random_state(model, rng, 1)
+    M, bias = mass_matrix(model, q, scene=scene), bias_forces(model, q, qd, scene=scene)
+    qdd[:6] = np.linalg.solve(M[:6, :6], -(M[:6, 6:] @ qdd[6:] + bias[:6]))
+    return q, qd, qdd
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_internal_torques_change_neither_momentum(seed):
+    model = robot("satellite", True)
+    scene = frictionless(model, gravity=(0.0, 0.0, 0.0))
+    q, qd, qdd = _floating_freely(model, np.random.default_rng(seed), scene)
+    tau = inverse_dynamics(model, q, qd, qdd, scene=scene)
+    assert np.abs(tau[6:]).max() > 0.1
+    plan = Plan(model, scene)
+    base = run(plan.wrenches(), plan, q, qd, qdd)[0, model.n :]
+    forces = run(plan.wrenches(joints=True), plan, q, qd, qdd)[0, model.n :].reshape(-1, 6)
+    assert worst(base, np.zeros(6), np.abs(forces[1:]).max()) <= 1e-14
+    _, (P_rate, H_rate) = _of(model, q, qd, qdd)
+    assert worst(P_rate, np.zeros(3), np.abs(forces[1:, :3]).max()) <= 2e-14
+    reach = 1 + np.abs(q[:3]).max()
+    assert worst(H_rate, np.zeros(3), reach * np.abs(forces[1:]).max()) <= 2e-14
+
+
+def test_a_robot_with_everything_floats_freely_too():
+    model = busy_robot(True)
+    scene = frictionless(model, gravity=(0.0, 0.0, 0.0))
+    q, qd, qdd = _floating_freely(model, np.random.default_rng(7), scene)
+    tau = inverse_dynamics(model, q, qd, qdd, scene=scene)
+    _, (P_rate, H_rate) = _of(model, q, qd, qdd)
+    assert worst(np.concatenate((P_rate, H_rate)), np.zeros(6), np.abs(tau).max()) <= 1e-13
+
+
+def test_held_bus_needs_only_the_arrays_own_inertia():
+    model = robot("satellite")
+    q, qd, qdd = random_state(model, np.random.default_rng(8), 20)
+    tau = inverse_dynamics(model, q, qd, qdd, scene=frictionless(model, gravity=(0.0, 0.0, 0.0)))
+    assert worst(tau, 0.5 * qdd) <= 1e-14
+
+
+def test_inertia_of_the_satellite_about_its_bus_frame():
+    model = robot("satellite", True)
+    q = random_state(model, np.random.default_rng(9), 20)[0]
+    bus = model.bodies[0].inertia
+    for row, M in zip(q, mass_matrix(model, q), strict=True):
+        s, c = np.sin(row[7:]), np.cos(row[7:])
+        expected = bus.I.copy()
+        expected[0, 0] += np.sum(20 * 1.5**2 + 8 * c**2 + 8.4 * s**2)
+        expected[1, 1] += 2 * 0.5
+        expected[2, 2] += np.sum(20 * 1.5**2 + 8 * s**2 + 8.4 * c**2)
+        expected[[0, 2], [2, 0]] += np.sum(0.4 * s * c)
+        assert worst(M[:3, :3], expected) <= 16 * EPS
+        assert worst(M[3:6, 3:6], 100 * np.eye(3)) <= 16 * EPS
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_momenta_and_energy_against_pinocchio(seed):
+    model = busy_robot(True)
+    other = PinocchioRobot(urdf(*busy_parts()), free=True)
+    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
+    joints = motions(model, q, qd, qdd)
+    whole = momenta(model.parents, joints, [body.inertia for body in model.bodies])
+    position, v, a = other.state(model, q, qd, qdd)
+    pin.computeCentroidalMomentumTimeVariation(other.model, other.data, position, v, a)
+    R, origin = poses(model.parents[:1], joints[:1])[0]
+    P = other.data.hg.linear
+    H = other.data.hg.angular + np.cross(other.data.com[0] - origin, P)
+    assert worst(R @ whole.P, P) <= 1e-14
+    assert worst(R @ whole.H, H) <= 1e-14
+    assert worst(whole.T, pin.computeKineticEnergy(other.model, other.data, position, v)) <= 1e-14
+    assert worst(whole.m, model.total_mass) <= 4 * EPS
+    assert worst(R @ (whole.mc / whole.m) + origin, other.data.com[0]) <= 1e-14
+    (P_again, _), (P_rate, _) = _of(model, q, qd, qdd)
+    assert worst(P_again, P) <= 1e-14
+    assert worst(P_rate, other.data.dhg.linear) <= 1e-14
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_kinetic_energy_is_half_qd_m_qd(seed):
+    model = busy_robot(True)
+    scene = frictionless(model)
+    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
+    whole = momenta(model.parents, motions(model, q, qd, qdd), [body.inertia for body in model.bodies])
+    M = mass_matrix(model, q, scene=scene)
+    k = model.rates.index("j2")
+    M[k, k] -= 30**2 * 2e-4
+    assert worst(whole.T, 0.5 * qd @ M @ qd) <= 1e-14
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_eulers_laws_by_dual_numbers(seed):
+    """The force recursion's base wrench is the rate of the momentum recursion's momenta, which share no force."""
+    model = busy_robot(True)
+    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
+    plan = Plan(model, WEIGHTLESS)
+    base = run(plan.wrenches(), plan, q, qd, qdd)[0, model.n :]
+    _, (P_rate, H_rate) = _of(model, q, qd, qdd)
+    R, p = poses(model.parents[:1], motions(model, q, qd, qdd)[:1])[0]
+    assert worst(R @ base[:3], P_rate) <= 1e-14
+    assert worst(R @ base[3:] + np.cross(p, R @ base[:3]), H_rate) <= 1e-14
+
+
+def test_newtons_third_law_between_bodies():
+    """What a body needs is what its parent gives less what it hands on: cutting every joint balances every body."""
+    model = busy_robot()
+    state = random_state(model, np.random.default_rng(4), 1)
+    plan = Plan(model, WEIGHTLESS)
+    wrenches = run(plan.wrenches(joints=True), plan, *state)[0, model.n :].reshape(-1, 2, 3)
+    joints = motions(model, *(x[0] for x in state))
+    where = poses(model.parents, joints)
+    position, speed = along_motion(model, *(x[0].tolist() for x in state))
+    dual = motions(model, position, speed, state[2][0].tolist())
+    places = poses(model.parents, dual)
+    each = momentum_of_bodies(model.parents, dual, [body.inertia for body in model.bodies])
+    for i, (R, p) in enumerate(places):
+        P = R @ each[i][0]
+        H = R @ each[i][1] + np.cross(p, P)
+        f = where[i].R @ wrenches[i, 0]
+        n = where[i].R @ wrenches[i, 1] + np.cross(where[i].p, f)
+        for child in [k for k, parent in enumerate(model.parents) if parent == i]:
+            handed = where[child].R @ wrenches[child, 0]
+            n = n - where[child].R @ wrenches[child, 1] - np.cross(where[child].p, handed)
+            f = f - handed
+        scale = np.abs(wrenches).max()
+        assert worst(f, _each(rate_of, P), scale) <= 1e-14
+        assert worst(n, _each(rate_of, H), scale) <= 1e-14

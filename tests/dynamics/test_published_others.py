@@ -1,0 +1,187 @@
+"""Numbers printed by other projects for small robots."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles import frictionless, golden_model, reference, run, worst
+from small_robots import built, joint, link
+
+from robodyn.effects import coriolis, gravity
+from robodyn.inverse import inverse_dynamics, mass_matrix
+from robodyn.plan import Plan
+from robodyn.scene import ExternalWrench, Scene
+
+PRINTED = reference("published_checks")
+g = 9.81
+
+
+@pytest.mark.parametrize(("q", "expected"), [((0, 0), (2, 0.5)), ((0, np.pi / 2), (1.5, 0)), ((np.pi / 2, 0), (0, 0))])
+def test_two_links_of_the_robotics_toolbox(q, expected):
+    """Its arm turns upwards with q, ours downwards about +y."""
+    tau = -inverse_dynamics(golden_model("twolink_rtb"), -np.array(q), 0, 0)
+    assert worst(tau, g * np.array(expected), 2 * g) <= 1e-15
+
+
+def test_two_links_with_a_force_at_the_tip():
+    up = ExternalWrench("link2", (0, 0, 1), point=(1, 0, 0), frame="base")
+    tau = inverse_dynamics(golden_model("twolink_rtb"), 0, 0, 0, scene=Scene(gravity=(0, 0, 0), wrenches=(up,)))
+    assert tuple(tau) == tuple(PRINTED["twolink_rtb"]["tip force 1 N up, g=0 -> tau"]) == (2, 1)
+
+
+class TestModernRobotics:
+    """Its first screw has length sqrt 2: our q1 is sqrt 2 times its theta1, its tau1 sqrt 2 times ours."""
+
+    P = PRINTED["modern_robotics_3link"]
+    model = golden_model("mr_3link")
+    stretch = np.array([np.sqrt(2), 1, 1])
+    weight = Scene(gravity=tuple(P["g"]))
+
+    def ours(self, key):
+        return self.stretch * self.P[key]
+
+    @property
+    def tip(self):
+        """The tool's frame is turned by 90 degrees about y from the last link's; its wrench acts on the environment."""
+        m, f = np.array(self.P["Ftip_by_tip_on_env(m,f)"]).reshape(2, 3)
+        turn = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+        force, moment = tuple(-turn @ f), tuple(-turn @ m)
+        return ExternalWrench("link3", force, moment, point=(0.39225, 0.01615, 0.000159))
+
+    def printed(self, key, found, decimals=8):
+        return np.abs(found - np.array(self.P[key])).max() <= 0.51 * 10.0**-decimals
+
+    def test_inverse_dynamics(self):
+        scene = replace(self.weight, wrenches=(self.tip,))
+        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), self.ours("qdd"), scene=scene)
+        assert self.printed("InverseDynamics", self.stretch * tau)
+
+    @pytest.mark.parametrize(
+        ("key", "effect"), [("GravityForces", gravity.EFFECT), ("VelQuadraticForces", coriolis.EFFECT)]
+    )
+    def test_parts(self, key, effect):
+        plan = Plan(self.model, self.weight)
+        share = run(plan.share(effect), plan, self.ours("q"), self.ours("qd"), self.ours("qdd"))[0]
+        assert self.printed(key, self.stretch * share, 7)
+
+    def test_end_effector_forces(self):
+        scene = Scene(gravity=(0, 0, 0), wrenches=(self.tip,))
+        tau = inverse_dynamics(self.model, self.ours("q"), 0, 0, scene=scene)
+        assert self.printed("EndEffectorForces", self.stretch * tau)
+
+    def test_mass_matrix(self):
+        M = mass_matrix(self.model, self.ours("q")) * np.outer(self.stretch, self.stretch)
+        assert self.printed("MassMatrix", M, 6)
+
+    def test_forward_dynamics_backwards(self):
+        qdd = self.stretch * self.P["ForwardDynamics(tau=[.5,.6,.7])"]
+        scene = replace(self.weight, wrenches=(self.tip,))
+        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), qdd, scene=scene)
+        assert worst(self.stretch * tau, [0.5, 0.6, 0.7]) <= 1e-6
+
+    def test_computed_torque(self):
+        theta, rate, wanted = np.array(self.P["q"]), np.array(self.P["qd"]), np.ones(3)
+        error = wanted - theta
+        push = 1.3 * error + 1.2 * (0.2 + error) + 1.1 * (np.array([2, 1.2, 2]) - rate) + 0.1
+        tau = inverse_dynamics(self.model, self.ours("q"), self.ours("qd"), self.stretch * push, scene=self.weight)
+        assert self.printed("ComputedTorque", self.stretch * tau)
+
+
+AXES = {key: value for key, value in PRINTED["negative_and_oblique_axis"].items() if key.startswith("(")}
+
+
+def _arm(axis):
+    return built(
+        link("base"), link("arm", 2, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)), joint("j", "base", "arm", axis=axis)
+    )
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_negative_and_oblique_axes(axis):
+    direction = json.loads(axis.replace("(", "[").replace(")", "]"))
+    tau = inverse_dynamics(_arm(direction), 0.3, 0, 0)
+    assert abs(tau[0] - AXES[axis]) <= 1e-8
+    long = inverse_dynamics(_arm(7.3 * np.array(direction)), 0.3, 0, 0)
+    assert worst(long, tau) <= 4e-16
+
+
+def test_one_joint_with_friction():
+    printed = PRINTED["effects_one_joint"]
+    model = built(
+        link("base"),
+        link("l1", 2, (0.5, 0, 0)),
+        link("l2", 1, (0.5, 0, 0)),
+        joint("j1", "base", "l1", axis=(0, 1, 0), more='<dynamics damping="3" friction="5"/>'),
+        joint("j2", "l1", "l2", axis=(0, 1, 0), xyz=(1, 0, 0)),
+    )
+    state = [0, 0], [1, 0], [0, 0]
+    assert worst(inverse_dynamics(model, *state, scene=frictionless(model)), printed["bias"]) <= 1e-15
+    assert worst(inverse_dynamics(model, *state), printed["mujoco_qfrc_inverse"]) <= 1e-15
+
+
+UNIT = (1, 0, 0, 1, 0, 1)
+
+
+def _rbdl_tree():
+    return built(
+        link("base"),
+        *(link(f"l{i}", 1, com, UNIT) for i, com in enumerate([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 1, 0), (0, 0, 1)])),
+        joint("j0", "base", "l0"),
+        joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
+        joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0, 1, 0)),
+        joint("j3", "l0", "l3", axis=(0, 1, 0), xyz=(-0.5, 0, 0)),
+        joint("j4", "l3", "l4", axis=(1, 0, 0), xyz=(0, -0.5, 0)),
+    )
+
+
+def _rbdl_chain(n):
+    links = [link(f"l{i}", 1, (1, 0, 0), UNIT) for i in range(n)]
+    joints = [joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", xyz=(float(i > 0), 0, 0)) for i in range(n)]
+    return built(link("base"), *links, *joints)
+
+
+def _rbdl_massless():
+    return built(
+        link("base"),
+        link("l0"),
+        link("l1"),
+        link("l2", 1, (0, 0.5, 0), UNIT),
+        joint("j0", "base", "l0"),
+        joint("j1", "l0", "l1", axis=(0, 1, 0)),
+        joint("j2", "l1", "l2", axis=(1, 0, 0)),
+    )
+
+
+RBDL = {
+    "single com(1,0,0) axis z": (lambda: _rbdl_chain(1), [0]),
+    "single com(1.5,1,1) I_C=diag(1,2,3)": (
+        lambda: built(link("base"), link("l", 1, (1.5, 1, 1), (1, 0, 0, 2, 0, 3)), joint("j", "base", "l")),
+        [0],
+    ),
+    "double chain x-offset 1": (lambda: _rbdl_chain(2), [0, 0]),
+    "triple chain": (lambda: _rbdl_chain(3), [0, 0, 0]),
+    "double 3D: z then y, com2 (0,1,0)": (
+        lambda: built(
+            link("base"),
+            link("l0", 1, (1, 0, 0), UNIT),
+            link("l1", 1, (0, 1, 0), UNIT),
+            joint("j0", "base", "l0"),
+            joint("j1", "l0", "l1", axis=(0, 1, 0), xyz=(1, 0, 0)),
+        ),
+        [0, 0],
+    ),
+    "tree: z; (y@+x1 com y, x@+y1 com z); (y@-0.5x com y, x@-0.5y com z)": (_rbdl_tree, [0] * 5),
+    "massless intermediates z,y,x; body com(0,.5,0); q1=1": (_rbdl_massless, [1, 0, 0]),
+}
+
+
+@pytest.mark.parametrize("key", RBDL)
+def test_no_torque_at_the_accelerations_of_rbdl(key):
+    make, q = RBDL[key]
+    model, down = make(), Scene(gravity=(0, -g, 0))
+    qdd = PRINTED["rbdl_forward_dynamics"][key]
+    tau = inverse_dynamics(model, q, 0, qdd, scene=down)
+    assert worst(tau, np.zeros(model.n), np.abs(inverse_dynamics(model, q, 0, 0, scene=down)).max()) <= 1e-13

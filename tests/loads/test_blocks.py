@@ -1,0 +1,109 @@
+"""One block or many: the same figures."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from busy_robot import BUSY_SCENE, busy_robot
+from motions import Pieces, waves
+from oracles import EPS, robot
+from small_robots import built, joint, link
+
+from robodyn.errors import InputError
+from robodyn.loads import output_names, torques
+from robodyn.motion_input import motion
+from robodyn.statistics import Peak
+
+SAMPLES = 400
+TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))
+SPLITS = {
+    "ones": [1] * SAMPLES,
+    "halves": [200, 200],
+    "uneven": [1, 2, 97, 299, 1],
+    "with empty ones": [0, 399, 0, 1, 0],
+}
+
+
+def _busy():
+    rng = np.random.default_rng(4)
+    model = busy_robot()
+    columns = {name: rng.normal(size=SAMPLES) for name in BUSY_SCENE.columns}
+    return model, waves(model, TIME, columns=columns), BUSY_SCENE
+
+
+def _numbers(record):
+    return {key: value for key, value in asdict(record).items() if isinstance(value, (int, float))}
+
+
+@pytest.mark.parametrize("split", SPLITS)
+def test_figures_do_not_depend_on_blocks(split):
+    model, trajectory, scene = _busy()
+    whole = torques(model, trajectory, scene)
+    parts = torques(model, Pieces(trajectory, SPLITS[split]), scene)
+    for one, two in zip((*whole.joints, *whole.base_wrench), (*parts.joints, *parts.base_wrench), strict=True):
+        expected, found = _numbers(one), _numbers(two)
+        for key, value in expected.items():
+            assert abs(found[key] - value) <= 64 * EPS * abs(value), key
+    assert (parts.samples, parts.duration, parts.operations) == (whole.samples, whole.duration, whole.operations)
+    balance, other = whole.checks.energy_balance, parts.checks.energy_balance
+    assert abs(other.work - balance.work) <= 64 * EPS * balance.turnover
+    assert abs(other.energy_change - balance.energy_change) <= 64 * EPS * balance.turnover
+    assert [report.verdict for report in parts.effects] == [report.verdict for report in whole.effects]
+    assert [joint.shares.keys() for joint in parts.joints] == [joint.shares.keys() for joint in whole.joints]
+
+
+def test_sinks_see_every_sample_once():
+    model, trajectory, scene = _busy()
+    once, many = [], []
+    torques(model, trajectory, scene, reactions=True, sinks=[lambda *block: once.append(block)])
+    torques(model, Pieces(trajectory, [100] * 4), scene, reactions=True, sinks=[lambda *block: many.append(block)])
+    assert (len(once), len(many)) == (1, 4)
+    np.testing.assert_array_equal(np.concatenate([time for time, _ in many]), once[0][0])
+    np.testing.assert_array_equal(np.concatenate([loads for _, loads in many]), once[0][1])
+    assert once[0][1].shape == (SAMPLES, len(output_names(model, True)))
+
+
+def test_a_block_at_rest_between_blocks_that_move():
+    """Zero columns fold away in that block alone; what is on is what is on in any block."""
+    model = robot("puma560")
+    trajectory = waves(model, np.linspace(0, 3, 300))
+    still = np.ones((300, 1))
+    still[100:200] = 0
+    resting = replace(trajectory, qd=trajectory.qd * still, qdd=trajectory.qdd * still)
+    whole, parts = torques(model, resting), torques(model, Pieces(resting, [100] * 3))
+    assert [report.verdict for report in parts.effects] == [report.verdict for report in whole.effects]
+    assert [joint.peak for joint in parts.joints] == [joint.peak for joint in whole.joints]
+    assert parts.operations == whole.operations
+
+
+def test_of_equal_peaks_the_first_counts():
+    """-1 comes before 1 whether or not they stand in the same block."""
+    values = np.array([[0.5, -1.0, 1.0, -1.0], [0.5, 1.0, -1.0, 1.0]])
+    together, apart = Peak.of(2), Peak.of(2)
+    together.update(values, 0)
+    for k in range(4):
+        apart.update(values[:, k : k + 1], k)
+    for peak in (together, apart):
+        assert peak.value.tolist() == [-1.0, 1.0]
+        assert peak.index.tolist() == [1, 1]
+
+
+def test_no_samples():
+    model = built(link("base"), link("arm", 1), joint("j", "base", "arm"))
+    one = motion(model, [0.0], [[0.0]], [[0.0]], [[0.0]])
+    none = replace(one, **{name: getattr(one, name)[:0] for name in ("time", "q", "qd", "qdd")})
+    with pytest.raises(InputError, match="no samples"):
+        torques(model, Pieces(none, [0]))
+
+
+def test_one_sample():
+    model = robot("puma560")
+    one = torques(model, motion(model, [2.5], [[0.1] * 6], [[0.2] * 6], [[0.3] * 6]))
+    assert one.warnings == model.notes
+    assert (one.samples, one.duration) == (1, 0.0)
+    for load in one.joints:
+        assert load.mean == load.peak
+        assert abs(load.rms - abs(load.peak)) <= EPS * abs(load.peak)
+        assert (load.peak_time, load.peak_row, load.work_positive, load.cubic_mean) == (2.5, 1, 0.0, 0.0)

@@ -1,0 +1,81 @@
+"""Reading ahead and writing behind: order, errors and early ends are those of plain loops."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from robodyn.overlap import ahead, behind
+
+
+def counted(stop: int, made: list[int]) -> Iterator[int]:
+    for i in range(stop):
+        made.append(i)
+        yield i
+
+
+def test_ahead_gives_the_same_items_in_order() -> None:
+    assert list(ahead(iter(range(100)))) == list(range(100))
+    assert list(ahead(iter(()))) == []
+
+
+def test_ahead_raises_what_the_items_raise_after_the_items_before_it() -> None:
+    def failing() -> Iterator[int]:
+        yield 1
+        raise ValueError("second")
+
+    items = ahead(failing())
+    assert next(items) == 1
+    with pytest.raises(ValueError, match="second"):
+        next(items)
+
+
+def test_ahead_holds_few_items_and_ends_its_thread_when_it_is_left_early() -> None:
+    made: list[int] = []
+    before = threading.active_count()
+    items = ahead(counted(1000, made))
+    assert next(items) == 0
+    items.close()  # type: ignore[attr-defined]
+    assert threading.active_count() == before
+    assert len(made) <= 5
+
+
+def test_behind_uses_everything_in_order_before_it_ends() -> None:
+    used: list[int] = []
+    with behind(used.append) as call:
+        for i in range(100):
+            call(i)
+    assert used == list(range(100))
+
+
+def test_behind_raises_a_failure_and_uses_nothing_after_it() -> None:
+    used: list[int] = []
+
+    def use(i: int) -> None:
+        if i == 3:
+            raise OSError("disk full")
+        used.append(i)
+
+    def run() -> None:
+        with behind(use) as call:
+            for i in range(100):
+                call(i)
+
+    with pytest.raises(OSError, match="disk full"):
+        run()
+    assert used == [0, 1, 2]
+
+
+def test_an_error_in_the_block_wins_over_nothing_and_waits_for_the_work() -> None:
+    used: list[int] = []
+
+    def run() -> None:
+        with behind(used.append) as call:
+            call(1)
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError):
+        run()
+    assert used == [1]

@@ -1,0 +1,163 @@
+"""Self-checks hold on right results and fail on wrong ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from busy_robot import BUSY_SCENE, busy_robot
+from motions import waves
+from oracles import ROBOTS, random_state, robot, run
+
+import robodyn.plan
+from robodyn.dynamics.newton_euler import newton_euler
+from robodyn.inverse import mass_matrix
+from robodyn.loads import torques
+from robodyn.motion_input import motion, read_motion
+from robodyn.plan import Plan
+from robodyn.result import EnergyBalance
+from robodyn.scene import Scene
+from robodyn.scene_file import load_scene
+from robodyn.self_checks import LawResiduals, laws, losses
+
+EXAMPLES = {
+    "scara_pick_and_place": ("scara", None),
+    "puma_reach": ("puma", None),
+    "puma_polish": ("puma", "puma_polish"),
+    "puma560_sweep": ("puma560", "puma560_motors"),
+    "cylindrical_transfer": ("cylindrical", None),
+    "two_link_planar_swing": ("two_link_planar", None),
+    "two_link_spatial_slew": ("two_link_spatial", None),
+    "gripper_pick": ("gripper", "gripper"),
+    "satellite_slew": ("satellite", "satellite"),
+    "rigid_body_flip": ("rigid_body", "rigid_body"),
+}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_hold_on_every_example(name):
+    """Tables of robots/ carry rounded columns: energy agrees within its sampling, the laws to rounding."""
+    urdf, toml = EXAMPLES[name]
+    scene = load_scene(ROBOTS / f"{toml}.toml") if toml else Scene()
+    model = robot(urdf, scene.moving_base)
+    with read_motion(ROBOTS / f"{name}.csv", model, scene) as reader:
+        result = torques(model, reader, scene)
+    assert result.checks.energy_balance.consistent
+    assert max(result.checks.first_law, result.checks.second_law, result.checks.power) <= 1e-12
+    assert not [warning for warning in result.warnings if "energy" in warning]
+    largest = max((abs(load.peak) for load in result.joints), default=0.0)
+    for load in result.joints:
+        assert abs(sum(load.shares.values()) - load.peak) <= 1e-12 * largest
+
+
+@pytest.mark.parametrize("moving_base", [False, True])
+def test_hold_with_every_effect(moving_base):
+    model = busy_robot(moving_base)
+    rng = np.random.default_rng(1)
+    state = random_state(model, rng, 200)
+    columns = {name: rng.normal(size=200) for name in BUSY_SCENE.columns}
+    trajectory = motion(model, np.arange(200) * 1.0, *state, columns=columns)
+    checks = torques(model, trajectory, BUSY_SCENE).checks
+    assert max(checks.first_law, checks.second_law, checks.power) <= 1e-13
+    assert checks.samples == 64
+
+
+MUTATIONS = {
+    "a wrong force": lambda wrench: wrench._replace(f=wrench.f * 1.001),
+    "a wrong moment": lambda wrench: wrench._replace(n=wrench.n + np.array([0, 0, 0.001])),
+    "a flipped axis": lambda wrench: wrench._replace(n=wrench.n * np.array([1, -1, 1])),
+}
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS)
+def test_a_wrong_wrench_shows_up(mutation, monkeypatch):
+    """The momentum recursion does not share what the force recursion got wrong."""
+
+    def wrong(*args):
+        return [MUTATIONS[mutation](wrench) for wrench in newton_euler(*args)]
+
+    monkeypatch.setattr(robodyn.plan, "newton_euler", wrong)
+    model = busy_robot()
+    plain = replace(BUSY_SCENE, wrenches=(), immersed=())
+    trajectory = waves(model, np.linspace(0, 2, 100))
+    checks = torques(model, trajectory, plain).checks
+    assert max(checks.first_law, checks.second_law) >= 1e-6
+    assert checks.power >= 1e-6
+
+
+def test_a_wrong_joint_torque_shows_up_in_the_power():
+    model = busy_robot()
+    plan = Plan(model, Scene())
+    state = random_state(model, np.random.default_rng(2), 30)
+    out = run(plan.wrenches(), plan, *state)
+    tau, base = out[:, : model.n].copy(), out[:, model.n :]
+    expected, lost = run(laws(plan), plan, *state), run(losses(plan), plan, *state)[:, 0]
+    for nudge, bound in ((0.0, 1e-14), (1e-6, np.inf)):
+        residuals = LawResiduals()
+        gross = tau * state[1]
+        gross[:, 2] *= 1 + nudge
+        residuals.update(expected, base, gross.sum(1) - lost, gross)
+        assert residuals.relative[2] <= bound
+        assert nudge == 0 or residuals.relative[2] > 1e-9
+
+
+def test_a_velocity_that_is_not_the_rate_of_the_position_is_told():
+    model = robot("puma")
+    t = np.linspace(0, 2, 1001)[:, None]
+    span = np.array([1.0, -1.2, 0.7])
+    good = motion(model, t[:, 0], *(span * x for x in (np.sin(t / 2), np.cos(t / 2) / 2, -np.sin(t / 2) / 4)))
+    assert not torques(model, good).warnings[len(model.notes) :]
+    for wrong in (replace(good, qd=0.9 * good.qd), replace(good, q=0.9 * good.q), replace(good, qdd=-good.qdd)):
+        result = torques(model, wrong)
+        assert not result.checks.energy_balance.consistent
+        (warning,) = result.warnings[len(model.notes) :]
+        assert warning.startswith("energy balance is off by")
+        assert max(result.checks.first_law, result.checks.second_law) <= 1e-12
+
+
+def test_energy_balance_converges_with_the_square_of_the_step():
+    model = busy_robot()
+    scene = replace(BUSY_SCENE, wrenches=(), immersed=())
+    residuals = []
+    for n in (401, 801, 1601):
+        balance = torques(model, waves(model, np.linspace(0, 3, n), amplitude=0.3), scene).checks.energy_balance
+        residuals.append(abs(balance.residual))
+        assert balance.consistent
+    assert residuals[2] < residuals[0] / 4
+
+
+def test_inconsistent_by_more_than_a_thousandth_only():
+    assert EnergyBalance(10.0, 9.9901, 0.0, 10.0).consistent
+    assert not EnergyBalance(10.0, 9.98, 0.0, 10.0).consistent
+    assert EnergyBalance(10.0, 9.98, -0.0021, 10.0).consistent
+    assert EnergyBalance(10.0, 9.5, 0.0, 10.0).residual == 0.5
+
+
+def test_uncertainty_of_noisy_positions():
+    """sqrt(sum (M_kj s_j)^2) at each joint's peak; none where accelerations are given."""
+    model = robot("puma")
+    clean = waves(model, np.linspace(0, 4, 2001), amplitude=0.3)
+    assert {load.uncertainty for load in torques(model, clean).joints} == {0.0}
+    noisy = clean.q + np.random.default_rng(6).normal(scale=1e-4, size=clean.q.shape)
+    derived = motion(model, clean.time, noisy)
+    result = torques(model, derived)
+    std = np.array([joint.std_acceleration for joint in derived.derivation.joints])
+    assert (std > 0).all()
+    for k, load in enumerate(result.joints):
+        M = mass_matrix(model, derived.q[load.peak_row - 1])
+        assert load.uncertainty == pytest.approx(np.linalg.norm(M[k] * std), rel=1e-12)
+
+
+def test_uncertainty_is_the_scatter_of_torques():
+    """Against the torques of the clean motion, the implied standard deviation is right within a factor of two."""
+    model = robot("puma")
+    clean = waves(model, np.linspace(0, 4, 4001), amplitude=0.3)
+    noisy = clean.q + np.random.default_rng(7).normal(scale=1e-4, size=clean.q.shape)
+    result = torques(model, motion(model, clean.time, noisy))
+    found, exact = [], []
+    torques(model, motion(model, clean.time, noisy), sinks=[lambda _, tau: found.append(tau)])
+    torques(model, clean, sinks=[lambda _, tau: exact.append(tau)])
+    scatter = np.std((found[0] - exact[0])[200:-200], axis=0)
+    for k, load in enumerate(result.joints):
+        assert 0.5 <= load.uncertainty / scatter[k] <= 2

@@ -1,0 +1,90 @@
+"""Pinocchio with robodyn's coordinates: joints by name, mimic joints reduced by hand, rates of a free base as ours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+
+class PinocchioRobot:
+    """A description that Pinocchio reads with every mimic joint independent; gravity 9.81 down."""
+
+    def __init__(self, source, free=False):
+        read = pin.buildModelFromXML if isinstance(source, (bytes, str)) else pin.buildModelFromUrdf
+        source = source.decode() if isinstance(source, bytes) else str(source)
+        self.model = read(source, pin.JointModelFreeFlyer(), "base") if free else read(source)
+        self.data = self.model.createData()
+
+    def state(self, model, q, qd, qdd):
+        """Pinocchio's q, v and a of one sample."""
+        position, v, a = pin.neutral(self.model), np.zeros(self.model.nv), np.zeros(self.model.nv)
+        for body in model.bodies:
+            joint = body.joint
+            if joint.kind == "fixed":
+                continue
+            j = self.model.joints[self.model.getJointId(joint.name)]
+            if joint.kind == "floating":
+                i, k = joint.coordinate, joint.rate
+                R = pin.Quaternion(q[i + 3 : i + 7]).toRotationMatrix()
+                w, speed = qd[k : k + 3], R.T @ qd[k + 3 : k + 6]
+                position[j.idx_q : j.idx_q + 7] = q[i : i + 7]
+                v[j.idx_v : j.idx_v + 6] = [*speed, *w]
+                a[j.idx_v : j.idx_v + 6] = [*(R.T @ qdd[k + 3 : k + 6] - np.cross(w, speed)), *qdd[k : k + 3]]
+                continue
+            angle = joint.multiplier * q[joint.coordinate] + joint.offset
+            position[j.idx_q : j.idx_q + j.nq] = angle if j.nq == 1 else (np.cos(angle), np.sin(angle))
+            v[j.idx_v] = joint.multiplier * qd[joint.rate]
+            a[j.idx_v] = joint.multiplier * qdd[joint.rate]
+        return position, v, a
+
+    def reduction(self, model, q):
+        """S with v = S qd for one sample, so that our tau is S^T tau; a free base's force is in the ground's axes."""
+        S = np.zeros((self.model.nv, model.n))
+        for body in model.bodies:
+            joint = body.joint
+            if joint.kind == "fixed":
+                continue
+            row = self.model.joints[self.model.getJointId(joint.name)].idx_v
+            if joint.kind == "floating":
+                R = pin.Quaternion(q[joint.coordinate + 3 : joint.coordinate + 7]).toRotationMatrix()
+                S[row : row + 3, joint.rate + 3 : joint.rate + 6] = R.T
+                S[row + 3 : row + 6, joint.rate : joint.rate + 3] = np.eye(3)
+            else:
+                S[row, joint.rate] = joint.multiplier
+        return S
+
+    def torques(self, model, q, qd, qdd):
+        return np.array(
+            [
+                self.reduction(model, row).T @ pin.rnea(self.model, self.data, *self.state(model, row, *rest))
+                for row, *rest in zip(q, qd, qdd, strict=True)
+            ]
+        )
+
+    def mass_matrices(self, model, q):
+        out = []
+        for row in q:
+            S, still = self.reduction(model, row), np.zeros(model.n)
+            M = pin.crba(self.model, self.data, self.state(model, row, still, still)[0])
+            out.append(S.T @ (np.triu(M) + np.triu(M, 1).T) @ S)
+        return np.array(out)
+
+    def wrenches(self, model, q, qd, qdd):
+        """(samples, bodies, 6) force and moment on each body about its origin, in its axes."""
+        out = []
+        for row, *rest in zip(q, qd, qdd, strict=True):
+            pin.rnea(self.model, self.data, *self.state(model, row, *rest))
+            joints = [body.joint.name for body in model.bodies if body.joint.kind != "fixed"]
+            out.append([self.data.f[self.model.getJointId(name)].vector.copy() for name in joints])
+        return np.array(out)
+
+    def point_jacobian(self, model, q, frame, point):
+        """(6, n) rows: velocity of a point of a link and its angular velocity, both in the ground's axes."""
+        position, *_ = self.state(model, q, np.zeros(model.n), np.zeros(model.n))
+        pin.computeJointJacobians(self.model, self.data, position)
+        pin.updateFramePlacements(self.model, self.data)
+        k = self.model.getFrameId(frame)
+        J = pin.getFrameJacobian(self.model, self.data, k, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        offset = self.data.oMf[k].rotation @ np.asarray(point, dtype=float)
+        J = np.vstack((J[:3] - pin.skew(offset) @ J[3:], J[3:]))
+        return J @ self.reduction(model, q), self.data.oMf[k].rotation

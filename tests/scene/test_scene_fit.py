@@ -1,0 +1,57 @@
+"""A scene that names what the robot does not have is refused, with the closest name that it has."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from oracles import robot
+
+from robodyn.errors import SceneError
+from robodyn.loads import torques
+from robodyn.motion_input import motion
+from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene_fit import check_scene
+
+PUMA = robot("puma560")
+MISFITS = {
+    "friction": (Scene(friction={"waste": Friction()}), "[friction]: the robot has no joint 'waste' that moves"),
+    "rotor": (Scene(rotor={"waste": Rotor(1.0)}), "[rotor]: the robot has no joint 'waste' that moves"),
+    "spring": (Scene(spring={"waste": Spring(1.0)}), "[spring]: the robot has no joint 'waste' that moves"),
+    "payload": (Scene(payloads=(Payload("flang", 1.0),)), "[[payload]]: the robot has no link 'flang'"),
+    "wrench": (Scene(wrenches=(ExternalWrench("flang"),)), "[[wrench]]: the robot has no link 'flang'"),
+    "fluid": (Scene(immersed=(Immersed("flang"),)), "[[fluid.link]]: the robot has no link 'flang'"),
+}
+
+
+@pytest.mark.parametrize("where", MISFITS)
+def test_unknown_names(where):
+    scene, what = MISFITS[where]
+    with pytest.raises(SceneError) as caught:
+        check_scene(scene, PUMA, "my.toml")
+    meant = "waist" if "waste" in what else "flange"
+    assert str(caught.value) == f"my.toml: {what} (did you mean '{meant}'?)"
+
+
+def test_names_far_from_any_list_what_there_is():
+    with pytest.raises(SceneError, match=re.escape("joints: 'waist', 'shoulder', 'elbow'")):
+        check_scene(Scene(friction={"qqq": Friction()}), PUMA)
+    with pytest.raises(SceneError, match="links: 'base', 'trunk'"):
+        check_scene(Scene(payloads=(Payload("qqq", 1.0),)), PUMA)
+
+
+def test_every_part_that_exists_fits():
+    names = {name: Friction() for name in PUMA.joint_names}
+    check_scene(Scene(friction=names, payloads=tuple(Payload(name, 1.0) for name in PUMA.links)), PUMA)
+
+
+def test_a_moving_base_needs_a_model_that_has_one():
+    with pytest.raises(SceneError, match="the base moves in the scene and is fixed in the model"):
+        check_scene(Scene(moving_base=True), PUMA)
+    check_scene(Scene(moving_base=True), robot("puma560", True))
+
+
+def test_torques_asks():
+    still = motion(PUMA, [0.0, 1.0], [[0.0] * 6] * 2, [[0.0] * 6] * 2, [[0.0] * 6] * 2)
+    with pytest.raises(SceneError, match="no joint 'waste'"):
+        torques(PUMA, still, MISFITS["rotor"][0])

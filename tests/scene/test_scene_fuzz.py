@@ -1,0 +1,87 @@
+"""Whatever bytes a scene file holds, the answer is a scene or one clean line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robodyn.errors import SceneError
+from robodyn.scene import Scene
+from robodyn.scene_file import parse_scene
+
+KEYS = [
+    "gravity",
+    "friction",
+    "rotor",
+    "spring",
+    "payload",
+    "wrench",
+    "fluid",
+    "base",
+    "link",
+    "mass",
+    "com",
+    "inertia",
+]
+KEYS += ["viscous", "coulomb", "stribeck", "stribeck_velocity", "gear", "stiffness", "rest", "force", "moment", "point"]
+KEYS += ["frame", "motion", "density", "velocity", "volume", "centre", "drag_area", "", "é", "a b"]
+WORDS = ["link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
+DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]
+EXAMPLES = sorted((Path(__file__).parents[2] / "robots").glob("*.toml"))
+
+
+def tables(inner):
+    return st.dictionaries(st.sampled_from(KEYS), inner, max_size=6)
+
+
+numbers = st.one_of(st.integers(), st.integers(10**400, 10**401), st.floats(), st.booleans())
+values = st.recursive(
+    st.one_of(numbers, st.sampled_from(WORDS), st.text(max_size=5)),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=6), st.lists(numbers, min_size=3, max_size=3), tables(inner), st.lists(tables(inner))
+    ),
+    max_leaves=20,
+)
+
+
+def written(value):
+    """A value as inline TOML."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {written(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(written(part) for part in value) + "]"
+    return json.dumps(value) if isinstance(value, str) else str(value).lower()
+
+
+def clean(data):
+    try:
+        found = parse_scene(data)
+    except SceneError as error:
+        found = error
+    assert isinstance(found, Scene) or (found.what and "\n" not in str(found))
+
+
+@settings(deadline=None, max_examples=200)
+@given(tables(values))
+def test_any_tables(table):
+    clean("\n".join(f"{json.dumps(key)} = {written(value)}" for key, value in table.items()).encode())
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.one_of(st.binary(max_size=60), st.text(max_size=60).map(lambda text: text.encode("utf-8", "surrogatepass"))))
+def test_any_bytes(data):
+    clean(data)
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.sampled_from(EXAMPLES), st.data())
+def test_damaged_examples(path, data):
+    text = bytearray(path.read_bytes())
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(text)))
+        stop = min(len(text), start + data.draw(st.integers(0, 10)))
+        text[start:stop] = data.draw(st.one_of(st.binary(max_size=4), st.sampled_from(DAMAGE)))
+    clean(bytes(text))

@@ -1,0 +1,122 @@
+"""Imports go one way, and heavy modules wait until they are needed."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from graphlib import TopologicalSorter
+from itertools import chain
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+ORDER = [
+    ("errors", "spatial", "wording", "overlap"),
+    ("inertia", "scene", "trace", "overflow", "statistics"),
+    ("urdf", "trajectory", "execute", "scene_table"),
+    ("model", "scene_file"),
+    ("joints", "dynamics", "motion_input", "scene_fit"),
+    ("assemble", "effects"),
+    ("plan", "result"),
+    ("inverse", "self_checks", "report"),
+    ("sizing",),
+    ("loads",),
+    ("cli",),
+]
+"""Each layer imports from those above it, and its parts not from each other."""
+HEAVY = {"scipy", "polars", "rich", "yourdfpy", "trimesh", "sympy", "mpmath", "llvmlite", "matplotlib", "jinja2"}
+
+
+def _modules():
+    """(name, syntax tree) of every module of the package, `cli/` being robodyn.cli."""
+    for base, package in ((ROOT / "robodyn", "robodyn"), (ROOT / "cli", "robodyn.cli")):
+        for path in sorted(base.rglob("*.py")):
+            parts = [part for part in path.relative_to(base).with_suffix("").parts if part != "__init__"]
+            yield ".".join((package, *parts)), ast.parse(path.read_text())
+
+
+MODULES = dict(_modules())
+
+
+def _imported(node):
+    if isinstance(node, ast.ImportFrom):
+        assert node.level == 0, "imports are absolute"
+        within = [f"{node.module}.{alias.name}" for alias in node.names]
+        return [name if name in MODULES else node.module for name in within]
+    return [alias.name for alias in node.names]
+
+
+def _all_imports(tree):
+    nodes = (node for node in ast.walk(tree) if isinstance(node, (ast.Import, ast.ImportFrom)))
+    return set(chain.from_iterable(map(_imported, nodes)))
+
+
+def _area(module):
+    return module.split(".")[1] if "." in module else None
+
+
+LAYER = {area: k for k, areas in enumerate(ORDER) for area in areas}
+
+
+def test_every_module_has_its_layer():
+    assert {_area(name) for name in MODULES} - {None} == set(LAYER)
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if _area(name)])
+def test_imports_go_one_way(name):
+    for other in _all_imports(MODULES[name]):
+        if other.startswith("robodyn.") and _area(other) != _area(name):
+            assert LAYER[_area(other)] < LAYER[_area(name)], f"{name} imports {other}"
+
+
+def test_no_module_imports_itself_round_a_corner():
+    graph = {name: _all_imports(tree) & MODULES.keys() for name, tree in MODULES.items() if name != "robodyn"}
+    assert len(list(TopologicalSorter(graph).static_order())) >= len(graph)
+
+
+def _at_import(tree):
+    """Nodes that run when the module is imported: all but the bodies of functions and of `if TYPE_CHECKING`."""
+    waiting = list(tree.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            continue
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            continue
+        yield node
+        waiting.extend(ast.iter_child_nodes(node))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_heavy_modules_wait(name):
+    nodes = (node for node in _at_import(MODULES[name]) if isinstance(node, (ast.Import, ast.ImportFrom)))
+    assert not {other.split(".")[0] for node in nodes for other in _imported(node)} & HEAVY
+
+
+def _loaded(code):
+    command = f"{code}; import sys; print(*sorted({{name.partition('.')[0] for name in sys.modules}}))"
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True, cwd=ROOT)
+    return set(done.stdout.split())
+
+
+def test_a_fresh_process_loads_no_heavy_module():
+    assert not _loaded("import robodyn, robodyn.cli.main") & HEAVY
+    assert "numpy" not in _loaded("import robodyn")
+
+
+def test_torques_of_arrays_need_no_heavy_module():
+    path = ROOT / "robots" / "scara.urdf"
+    code = f"import robodyn; m = robodyn.load({str(path)!r}); robodyn.inverse_dynamics(m, [.1]*3, [.2]*3, [.3]*3)"
+    assert not _loaded(code) & HEAVY
+
+
+def test_names_of_the_package_are_there():
+    import robodyn
+
+    for name in robodyn.__all__:
+        assert getattr(robodyn, name) is not None
+    assert set(robodyn.__all__) <= set(dir(robodyn))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        robodyn.nothing  # noqa: B018
