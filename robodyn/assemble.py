@@ -101,6 +101,9 @@ def _added(parts: list[Inertia]) -> Inertia:
 
 def _notes(description: Description) -> tuple[str, ...]:
     notes = [note.what for note in description.notes if note.kind == "warning"]
+    for joint in description.joints:
+        if joint.type in ("planar", "floating") and (joint.damping or joint.friction):
+            notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no friction here')
     for link in description.links:
         why = unphysical(_matrix(link.inertial)) if link.inertial else None
         if why:

@@ -70,12 +70,19 @@ def inverse_dynamics(
     return out
 
 
-def bias_forces(model: Model, q: ArrayLike, qd: ArrayLike, *, scene: Scene = DEFAULT) -> Floats:
+def bias_forces(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    *,
+    scene: Scene = DEFAULT,
+    columns: Mapping[str, ArrayLike] | None = None,
+) -> Floats:
     """b(q, qd) = c(q, qd) + g(q) + friction + springs - J^T w: the torque of a motion without acceleration.
 
     Args, returns and accuracy: as for `inverse_dynamics` with qdd = 0.
     """
-    return inverse_dynamics(model, q, qd, 0.0, scene=scene)
+    return inverse_dynamics(model, q, qd, 0.0, scene=scene, columns=columns)
 
 
 def mass_matrix(model: Model, q: ArrayLike, *, scene: Scene = DEFAULT) -> Floats:
@@ -155,6 +162,9 @@ def _sources(
         shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
         raise InputError(f"the shapes do not go together: {shapes}") from None
     sources = {name: _matrix(array, shape) for name, array in given.items()}
+    for joint in model.independent:
+        if joint.kind == "floating" and not sources["q"][:, joint.coordinate + 3 : joint.coordinate + 7].any(1).all():
+            raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
     sources["columns"] = (
         _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else np.empty((0, 0))
     )

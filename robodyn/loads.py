@@ -180,7 +180,7 @@ class _Run:
             checks=Checks(balance, *self.laws.relative, self.laws.samples, *self.laws.largest),
             operations=whole.torques().size,
             executor="numpy",
-            reason="the executor that is there; it starts at once",
+            reason="starts at once, without compiling",
             derivation=last.derivation,
             warnings=tuple(warnings),
         )
@@ -189,7 +189,9 @@ class _Run:
         """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque."""
         if last.derivation is None or k not in self.statistics.at_peak:
             return 0.0
-        spread = {joint.name: joint.std_acceleration for joint in last.derivation.joints}
+        peak = int(self.statistics.torque.index[k])
+        from_end = min(peak, self.statistics.samples - 1 - peak)
+        spread = {joint.name: joint.std_acceleration_near(from_end) for joint in last.derivation.joints}
         std = np.array([spread.get(name, 0.0) for name in self.model.rates])
         M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)
         return float(np.linalg.norm(M[k + self.rates.start] * std))

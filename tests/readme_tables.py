@@ -10,6 +10,7 @@ from pathlib import Path
 
 from benchmarks.bench_accuracy import accuracy_table
 from benchmarks.derivative_errors import derivatives_table
+from machine import machine
 from markdown_tables import table
 from oracles import robot
 from robot_catalogue import robots_table
@@ -17,7 +18,7 @@ from robot_catalogue import robots_table
 from robodyn.effects.catalogue import EFFECTS
 from robodyn.scene import Scene
 
-TIMED = {"speed": "bench_inverse_dynamics", "streaming": "bench_streaming"}
+TIMED = {"speed": "bench_inverse_dynamics", "streaming": "bench_streaming", "startup": "bench_startup"}
 
 
 ADDS = {
@@ -60,6 +61,7 @@ def timed_tables() -> dict[str, Callable[[], str]]:
 
 
 def measured(script: str) -> str:
-    """What a benchmark prints."""
+    """What a benchmark prints, and on which machine if it does not say so."""
     command = [sys.executable, "-m", f"benchmarks.{script}"]
-    return subprocess.run(command, cwd=Path(__file__).parent, check=True, capture_output=True, text=True).stdout
+    text = subprocess.run(command, cwd=Path(__file__).parent, check=True, stdout=subprocess.PIPE, text=True).stdout
+    return text if "Measured on " in text else f"{text}\n{machine('click')}"

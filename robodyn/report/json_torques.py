@@ -65,4 +65,6 @@ def _joint(joint: JointLoad) -> dict[str, Any]:
 
 
 def _derived(joint: JointDerivation) -> dict[str, Any]:
-    return {**asdict(joint), "std_velocity": joint.std_velocity, "std_acceleration": joint.std_acceleration}
+    fields = asdict(joint)
+    fields.pop("end_gains")
+    return {**fields, "std_velocity": joint.std_velocity, "std_acceleration": joint.std_acceleration}

@@ -18,13 +18,13 @@ def share_table(result: Result) -> Content:
     for joint, row in zip(joints, rows, strict=True):
         row.append(f"{number(joint.peak)} {joint.unit}")
     for title, values in (
-        ("noise (1 sigma)", [joint.uncertainty for joint in joints]),
-        ("friction holds", [joint.hold for joint in joints]),
+        ("noise (1 sigma)", [f"{joint.uncertainty:.2g}" for joint in joints]),
+        ("friction holds", [number(joint.hold) for joint in joints]),
     ):
-        if any(values):
+        if set(values) != {"0"}:
             head.append(title)
             for row, value in zip(rows, values, strict=True):
-                row.append(f"+- {number(value)}" if value else "")
+                row.append("" if value == "0" else f"+- {value}")
     return tuple(head), [tuple(row) for row in rows]
 
 
@@ -43,12 +43,12 @@ def derivation_table(derivation: Derivation) -> tuple[str, Content | None]:
             joint.name,
             joint.acceleration if joint.velocity == "given" else joint.velocity,
             joint.source,
-            number(joint.noise),
-            number(joint.quantum) if joint.quantum else "",
-            number(joint.gain_velocity),
-            number(joint.gain_acceleration),
-            number(joint.std_velocity),
-            number(joint.std_acceleration),
+            f"{joint.noise:.2g}",
+            f"{joint.quantum:.3g}" if joint.quantum else "",
+            f"{joint.gain_velocity:.3g}",
+            f"{joint.gain_acceleration:.3g}",
+            f"{joint.std_velocity:.2g}",
+            f"{joint.std_acceleration:.2g}",
         )
         for joint in shown
     ]

@@ -122,7 +122,7 @@ def _limits(result: Result, page: Page) -> str:
     for excess in exceeded:
         found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
     quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
-    rows = [(joint, *(", ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
+    rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
     title = f"LIMITS EXCEEDED by {len(found)} of {count(len(result.joints), 'joint')}"
     return f"{title}\n{page.table((('joint', *quantities), rows))}"
 

@@ -36,6 +36,7 @@ class Diagnosis:
     quantum: float
     noise: float
     gains: tuple[float, float]
+    end_gains: tuple[FloatArray, FloatArray]
     warning: str = ""
 
 
@@ -66,7 +67,9 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
         method = _best_window(runs, order, noise, spacing, smooth=mode == "savgol")
     first, second = method.stencil.gains
     gains = (float(first / spacing), float(second / spacing / spacing))
-    return Diagnosis(method, noise.quantum, noise.sigma, gains, noise.warning)
+    first_ends, second_ends = method.stencil.end_gains
+    ends = (first_ends / spacing, second_ends / spacing / spacing)
+    return Diagnosis(method, noise.quantum, noise.sigma, gains, ends, noise.warning)
 
 
 def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64, smooth: bool) -> Method:

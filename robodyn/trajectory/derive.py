@@ -65,6 +65,7 @@ def _account(group: Group, found: Diagnosis) -> JointDerivation:
         noise=found.noise,
         gain_velocity=turn * first if group.velocity else 0.0,
         gain_acceleration=(first if from_qd else turn * second) if group.acceleration else 0.0,
+        end_gains=tuple((turn * found.end_gains[0 if from_qd else 1]).tolist()) if group.acceleration else (),
     )
 
 

@@ -19,6 +19,8 @@ class JointDerivation:
         noise: standard deviation of the noise in the source, 0 if none was found.
         gain_velocity, gain_acceleration: standard deviation of the result per standard deviation of the source
             [1/s, 1/s^2]; 0 where the quantity was given.
+        end_gains: `gain_acceleration` of the samples nearest to an end of the table, outermost first, where the method
+            sees neighbours on one side only.
     """
 
     name: str
@@ -29,6 +31,7 @@ class JointDerivation:
     noise: float
     gain_velocity: float
     gain_acceleration: float
+    end_gains: tuple[float, ...] = field(default=(), repr=False)
 
     @property
     def std_velocity(self) -> float:
@@ -39,6 +42,11 @@ class JointDerivation:
     def std_acceleration(self) -> float:
         """Implied standard deviation of qdd, `noise * gain_acceleration`."""
         return self.noise * self.gain_acceleration
+
+    def std_acceleration_near(self, from_end: int) -> float:
+        """Implied standard deviation of qdd at the sample that has `from_end` samples between it and an end."""
+        gain = self.end_gains[from_end] if from_end < len(self.end_gains) else self.gain_acceleration
+        return self.noise * gain
 
 
 @dataclass(frozen=True)

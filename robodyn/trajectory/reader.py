@@ -23,7 +23,7 @@ from robodyn.trajectory.table import Table, reason
 
 Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
 MODES = ("auto", "given", "spline", "savgol", "central")
-BLOCK_ROWS = 1 << 16
+BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
 
 

@@ -25,6 +25,12 @@ class Stencil:
     second: FloatArray
 
     @property
+    def end_gains(self) -> tuple[FloatArray, FloatArray]:
+        """The same as `gains` for the samples from an end to just before the middle."""
+        half = len(self.first) // 2
+        return np.linalg.norm(self.first[:half], axis=1), np.linalg.norm(self.second[:half], axis=1)
+
+    @property
     def gains(self) -> tuple[float, float]:
         """Standard deviation of the derivatives per standard deviation of white noise, at unit spacing."""
         middle = len(self.first) // 2

@@ -8,12 +8,13 @@ import mpmath
 import numpy as np
 import pytest
 from independent_dynamics import torques_of
-from oracles import EPS, random_state, reference, worst
+from oracles import EPS, random_state, reference, run, worst
 from small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.assemble import load
+from robodyn.effects.effect import Sample
 from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
+from robodyn.plan import Plan, applied, loads
 from robodyn.scene import Scene
 from robodyn.spatial import rotation_from_rpy
 
@@ -32,6 +33,22 @@ def test_chains_against_fifty_digits(n, skew):
     with mpmath.workdps(50):
         expected = [[float(x) for x in torques_of(model, *row)] for row in zip(q, qd, qdd, strict=True)]
     assert worst(tau, expected) <= 1e-14
+
+
+@pytest.mark.parametrize("skew", [False, True], ids=["planar", "skew"])
+def test_every_wrench_of_a_chain_of_a_hundred(skew):
+    """All six components at every joint, with the same recursion in 50 digits."""
+    model = chain(100, skew)
+    q, qd, qdd = _states(model, 99)
+    plan = Plan(model, Scene())
+    found = run(plan.wrenches(joints=True), plan, q, qd, qdd)[0, model.n :]
+    with mpmath.workdps(50):
+        exact = Sample(model, *(tuple(mpmath.mpf(x) for x in row[0].tolist()) for row in (q, qd, qdd)))
+        wrenches = loads(exact, applied(plan.effects, exact, Scene())).reactions
+        expected = [float(x) for wrench in wrenches for part in wrench for x in part]
+    found, expected = found.reshape(-1, 2, 3), np.array(expected).reshape(-1, 2, 3)
+    assert worst(found[:, 0], expected[:, 0]) <= 1e-14
+    assert worst(found[:, 1], expected[:, 1]) <= 1e-14
 
 
 def test_a_hundred_joints_of_every_kind_against_fifty_digits():

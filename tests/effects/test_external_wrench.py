@@ -13,7 +13,7 @@ from robodyn.dynamics.kinematics import motions
 from robodyn.dynamics.places import poses
 from robodyn.effects import external_wrench
 from robodyn.errors import InputError
-from robodyn.inverse import inverse_dynamics
+from robodyn.inverse import bias_forces, inverse_dynamics
 from robodyn.plan import Plan
 from robodyn.scene import ExternalWrench, Scene
 
@@ -80,6 +80,8 @@ def test_columns_broadcast_and_must_be_there():
     all_same = inverse_dynamics(model, q, qd, qdd, scene=scene, columns={"push": 3.0})
     each = inverse_dynamics(model, q, qd, qdd, scene=scene, columns={"push": np.full(SAMPLES, 3.0)})
     np.testing.assert_array_equal(all_same, each)
+    bias = bias_forces(model, q, qd, scene=scene, columns={"push": 3.0})
+    np.testing.assert_array_equal(bias, inverse_dynamics(model, q, qd, 0, scene=scene, columns={"push": 3.0}))
     with pytest.raises(InputError, match="the scene needs columns push"):
         inverse_dynamics(model, q, qd, qdd, scene=scene)
 

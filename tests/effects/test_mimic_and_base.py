@@ -14,6 +14,7 @@ from small_robots import joint, link, random_tree, random_tree_parts, urdf
 from robodyn.assemble import load
 from robodyn.dynamics.kinematics import motions
 from robodyn.dynamics.places import poses
+from robodyn.errors import InputError
 from robodyn.inverse import inverse_dynamics, mass_matrix
 from robodyn.plan import Plan
 from robodyn.scene import Scene
@@ -115,6 +116,16 @@ def test_length_of_the_quaternion_does_not_matter():
     np.testing.assert_array_equal(inverse_dynamics(model, longer, qd, qdd), inverse_dynamics(model, q, qd, qdd))
     longer[:, 3:7] *= -0.3
     assert worst(inverse_dynamics(model, longer, qd, qdd), inverse_dynamics(model, q, qd, qdd)) <= 16 * EPS
+
+
+def test_a_quaternion_of_zero_is_refused():
+    model = random_tree(34, moving_base=True)
+    with pytest.raises(InputError, match="the quaternion of base is zero"):
+        inverse_dynamics(model, 0, 0, 0)
+    q, qd, qdd = random_state(model, np.random.default_rng(22), 3)
+    q[1, 3:7] = 0
+    with pytest.raises(InputError, match="the quaternion of base is zero"):
+        inverse_dynamics(model, q, qd, qdd)
 
 
 def test_a_floating_joint_within_a_tree():

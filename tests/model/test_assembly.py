@@ -49,6 +49,14 @@ def test_planar_joint_about_z_against_pinocchio():
     assert worst(inverse_dynamics(model, [0.3, -0.7, 0], qd, qdd), expected) <= 1e-14
 
 
+@pytest.mark.parametrize("kind", ["planar", "floating"])
+def test_friction_that_is_not_used_is_noted(kind):
+    more = '<dynamics damping="3" friction="2"/>'
+    model = built(link("base", 1), link("puck", 1), joint("p", "base", "puck", kind, more=more))
+    assert model.notes == (f'joint "p" (line 5): a {kind} joint has no damping and friction here',)
+    assert not built(link("base", 1), link("puck", 1), joint("p", "base", "puck", kind)).notes
+
+
 def test_names_and_places():
     fixed, free = busy_robot(), busy_robot(True)
     assert fixed.joint_names == ("j1", "j2", "slide", "j4", "finger")

@@ -1,0 +1,57 @@
+"""Cold start against imports it cannot do without, in one run: `cd tests && python -m benchmarks.bench_startup`.
+
+Every process is new; they take turns, so that all meet the same load, and the medians count. Bytecode is cached in a
+temporary folder, as that of an installed package is; the first round writes it and does not count.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+from machine import machine
+from markdown_tables import main, table
+
+ROBOTS = Path(__file__).parent.parent.parent / "robots"
+JOB = (
+    "import sys; from robodyn.cli.main import main; "
+    f"sys.argv = ['robodyn', 'torques', {str(ROBOTS / 'scara.urdf')!r}, "
+    f"{str(ROBOTS / 'scara_pick_and_place.csv')!r}, '--out', 'tau.csv']; main()"
+)
+REFERENCE = 'python -c "import numpy, click"'
+CODES = {
+    'python -c "pass"': "pass",
+    REFERENCE: "import numpy, click",
+    "robodyn torques scara.urdf scara_pick_and_place.csv --out tau.csv": JOB,
+}
+
+
+def seconds(code: str, folder: str) -> float:
+    """Wall time of a new interpreter that runs this code."""
+    variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    variables["PYTHONPYCACHEPREFIX"] = folder
+    start = time.perf_counter()
+    subprocess.run([sys.executable, "-c", code], cwd=folder, env=variables, stdout=subprocess.DEVNULL, check=True)
+    return time.perf_counter() - start
+
+
+def medians(turns: int) -> dict[str, float]:
+    """Median time [s] of every command."""
+    with tempfile.TemporaryDirectory() as folder:
+        rounds = [{name: seconds(code, folder) for name, code in CODES.items()} for _ in range(turns + 1)]
+    return {name: median(each[name] for each in rounds[1:]) for name in CODES}
+
+
+def report(turns: int) -> str:
+    found = medians(turns)
+    rows = [(f"`{name}`", f"{1e3 * time:.0f} ms", f"{time / found[REFERENCE]:.2f}") for name, time in found.items()]
+    return table(("process", "median", "ratio"), rows) + "\n" + machine("click")
+
+
+if __name__ == "__main__":
+    main(report, __doc__, turns=21)

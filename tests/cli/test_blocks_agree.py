@@ -1,0 +1,92 @@
+"""A motion read in many blocks gives what it gives in one, in memory that does not grow with its length."""
+
+from __future__ import annotations
+
+import json
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import ROBOTS, write_arm
+
+from robodyn.assemble import load
+from robodyn.loads import torques
+from robodyn.motion_input import signals
+from robodyn.report.json_torques import torques_json
+from robodyn.scene import DEFAULT
+from robodyn.scene_file import load_scene
+from robodyn.trajectory.read import open_trajectory
+
+CASES = [
+    ("scara", "scara_pick_and_place", None),
+    ("puma", "puma_encoder", None),
+    ("gripper", "gripper_pick", "gripper"),
+    ("puma", "puma_polish", "puma_polish"),
+]
+BY_BLOCK = ("quadrature_error", "samples", "first_law", "second_law", "power", "largest_force", "largest_moment")
+"""Keys of the checks that depend on which samples stand together."""
+
+
+def computed(urdf: Path, table: Path, scene_file: Path | None, block_rows: int) -> tuple[Any, np.ndarray]:
+    """The document without what depends on blocks, and the torques with all reactions."""
+    scene = load_scene(scene_file) if scene_file else DEFAULT
+    model = load(urdf, moving_base=scene.moving_base)
+    blocks: list[np.ndarray] = []
+    with open_trajectory(table, signals(model), extra=scene.columns, block_rows=block_rows) as reader:
+        keep = [lambda time, columns: blocks.append(np.column_stack((time, columns)))]
+        result = torques(model, reader, scene, reactions=True, sinks=keep)
+    assert len(blocks) >= -(-result.samples // block_rows)
+    document = json.loads(torques_json(result))
+    document["checks"] = {name: value for name, value in document["checks"].items() if name not in BY_BLOCK}
+    document["checks"]["energy_balance"].pop("quadrature_error")
+    return document, np.concatenate(blocks)
+
+
+def flat(value: Any, path: str = "") -> dict[str, Any]:
+    """Every leaf of a document by its path."""
+    if isinstance(value, (dict, list)):
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        return {key: leaf for name, part in items for key, leaf in flat(part, f"{path}/{name}").items()}
+    return {path: value}
+
+
+@pytest.mark.parametrize(("robot", "table", "scene"), CASES, ids=[case[1] for case in CASES])
+@pytest.mark.parametrize("block_rows", [7, 100])
+def test_many_blocks_are_as_one(robot: str, table: str, scene: str | None, block_rows: int) -> None:
+    files = ROBOTS / f"{robot}.urdf", ROBOTS / f"{table}.csv", ROBOTS / f"{scene}.toml" if scene else None
+    (one, whole), (many, parts) = computed(*files, 1 << 16), computed(*files, block_rows)
+    derived = bool(one["derivatives"])
+    tolerance = 1e-8 if derived else 1e-13
+    largest = np.abs(whole[:, 1:]).max()
+    np.testing.assert_array_equal(parts[:, 0], whole[:, 0])
+    assert np.abs(parts - whole).max() <= tolerance * largest
+    expected, found = flat(one), flat(many)
+    assert list(found) == list(expected)
+    scale = max(abs(x) for x in expected.values() if isinstance(x, float))
+    for path, value in expected.items():
+        if isinstance(value, float):
+            assert abs(found[path] - value) <= tolerance * scale, path
+        else:
+            assert found[path] == value, path
+
+
+def peak_memory(folder: Path, rows: int) -> int:
+    """Bytes at the most, of everything Python and NumPy hold while the arm's motion is worked through."""
+    write_arm(folder, rows)
+    tracemalloc.start()
+    try:
+        model = load(folder / "arm.urdf")
+        with open_trajectory(folder / "arm.csv", signals(model), block_rows=256) as reader:
+            torques(model, reader, sinks=[lambda *_: None])
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_memory_does_not_grow_with_the_length(tmp_path: Path) -> None:
+    """96 blocks more than the first 32, of which the numbers of the table alone would take 1.4 MB."""
+    peak_memory(tmp_path, 8192)
+    short, long = (peak_memory(tmp_path, rows) for rows in (8192, 4 * 8192))
+    assert long - short <= 300_000

@@ -1,0 +1,65 @@
+"""What the command imports: start-up is most of the time of a small job."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import ROBOTS
+
+HEAVY = ("polars", "scipy", "yourdfpy", "trimesh", "sympy", "matplotlib", "rich", "pandas", "llvmlite", "numpy.ma")
+SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
+OURS = 115
+"""Modules of robodyn that one job may import. It has about 100 small ones, each 0.2 ms from cached bytecode."""
+BEYOND = 40
+"""Modules that are neither ours nor come with `import numpy, click`: expat, csv, threads, json, dataclasses."""
+
+
+def imported(code: str, *arguments: str) -> set[str]:
+    """The modules that are loaded after some code, in an interpreter of its own."""
+    show = "import sys, json, atexit; atexit.register(lambda: print(json.dumps(sorted(sys.modules)), file=sys.stderr))"
+    call = [sys.executable, "-c", f"{show}\n{code}", *arguments]
+    done = subprocess.run(call, capture_output=True, check=True, text=True)
+    return set(json.loads(done.stderr))
+
+
+@pytest.fixture(scope="module")
+def modules(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    out = tmp_path_factory.mktemp("out") / "tau.csv"
+    call = ("torques", *SCARA, "--out", str(out))
+    found = imported("from robodyn.cli.main import main; main()", *call)
+    assert out.exists()
+    return found
+
+
+@pytest.mark.parametrize("name", HEAVY)
+def test_no_heavy_import_for_a_small_table(name: str, modules: set[str]) -> None:
+    assert name not in modules
+
+
+def test_number_of_imports(modules: set[str]) -> None:
+    before = imported("import numpy, click")
+    ours = {name for name in modules if name.partition(".")[0] == "robodyn"}
+    assert len(ours) <= OURS, sorted(ours)
+    assert len(modules - before - ours) <= BEYOND, sorted(modules - before - ours)
+
+
+@pytest.mark.parametrize("call", [("--help",), ("--version",)])
+def test_group_imports_commands_only_when_it_lists_them(call: tuple[str, ...]) -> None:
+    loaded = imported("from robodyn.cli.main import main; main()", *call)
+    assert not loaded & {"polars", "scipy", "rich"}
+    assert ("robodyn.cli.torques" in loaded) == (call == ("--help",))
+
+
+def test_version_needs_no_numpy() -> None:
+    assert "numpy" not in imported("from robodyn.cli.main import main; main()", "--version")
+
+
+def test_report_as_text_needs_no_json(modules: set[str]) -> None:
+    """The interpreter that lists its modules imports json itself, so ours is looked for by its own module."""
+    assert "robodyn.report.json_torques" in modules
+    source = Path(sys.modules["robodyn.report.json_torques"].__file__ or "").read_text()
+    assert "\nimport json" not in source

@@ -1,0 +1,34 @@
+"""Near an end of the data the filters see one side only, and the implied noise says so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.read import from_arrays
+
+SIGNALS = Signals((Signal("elbow", "angle"),))
+
+
+@pytest.mark.parametrize("from_end", [0, 5, 20, 300])
+def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies(from_end: int) -> None:
+    rng, time = np.random.default_rng(7), np.arange(1001) * 1e-3
+    line = 2 * time  # whatever the window, its second derivative is 0, so all of qdd is noise
+    scores = []
+    for _ in range(200):
+        trajectory = from_arrays(SIGNALS, time, (line + 1e-4 * rng.standard_normal(1001))[:, None])
+        assert trajectory.derivation is not None
+        implied = trajectory.derivation.joints[0].std_acceleration_near(from_end)
+        scores.append(trajectory.qdd[-1 - from_end, 0] / implied)
+    assert 1 / 1.25 <= np.sqrt(np.mean(np.square(scores))) <= 1.25
+
+
+def test_the_end_is_the_noisiest_place() -> None:
+    rng = np.random.default_rng(8)
+    time = np.arange(1001) * 1e-3
+    trajectory = from_arrays(SIGNALS, time, (np.sin(3 * time) + 1e-4 * rng.standard_normal(1001))[:, None])
+    assert trajectory.derivation is not None
+    joint = trajectory.derivation.joints[0]
+    assert joint.std_acceleration_near(0) > 5 * joint.std_acceleration
+    assert joint.std_acceleration_near(len(joint.end_gains)) == joint.std_acceleration
