@@ -21,27 +21,11 @@ from robodyn.scene import Scene
 TIMED = {"speed": "bench_inverse_dynamics", "streaming": "bench_streaming", "startup": "bench_startup"}
 
 
-ADDS = {
-    "gravity": "the ground's acceleration -g",
-    "inertia": "M(q) qdd",
-    "coriolis": "c(q, qd): Coriolis and centrifugal forces, those of a turning base included",
-    "moving base": "what the base's acceleration asks of the joints",
-    "payload": "mass, centre of mass and inertia to a link, by the parallel axis theorem",
-    "viscous friction": "d qd",
-    "coulomb friction": "f sign(qd), sign(0) = 0; different forwards and backwards, and Stribeck's excess, if given",
-    "rotor inertia": "G^2 J qdd",
-    "joint spring": "k (q - q0)",
-    "external wrench": "-J^T w for a force and a moment that act on a link",
-    "fluid": "buoyancy -rho V g and drag rho/2 C_d A v^2 against the motion, link by link",
-    "mimic": "nothing by itself: torques of a follower, times its multiplier, are part of its master's",
-}
-
-
 def effects_table() -> str:
     """Every effect, what it adds to tau, and why a robot that weighs, has and does nothing is without it."""
     nothing, model = Scene(gravity=(0.0, 0.0, 0.0)), robot("two_link_planar")
     still = frozenset((source, i) for source in ("qd", "qdd") for i in range(model.n))
-    rows = [(effect.name, ADDS[effect.name], effect.why(model, nothing, still).reason) for effect in EFFECTS]
+    rows = [(effect.name, effect.adds, effect.why(model, nothing, still).reason) for effect in EFFECTS]
     return table(("effect", "adds", "off when"), rows, left=(0, 1, 2))
 
 

@@ -9,9 +9,8 @@ from benchmarks import bench_inverse_dynamics
 from make_readme import README, tables_in
 from markdown_tables import cells
 from readme_examples import ELSEWHERE, ROOT, blocks, commands, regenerated, same
-from readme_tables import ADDS, TIMED, steady_tables
+from readme_tables import TIMED, steady_tables
 
-from robodyn.effects.catalogue import EFFECTS
 from robodyn.errors import SceneError
 from robodyn.scene_file import parse_scene
 
@@ -63,10 +62,6 @@ def test_numbers_are_compared_and_rounding_errors_are_not():
 @pytest.mark.parametrize("name", ["effects", "robots"])
 def test_tables_are_up_to_date(name):
     assert tables_in(TEXT)[name] == steady_tables()[name](), ADVICE
-
-
-def test_every_effect_is_explained():
-    assert list(ADDS) == [effect.name for effect in EFFECTS]
 
 
 @pytest.mark.parametrize("name", ["accuracy", "derivatives"])

@@ -20,4 +20,4 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return replace(terms, qd=sample.qd)
 
 
-EFFECT = Effect("coriolis", why, add)
+EFFECT = Effect("coriolis", "c(q, qd): Coriolis and centrifugal forces, those of a turning base included", why, add)

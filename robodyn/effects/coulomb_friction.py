@@ -59,4 +59,10 @@ def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> S
     return power
 
 
-EFFECT = Effect("coulomb friction", why, add, lost=lost)
+EFFECT = Effect(
+    "coulomb friction",
+    "f sign(qd), sign(0) = 0; different forwards and backwards, and Stribeck's excess, if given",
+    why,
+    add,
+    lost=lost,
+)

@@ -98,6 +98,7 @@ class Effect:
 
     Attributes:
         name: as reports print it.
+        adds: what it adds to tau, in a few words.
         why: whether it is on.
         add: the terms with this effect added.
         background: what must be on for the effect to show itself when it stands alone; for most, nothing.
@@ -106,6 +107,7 @@ class Effect:
     """
 
     name: str
+    adds: str
     why: Callable[[Model, Scene, Still], Verdict]
     add: Callable[[Terms, Sample, Scene], Terms]
     background: Callable[[Terms, Sample, Scene], Terms] = _itself

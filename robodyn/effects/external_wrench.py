@@ -41,4 +41,4 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return replace(terms, wrenches=terms.wrenches + acting)
 
 
-EFFECT = Effect("external wrench", why, add)
+EFFECT = Effect("external wrench", "-J^T w for a force and a moment that act on a link", why, add)

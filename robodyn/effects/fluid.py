@@ -47,4 +47,4 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return replace(terms, wrenches=terms.wrenches + tuple(acting))
 
 
-EFFECT = Effect("fluid", why, add)
+EFFECT = Effect("fluid", "buoyancy -rho V g and drag rho/2 C_d A v^2 against the motion, link by link", why, add)

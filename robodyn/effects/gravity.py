@@ -32,4 +32,4 @@ def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) ->
     return energy
 
 
-EFFECT = Effect("gravity", why, add, stored=stored)
+EFFECT = Effect("gravity", "the ground's acceleration -g", why, add, stored=stored)

@@ -26,4 +26,4 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return replace(terms, qdd=terms.qdd[:first] + sample.qdd[first:])
 
 
-EFFECT = Effect("inertia", why, add)
+EFFECT = Effect("inertia", "M(q) qdd", why, add)

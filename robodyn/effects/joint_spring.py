@@ -39,4 +39,4 @@ def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) ->
     return energy
 
 
-EFFECT = Effect("joint spring", why, add, stored=stored)
+EFFECT = Effect("joint spring", "k (q - q0)", why, add, stored=stored)

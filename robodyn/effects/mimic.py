@@ -19,4 +19,6 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return terms
 
 
-EFFECT = Effect("mimic", why, add)
+EFFECT = Effect(
+    "mimic", "nothing by itself: torques of a follower, times its multiplier, are part of its master's", why, add
+)

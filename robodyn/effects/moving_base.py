@@ -21,4 +21,4 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return replace(terms, qdd=sample.qdd[:6] + terms.qdd[6:])
 
 
-EFFECT = Effect("moving base", why, add)
+EFFECT = Effect("moving base", "what the base's acceleration asks of the joints", why, add)

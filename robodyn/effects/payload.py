@@ -37,4 +37,10 @@ def background(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return gravity.add(replace(terms, inertias=massless, qd=sample.qd, qdd=sample.qdd), sample, scene)
 
 
-EFFECT = Effect("payload", why, add, background=background)
+EFFECT = Effect(
+    "payload",
+    "mass, centre of mass and inertia to a link, by the parallel axis theorem",
+    why,
+    add,
+    background=background,
+)

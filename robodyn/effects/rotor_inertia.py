@@ -49,4 +49,4 @@ def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) ->
     return energy
 
 
-EFFECT = Effect("rotor inertia", why, add, stored=stored)
+EFFECT = Effect("rotor inertia", "G^2 J qdd", why, add, stored=stored)

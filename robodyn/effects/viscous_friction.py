@@ -33,4 +33,4 @@ def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> S
     return power
 
 
-EFFECT = Effect("viscous friction", why, add, lost=lost)
+EFFECT = Effect("viscous friction", "d qd", why, add, lost=lost)
