@@ -65,8 +65,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), ignore_
     if absent:
         raise header.error(f"no column {listing(absent)}, which the scene names", _hint(absent, header.names))
     if unknown:
-        remedy = _hint(unknown, header_names(signals))
-        raise header.error(f"unknown column {listing(unknown)}", f"{remedy}; --ignore-extra leaves it out")
+        raise header.error(f"unknown column{'s' * (len(unknown) > 1)} {listing(unknown)}", _use(unknown, signals))
     return Layout(
         names=header.names,
         time=time,
@@ -147,6 +146,14 @@ def _check_complete(header: Header, signals: Signals, places: Places, unknown: S
     if missing:
         wanted = [f"{name}_x" if f"{name}_x" in signals.positions else f"q_{name}" for name in missing]
         raise header.error(f"no position of joint {listing(missing)}", _hint(wanted, header.names, unknown))
+
+
+def _use(unknown: Sequence[str], signals: Signals) -> str:
+    """What to do about columns that mean nothing to the robot."""
+    leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
+    if any(name.startswith("base_") for name in unknown):
+        return f'a scene with [base] motion = "moving" uses base_ columns; {leave}'
+    return f"{_hint(unknown, header_names(signals))}; {leave}"
 
 
 def _hint(wanted: Sequence[str], names: Sequence[str], candidates: Sequence[str] | None = None) -> str:
