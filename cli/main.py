@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import warnings
 from importlib import import_module
@@ -48,6 +49,7 @@ def main() -> None:
     Exit status: 0 fine, 1 findings or limits exceeded, 2 the input or the call is wrong, 130 interrupted.
     """
     with reported():
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
         if not sys.warnoptions:
             warnings.simplefilter("ignore")
         if isinstance(sys.stdout, TextIOWrapper):

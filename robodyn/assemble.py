@@ -104,6 +104,8 @@ def _notes(description: Description) -> tuple[str, ...]:
     for joint in description.joints:
         if joint.type in ("planar", "floating") and (joint.damping or joint.friction):
             notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no friction here')
+        if joint.type in ("planar", "floating") and joint.limit:
+            notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no limits here')
     for link in description.links:
         why = unphysical(_matrix(link.inertial)) if link.inertial else None
         if why:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
+from dataclasses import astuple
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.effects.effect import Still
+from robodyn.energy_ledger import EnergyLedger
 from robodyn.errors import InputError
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.inverse import mass_matrix, runner_of, still
@@ -19,7 +21,7 @@ from robodyn.motion_input import read_motion, sources_of
 from robodyn.overflow import check_figures, check_loads
 from robodyn.overlap import ahead
 from robodyn.plan import Plan, plan
-from robodyn.result import Checks, EnergyBalance, Result
+from robodyn.result import Checks, Result
 from robodyn.scene import DEFAULT, Scene
 from robodyn.scene_fit import check_scene
 from robodyn.self_checks import LawResiduals, energy, laws, losses
@@ -120,7 +122,7 @@ class _Run:
             np.array([np.inf if joint.velocity is None else joint.velocity for joint in self.joints]),
         )
         self.still: Still | None = None
-        self.energies: list[float] = []
+        self.ledger = EnergyLedger()
         self.laws = LawResiduals()
 
     @np.errstate(all="ignore")
@@ -136,12 +138,12 @@ class _Run:
         tau, base = loads[:, :n], loads[:, n : n + 6]
         net = np.einsum("ij,ij->i", tau, block.qd) - programs.losses(sources, samples)[:, 0]
         rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
-        expected = programs.laws({name: values[rows] for name, values in sources.items()}, len(rows))
+        checked = {name: values[rows] for name, values in sources.items()}
+        expected = programs.laws(checked, len(rows))
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
-        ends = {name: values[[0, -1]] for name, values in sources.items()}
-        self.energies += programs.energy(ends, 2)[:, 0].tolist()
+        self.ledger.update(block.time, net, rows, programs.energy(checked, len(rows))[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
-        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, net, sources)
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
         return loads if self.reactions else tau
 
     @np.errstate(all="ignore")
@@ -150,23 +152,19 @@ class _Run:
         whole = plan(self.model, self.scene, self.still or frozenset())
         gathered = self.statistics
         peaks = np.concatenate((gathered.torque.value, gathered.base.value))
-        check_figures((*gathered.integrals.totals.values(), self.energies, self.laws.relative), peaks, self.file)
+        check_figures(
+            (*gathered.integrals.totals.values(), astuple(self.ledger.balance), self.laws.relative), peaks, self.file
+        )
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
         joints = tuple(
             joint_load(gathered, k, joint, name, self.scene, shares[k], self._uncertainty(k, last))
             for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
         )
-        totals = gathered.integrals.totals
-        balance = EnergyBalance(
-            float(totals["net power"]),
-            self.energies[-1] - self.energies[0],
-            gathered.quadrature,
-            float(totals["turnover"]),
-        )
+        balance = self.ledger.balance
         warnings = [*self.model.notes, *last.notes]
         if not balance.consistent:
             warnings.append(
-                f"energy balance is off by {balance.residual:.3g} J of {balance.turnover:.3g} J: "
+                f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J: "
                 "velocities or accelerations are not the rates of the positions"
             )
         return Result(

@@ -123,12 +123,18 @@ class EnergyBalance:
     Attributes:
         quadrature: estimated error of integrating power over the given samples.
         turnover: integral of the magnitude of the power.
+        worst: work less energy change where they differ most along the motion.
+        quadrature_most: the largest estimated error of integration along the motion.
+        stored_most: the largest magnitude of the stored energy.
     """
 
     work: float
     energy_change: float
     quadrature: float
     turnover: float
+    worst: float
+    quadrature_most: float
+    stored_most: float
 
     @property
     def residual(self) -> float:
@@ -136,8 +142,8 @@ class EnergyBalance:
 
     @property
     def consistent(self) -> bool:
-        """Whether the residual is explained by the sampling, or below a thousandth of the energy that went about."""
-        return abs(self.residual) <= max(10 * abs(self.quadrature), 1e-3 * self.turnover)
+        """Whether sampling or rounding explains the worst residual, or it is below a thousandth of the turnover."""
+        return abs(self.worst) <= max(10 * self.quadrature_most, 1e-3 * self.turnover, 1e-12 * self.stored_most)
 
 
 @dataclass(frozen=True)

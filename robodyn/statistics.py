@@ -87,7 +87,6 @@ class Statistics:
         self.peak_speed, self.torque_at_speed = np.zeros(n), np.zeros(n)
         self.power_most, self.power_least = np.full(n, -np.inf), np.full(n, np.inf)
         self.q_min, self.q_max = np.full(n, np.inf), np.full(n, -np.inf)
-        self.quadrature = 0.0
         self.integrals = Integrals()
         self.at_peak: dict[int, tuple[float, dict[str, Floats]]] = {}
 
@@ -98,7 +97,6 @@ class Statistics:
         qd: Floats,
         tau: Floats,
         base: Floats,
-        net_power: Floats,
         state: dict[str, Floats],
     ) -> None:
         """Take in a block.
@@ -107,7 +105,6 @@ class Statistics:
             time: (N,) s.
             q, qd, tau: (joints, N).
             base: (6, N) base wrench f, n.
-            net_power: (N,) power that goes into stored energy [W].
             state: (N, k) arrays of which a peak's sample is kept.
         """
         base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
@@ -137,13 +134,10 @@ class Statistics:
                 "positive": np.maximum(power, 0.0),
                 "negative": np.minimum(power, 0.0),
                 "base square": base * base,
-                "net power": net_power,
-                "turnover": np.abs(net_power),
                 "over effort": (np.abs(tau) > self.effort[:, None]).astype(float),
                 "over velocity": (speed > self.velocity[:, None]).astype(float),
             },
         )
-        self.quadrature += quadrature_error(steps, net_power)
         self.samples += len(time)
         self.end = float(time[-1])
 
@@ -154,17 +148,3 @@ class Statistics:
     def mean(self, name: str, single: Floats) -> Floats:
         """The time average of a quantity; `single` for a motion without duration."""
         return self.integrals.totals[name] / self.duration if self.duration > 0 else single
-
-
-def quadrature_error(steps: Floats, values: Floats) -> float:
-    """The error of the trapezoidal rule over one block, from the same rule with every second sample: (T_h - T_2h) / 3.
-
-    Args:
-        steps: (N - 1,) s; values: (N,).
-    """
-    pairs = len(steps) // 2
-    left, right = steps[0 : 2 * pairs : 2], steps[1 : 2 * pairs : 2]
-    a, b, c = values[0 : 2 * pairs : 2], values[1 : 2 * pairs : 2], values[2 : 2 * pairs + 1 : 2]
-    fine = 0.5 * (left * (a + b) + right * (b + c))
-    coarse = 0.5 * (left + right) * (a + c)
-    return float(np.sum(fine - coarse)) / 3.0

@@ -23,7 +23,7 @@ def machine(*packages: str) -> str:
     versions = [f"{name} {importlib.metadata.version(package)}" for name, package in _named(packages)]
     return (
         f"Measured on {cores} cores of {platform.machine()} with {vectors()}, {platform.system()}; "
-        f"Python {platform.python_version()}, NumPy {np.__version__}, {', '.join(versions)}.\n"
+        f"{', '.join([f'Python {platform.python_version()}', f'NumPy {np.__version__}', *versions])}.\n"
     )
 
 

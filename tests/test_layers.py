@@ -20,7 +20,7 @@ ORDER = [
     ("joints", "dynamics", "motion_input", "scene_fit"),
     ("assemble", "effects"),
     ("plan", "result"),
-    ("inverse", "self_checks", "report"),
+    ("inverse", "self_checks", "energy_ledger", "report"),
     ("sizing",),
     ("loads",),
     ("cli",),

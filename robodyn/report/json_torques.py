@@ -43,6 +43,7 @@ def torques_json(result: Result) -> str:
                 "residual": balance.residual,
                 "quadrature_error": balance.quadrature,
                 "turnover": balance.turnover,
+                "largest_residual": balance.worst,
                 "consistent": balance.consistent,
             },
             "first_law": result.checks.first_law,

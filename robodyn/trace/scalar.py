@@ -8,8 +8,6 @@ expression that folds to a constant leaves the trace.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from typing import Any
 
 NEG, ADD, SUB, MUL, DIV, SQRT, SIN, COS, SIGN, EXP = (
@@ -25,14 +23,6 @@ NEG, ADD, SUB, MUL, DIV, SQRT, SIN, COS, SIGN, EXP = (
     "exp",
 )
 INPUT, CONSTANT = "input", "constant"
-
-UNARY: dict[str, Callable[[float], float]] = {
-    SQRT: math.sqrt,
-    SIN: math.sin,
-    COS: math.cos,
-    SIGN: lambda x: float((x > 0) - (x < 0)),
-    EXP: math.exp,
-}
 
 
 class Tape:

@@ -65,19 +65,6 @@ class Derivation:
         """The method, or the methods with the joints that each served."""
         return _summary([(joint.acceleration, joint.name) for joint in self.joints])
 
-    def lines(self) -> tuple[str, ...]:
-        """The derivation as lines of a report: one for the methods, one per joint whose data carry noise."""
-        text = [f"velocity: {self.velocity}", f"acceleration: {self.acceleration}"]
-        for joint in self.joints:
-            if joint.noise:
-                grid = f", on a grid of {joint.quantum:.3g}" if joint.quantum else ""
-                text.append(
-                    f"{joint.name}: noise of {joint.source} {joint.noise:.2g}{grid}; gains "
-                    f"{joint.gain_velocity:.3g} 1/s, {joint.gain_acceleration:.3g} 1/s^2; implied standard deviation "
-                    f"of qd {joint.std_velocity:.2g}, of qdd {joint.std_acceleration:.2g}"
-                )
-        return tuple(text)
-
 
 @dataclass(frozen=True)
 class Trajectory:

@@ -93,7 +93,7 @@ TABLES: list[tuple[str, str | bytes, str]] = [
     ("no time", GOOD.replace("time", "when"), r"bad.csv:1: no column of time .*'when'"),
     ("wrong joint", GOOD.replace("q_elbow", "q_elbw", 1), r"bad.csv:1: no position of joint 'elbow' .*mean 'q_elbw'"),
     ("joint missing", "time,q_elbow\n0,0\n1,0\n", r"bad.csv:1: no position of joint 'shoulder' .*'q_elbow'"),
-    ("extra column", "time,q_shoulder,q_elbow,foo\n0,0,0,1\n", r"bad.csv:1: unknown column 'foo' .*--ignore-extra"),
+    ("extra column", "time,q_shoulder,q_elbow,foo\n0,0,0,1\n", r"bad.csv:1: unknown columns? 'foo' .*--ignore-extra"),
     ("column twice", GOOD.replace("qd_elbow", "qd_shoulder"), r"bad.csv:1: column 'qd_shoulder' appears twice"),
     ("nameless", GOOD.replace("qd_elbow", ""), r"bad.csv:1: column 5 of 7 has no name"),
     ("one row", "time,q_shoulder,q_elbow\n0,0,0\n", r"bad.csv: has 1 row, too few"),
@@ -117,7 +117,7 @@ def test_motion_that_must_be_given() -> None:
 
 def test_robot_without_joints_has_no_columns() -> None:
     Path("stone.urdf").write_text('<robot name="stone"><link name="stone"/></robot>')
-    refused(torques("stone.urdf"), "arm.csv:1: unknown column 'q_shoulder'")
+    refused(torques("stone.urdf"), "arm.csv:1: unknown columns? 'q_shoulder'")
 
 
 SCENES = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from command_line import ARM, ROBOTS, motion, run
 
 from robodyn.assemble import load
 from robodyn.loads import torques
+from robodyn.report.json_torques import torques_json
 from robodyn.scene_file import load_scene
 
 CASES = [
@@ -105,7 +107,7 @@ def test_keys(robot: str, table: str, scene: str | None) -> None:
     assert all(list(effect) == EFFECT for effect in found["effects"])
     assert list(found["checks"]) == ["energy_balance", "first_law", "second_law", "power", "samples"]
     assert list(found["checks"]["energy_balance"]) == (
-        ["work", "energy_change", "residual", "quadrature_error", "turnover", "consistent"]
+        ["work", "energy_change", "residual", "quadrature_error", "turnover", "largest_residual", "consistent"]
     )
     assert list(found["plan"]) == ["executor", "operations", "reason"]
     assert all(list(joint) == DERIVED for joint in found["derivatives"])
@@ -169,3 +171,10 @@ def test_exceeded_limits_are_data(tmp_path: Path) -> None:
 def test_the_document_does_not_change_from_run_to_run() -> None:
     call = files("gripper", "gripper_pick", "gripper")
     assert run("torques", *call, "--format", "json").out == run("torques", *call, "--format", "json").out
+
+
+def test_what_json_cannot_say_is_never_written() -> None:
+    result = torques(load(ROBOTS / "scara.urdf"), ROBOTS / "scara_pick_and_place.csv")
+    for value in (math.nan, math.inf):
+        with pytest.raises(ValueError, match="JSON"):
+            torques_json(replace(result, duration=value))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from command_line import ROBOTS
@@ -56,10 +55,3 @@ def test_group_imports_commands_only_when_it_lists_them(call: tuple[str, ...]) -
 
 def test_version_needs_no_numpy() -> None:
     assert "numpy" not in imported("from robodyn.cli.main import main; main()", "--version")
-
-
-def test_report_as_text_needs_no_json(modules: set[str]) -> None:
-    """The interpreter that lists its modules imports json itself, so ours is looked for by its own module."""
-    assert "robodyn.report.json_torques" in modules
-    source = Path(sys.modules["robodyn.report.json_torques"].__file__ or "").read_text()
-    assert "\nimport json" not in source

@@ -12,6 +12,7 @@ from oracles import ROBOTS, random_state, robot, run
 
 import robodyn.plan
 from robodyn.dynamics.newton_euler import newton_euler
+from robodyn.energy_ledger import EnergyLedger
 from robodyn.inverse import mass_matrix
 from robodyn.loads import torques
 from robodyn.motion_input import motion, read_motion
@@ -128,15 +129,43 @@ def test_energy_balance_converges_with_the_square_of_the_step():
 
 
 def test_inconsistent_by_more_than_a_thousandth_only():
-    assert EnergyBalance(10.0, 9.9901, 0.0, 10.0).consistent
-    assert not EnergyBalance(10.0, 9.98, 0.0, 10.0).consistent
-    assert EnergyBalance(10.0, 9.98, -0.0021, 10.0).consistent
-    assert EnergyBalance(10.0, 9.5, 0.0, 10.0).residual == 0.5
+    assert EnergyBalance(10.0, 10.0, 0.0, 10.0, 0.0099, 0.0, 0.0).consistent
+    assert not EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.02, 0.0, 0.0).consistent
+    assert EnergyBalance(10.0, 10.0, 0.0, 10.0, -0.02, 0.0021, 0.0).consistent
+    assert EnergyBalance(0.0, 0.0, 0.0, 0.0, 1e-16, 0.0, 1.0).consistent
+    assert EnergyBalance(10.0, 9.5, 0.0, 10.0, 0.5, 0.0, 0.0).residual == 0.5
 
 
-def _noisy(model, clean, seed):
+def test_wrong_accelerations_show_up_although_the_ends_agree():
+    """What a wrong acceleration gives to the motion it takes back before the end; the balance is judged on the way."""
+    model = robot("puma560")
+    given = waves(model, np.linspace(0, 3, 1001))
+    right, wrong = (torques(model, replace(given, qdd=scale * given.qdd)) for scale in (1.0, 1.2))
+    assert right.checks.energy_balance.consistent
+    assert not wrong.checks.energy_balance.consistent
+    assert abs(wrong.checks.energy_balance.residual) < 1e-3 * wrong.checks.energy_balance.turnover
+    assert any("energy" in warning for warning in wrong.warnings)
+
+
+@pytest.mark.parametrize("size", [1, 2, 7, 300])
+def test_ledger_does_not_depend_on_blocks(size):
+    rng = np.random.default_rng(9)
+    time = np.sort(rng.uniform(0, 3, 300))
+    power, energy = rng.normal(size=300), rng.normal(size=300)
+    ledger = EnergyLedger()
+    for start in range(0, 300, size):
+        part = slice(start, start + size)
+        ledger.update(time[part], power[part], np.arange(len(time[part])), energy[part])
+    work = np.append(0.0, np.cumsum(np.diff(time) * (power[1:] + power[:-1]) / 2))
+    residual = work - (energy - energy[0])
+    assert abs(ledger.balance.work - work[-1]) <= 1e-14
+    assert abs(ledger.balance.worst - residual[np.argmax(np.abs(residual))]) <= 1e-14
+    assert abs(ledger.balance.residual - residual[-1]) <= 1e-14
+
+
+def _noisy(model, clean, seed, derivatives="savgol"):
     noise = np.random.default_rng(seed).normal(scale=1e-4, size=clean.q.shape)
-    return motion(model, clean.time, clean.q + noise, derivatives="savgol")
+    return motion(model, clean.time, clean.q + noise, derivatives=derivatives)
 
 
 def test_uncertainty_of_noisy_positions():
@@ -155,15 +184,14 @@ def test_uncertainty_of_noisy_positions():
 
 
 def test_uncertainty_is_the_scatter_of_torques():
-    """Thirty times the same motion with other noise: torques in mid-motion scatter as implied, within a factor of two."""
+    """Forty times the same motion with other noise, by central differences, which smooth nothing."""
     model = robot("puma")
-    t = np.linspace(0, 2, 1001)[:, None]
-    clean = motion(model, t[:, 0], np.array([0.5, 0.7, -0.6]) * np.exp(-(((t - 1) / 0.3) ** 2)))
-    loads = torques(model, _noisy(model, clean, 0)).joints
+    clean = waves(model, np.linspace(0, 2, 1001), amplitude=0.3)
+    loads = torques(model, _noisy(model, clean, 0, "central")).joints
     rows = [load.peak_row - 1 for load in loads]
-    assert 200 < min(rows) <= max(rows) < 800
     peaks = []
-    for seed in range(1, 31):
-        torques(model, _noisy(model, clean, seed), sinks=[lambda _, tau: peaks.append(tau[rows, range(3)])])
+    for seed in range(1, 41):
+        sink = [lambda _, tau: peaks.append(tau[rows, range(3)])]
+        torques(model, _noisy(model, clean, seed, "central"), sinks=sink)
     for load, scatter in zip(loads, np.std(peaks, axis=0), strict=True):
-        assert 0.5 <= load.uncertainty / scatter <= 2
+        assert 0.7 <= load.uncertainty / scatter <= 1.4
