@@ -104,7 +104,7 @@ def mass_matrix(model: Model, q: ArrayLike, *, scene: Scene = DEFAULT) -> Floats
     return _mass_runner(model, scene)(sources, samples).reshape(*shape, n, n)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def torque_runner(a_plan: Plan) -> NumpyBlocks:
     """The plan's tau, ready to run."""
     return runner_of(a_plan.torques(), a_plan)

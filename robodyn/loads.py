@@ -98,7 +98,7 @@ class _Programs(NamedTuple):
     laws: NumpyBlocks
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def _programs(a_plan: Plan, reactions: bool) -> _Programs:
     programs = (a_plan.wrenches(reactions), *(check(a_plan) for check in (losses, energy, laws)))
     return _Programs(*(runner_of(program, a_plan) for program in programs))

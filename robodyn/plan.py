@@ -118,7 +118,7 @@ def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
     return [x for wrench in wrenches for part in wrench for x in part]
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=16)
 def plan(model: Model, scene: Scene, still: Still = frozenset()) -> Plan:
     """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far."""
     return Plan(model, scene, still)

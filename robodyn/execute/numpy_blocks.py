@@ -44,7 +44,8 @@ class NumpyBlocks:
     """A program made ready to run on arrays of samples.
 
     The workspace has a row per output, then a row per column of every source, then rows for what lies between, each
-    reused as soon as its value has been used for the last time, so that a block of samples stays in the cache.
+    reused as soon as its value has been used for the last time, so that a block of samples stays in the cache. The
+    last workspace is kept for the next call.
     """
 
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
@@ -59,6 +60,7 @@ class NumpyBlocks:
         self.steps, self.rows = _allocated(program, self.first_row, row)
         fitting = CACHE_BYTES // (8 * max(self.rows, 1)) // 8 * 8
         self.block = min(max(fitting, SMALLEST), LARGEST)
+        self._ready: dict[int, tuple[Floats, list[tuple[Any, tuple[Any, ...]]]]] = {}
 
     def __call__(self, sources: Mapping[str, Floats], samples: int, out: Floats | None = None) -> Floats:
         """The outputs of the program for every sample.
@@ -76,11 +78,10 @@ class NumpyBlocks:
         result = np.empty((self.outputs, samples)).T if out is None else out
         if samples == 0:
             return result
-        size = -(-samples // -(-samples // self.block))
-        rows = _workspace(self.rows, size)
-        steps = [
-            (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg for arg in args)) for op, args in self.steps
-        ]
+        size = self._block_size(samples)
+        # Taken out while it is in use, so that two threads never share a workspace.
+        ready = self._ready.pop(size, None) or self._prepared(size)
+        rows, steps = ready
         with np.errstate(all="ignore"):
             for start in range(0, samples, size):
                 block = slice(start, min(start + size, samples))
@@ -91,7 +92,21 @@ class NumpyBlocks:
                 for ufunc, args in steps:
                     ufunc(*args)
                 result[block] = rows[: self.outputs, :filled].T
+        self._ready.clear()
+        self._ready[size] = ready
         return result
+
+    def _block_size(self, samples: int) -> int:
+        """Samples per block: all that fit, or blocks of nearly equal size, one of few sizes so that they are ready."""
+        size = -(-samples // -(-samples // self.block))
+        return size if size <= SMALLEST else min(-(-size // SMALLEST) * SMALLEST, max(self.block, size))
+
+    def _prepared(self, size: int) -> tuple[Floats, list[tuple[Any, tuple[Any, ...]]]]:
+        """A workspace for blocks of `size` samples, and the calls that fill it."""
+        rows = _workspace(self.rows, size)
+        return rows, [
+            (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg for arg in args)) for op, args in self.steps
+        ]
 
 
 def _workspace(rows: int, size: int) -> Floats:
