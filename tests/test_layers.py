@@ -96,7 +96,7 @@ def test_heavy_modules_wait(name):
 
 def _loaded(code):
     command = f"{code}; import sys; print(*sorted({{name.partition('.')[0] for name in sys.modules}}))"
-    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True, cwd=ROOT)
+    done = subprocess.run([sys.executable, "-I", "-c", command], capture_output=True, text=True, check=True, cwd=ROOT)
     return set(done.stdout.split())
 
 

@@ -20,7 +20,7 @@ BEYOND = 40
 def imported(code: str, *arguments: str) -> set[str]:
     """The modules that are loaded after some code, in an interpreter of its own."""
     show = "import sys, json, atexit; atexit.register(lambda: print(json.dumps(sorted(sys.modules)), file=sys.stderr))"
-    call = [sys.executable, "-c", f"{show}\n{code}", *arguments]
+    call = [sys.executable, "-I", "-c", f"{show}\n{code}", *arguments]
     done = subprocess.run(call, capture_output=True, check=True, text=True)
     return set(json.loads(done.stderr))
 
