@@ -74,7 +74,7 @@ def spawn(*args: str, stdin: bytes = b"", cwd: Path | None = None, **environment
 
 def command(*args: str) -> list[str]:
     """What to start for `robodyn args`."""
-    return [sys.executable, "-I", "-c", "from robodyn.cli.main import main; main()", *args]
+    return [sys.executable, "-c", "from robodyn.cli.main import main; main()", *args]
 
 
 def _text(stream: io.TextIOWrapper) -> str:

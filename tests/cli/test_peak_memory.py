@@ -30,7 +30,7 @@ def peak_resident(folder: Path, rows: int) -> int:
         "from robodyn.trajectory.read import open_trajectory; "
         f"open_trajectory.__kwdefaults__['block_rows'] = {BLOCK_ROWS}; from robodyn.cli.main import main; main()"
     )
-    call = [sys.executable, "-I", "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
+    call = [sys.executable, "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
     with subprocess.Popen(call, cwd=folder, stdout=subprocess.DEVNULL) as child:
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)

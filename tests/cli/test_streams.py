@@ -82,7 +82,7 @@ def test_interrupt_while_reading() -> None:
         "shutil.copyfileobj = lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
         "from robodyn.cli.main import main; main()"
     )
-    call = [sys.executable, "-I", "-c", code, "torques", "arm.urdf", "-", "--out", "tau.csv"]
+    call = [sys.executable, "-c", code, "torques", "arm.urdf", "-", "--out", "tau.csv"]
     done = subprocess.run(call, stdin=subprocess.DEVNULL, capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, b"", b"")
     assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]
@@ -96,7 +96,7 @@ def test_interrupt_between_blocks() -> None:
         "sinks.watched = lambda _: nullcontext(lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60)))\n"
         "from robodyn.cli.main import main; main()"
     )
-    call = [sys.executable, "-I", "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
+    call = [sys.executable, "-c", code, "torques", "arm.urdf", "arm.csv", "--out", "tau.csv"]
     done = subprocess.run(call, capture_output=True, check=False)
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, b"", b"")
     assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]
@@ -163,7 +163,7 @@ def test_tables_fit_a_narrow_terminal() -> None:
 def with_bar() -> list[str]:
     """The command with a progress bar for files of any length."""
     code = "import robodyn.cli.progress as p; p.LONG = 0; from robodyn.cli.main import main; main()"
-    return [sys.executable, "-I", "-c", code, "torques", *SCARA, "--format", "json"]
+    return [sys.executable, "-c", code, "torques", *SCARA, "--format", "json"]
 
 
 def test_progress_is_shown_on_a_terminal_and_never_on_standard_output() -> None:
