@@ -118,7 +118,8 @@ def _of_column(runs: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> Noi
     for time, _, values in runs:
         if len(time) <= 2 * HIGHEST:
             continue
-        unit = (time - time[0]) / float(np.median(np.diff(time)))
+        even = np.arange(len(time), dtype=np.float64)
+        unit = even if equal_spacing(time) else (time - time[0]) / float(np.median(np.diff(time)))
         active = moving(values)
         jumps.append(np.abs(np.diff(values))[active[1:]])
         for p, difference in enumerate(differences(unit, values, weights(unit)), start=1):
