@@ -2,9 +2,9 @@
 
     cd tests && python -m benchmarks.bench_streaming [--rows N] [--turns N] [--write FILE]
 
-The table has time and q, qd, qdd of six joints: 19 columns. polars reads it and writes time and six columns, which is
-what any program pays that uses it; robodyn writes time and six torques, and its report. Each is a process of its own,
-the two take turns, and the medians count.
+The table has time and q, qd, qdd of six joints, 19 columns, or time and q alone, 7 columns. polars reads it and writes
+time and six columns, which is what any program pays that uses it; robodyn writes time and six torques, and its report.
+Each is a process of its own, the two take turns, and the medians count.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ import sys, polars
 frame = polars.read_csv(sys.argv[1])
 frame.select(frame.columns[:7]).write_csv(sys.argv[2])
 """
-HEAD = ("process", "wall time", "largest memory")
+HEAD = ("table", "size", "robodyn", "polars", "ratio", "memory of robodyn", "of polars")
+TABLES = {"time, q, qd, qdd": True, "time, q": False}
 
 
-def write_motion(path: Path, rows: int) -> None:
-    """Sines of 1 ms steps for every joint, within its limits."""
+def write_motion(path: Path, rows: int, with_rates: bool) -> None:
+    """Sines of 1 ms steps for every joint, within its limits; with velocities and accelerations, or positions alone."""
     import polars as pl
 
     names = robot(ROBOT).joint_names
@@ -45,8 +46,9 @@ def write_motion(path: Path, rows: int) -> None:
             t = np.arange(start, min(start + CHUNK, rows)) * 1e-3
             columns = {"time": t}
             columns |= {f"q_{name}": 0.3 * np.sin(k * t) for name, k in zip(names, w, strict=True)}
-            columns |= {f"qd_{name}": 0.3 * k * np.cos(k * t) for name, k in zip(names, w, strict=True)}
-            columns |= {f"qdd_{name}": -0.3 * k * k * np.sin(k * t) for name, k in zip(names, w, strict=True)}
+            if with_rates:
+                columns |= {f"qd_{name}": 0.3 * k * np.cos(k * t) for name, k in zip(names, w, strict=True)}
+                columns |= {f"qdd_{name}": -0.3 * k * k * np.sin(k * t) for name, k in zip(names, w, strict=True)}
             file.write(pl.DataFrame(columns).write_csv(include_header=start == 0).encode())
 
 
@@ -63,11 +65,12 @@ def run(command: Sequence[str], target: Path) -> tuple[float, float]:
     return spent, usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
 
 
-def report(rows: int, turns: int) -> str:
+def measured(title: str, with_rates: bool, rows: int, turns: int) -> tuple[str, ...]:
+    """A row of the report."""
     robodyn = shutil.which("robodyn", path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "motion.csv", Path(folder) / "out.csv"
-        write_motion(source, rows)
+        write_motion(source, rows, with_rates)
         size = source.stat().st_size / 1e6
         ours = [str(robodyn), "torques", str(ROBOTS / f"{ROBOT}.urdf"), str(source), "--out", str(target)]
         alone = [sys.executable, "-c", ALONE, str(source), str(target)]
@@ -76,17 +79,13 @@ def report(rows: int, turns: int) -> str:
     (mine, my_memory), (raw, raw_memory) = (
         [median(numbers) for numbers in zip(*each, strict=True)] for each in zip(*spent, strict=True)
     )
-    shown = [
-        ("`robodyn torques --out tau.csv`", f"{mine:.2f} s", f"{my_memory:.0f} MB"),
-        ("polars: read, write seven columns", f"{raw:.2f} s", f"{raw_memory:.0f} MB"),
-        ("ratio", f"{mine / raw:.2f}", f"{my_memory / raw_memory:.2f}"),
-    ]
-    return (
-        f"{rows} rows of 19 columns ({size:.0f} MB) in, {rows} rows of 7 columns out:\n\n"
-        + table(HEAD, shown)
-        + "\n"
-        + machine("polars")
-    )
+    times = (f"{mine:.2f} s", f"{raw:.2f} s", f"{mine / raw:.2f}")
+    return (title, f"{size:.0f} MB", *times, f"{my_memory:.0f} MB", f"{raw_memory:.0f} MB")
+
+
+def report(rows: int, turns: int) -> str:
+    shown = [measured(title, with_rates, rows, turns) for title, with_rates in TABLES.items()]
+    return f"{rows} rows of six joints in, torques out:\n\n" + table(HEAD, shown) + "\n" + machine("polars")
 
 
 if __name__ == "__main__":
