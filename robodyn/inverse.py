@@ -51,7 +51,7 @@ def inverse_dynamics(
         (..., n) N m or N, in the order of `model.rates`.
 
     Raises:
-        InputError: a shape that does not fit the model.
+        InputError: a shape, or a joint or link that the scene names, does not fit the model.
 
     Accuracy: 1e-14 of the largest torque for chains of up to 100 bodies; bit-identical wherever a fixed base stands
     and with every effect whose coefficient is zero.

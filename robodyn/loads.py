@@ -23,7 +23,6 @@ from robodyn.overlap import ahead
 from robodyn.plan import Plan, plan
 from robodyn.result import Checks, Result
 from robodyn.scene import DEFAULT, Scene
-from robodyn.scene_fit import check_scene
 from robodyn.self_checks import LawResiduals, energy, laws, losses
 from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rates, position_of_rates, shares_at_peaks
 from robodyn.statistics import COMPONENTS, Statistics
@@ -73,7 +72,6 @@ def torques(
 
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
-    check_scene(scene, model)
     if isinstance(trajectory, (str, os.PathLike)):
         with read_motion(trajectory, model, scene) as reader:
             return torques(model, reader, scene, reactions=reactions, explain=explain, sinks=sinks)

@@ -15,6 +15,7 @@ from robodyn.effects.catalogue import EFFECTS
 from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
 from robodyn.model import Model
 from robodyn.scene import Scene
+from robodyn.scene_fit import check_scene
 from robodyn.spatial import Scalar
 from robodyn.trace.program import Program, trace
 from robodyn.trace.scalar import Tape
@@ -120,5 +121,10 @@ def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
 
 @lru_cache(maxsize=16)
 def plan(model: Model, scene: Scene, still: Still = frozenset()) -> Plan:
-    """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far."""
+    """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
+
+    Raises:
+        SceneError: the scene does not fit the model.
+    """
+    check_scene(scene, model)
     return Plan(model, scene, still)

@@ -8,6 +8,7 @@ import pytest
 from oracles import robot
 
 from robodyn.errors import SceneError
+from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.loads import torques
 from robodyn.motion_input import motion
 from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
@@ -55,3 +56,15 @@ def test_torques_asks():
     still = motion(PUMA, [0.0, 1.0], [[0.0] * 6] * 2, [[0.0] * 6] * 2, [[0.0] * 6] * 2)
     with pytest.raises(SceneError, match="no joint 'waste'"):
         torques(PUMA, still, MISFITS["rotor"][0])
+
+
+@pytest.mark.parametrize("where", MISFITS)
+def test_the_functions_of_arrays_ask_too(where):
+    scene = MISFITS[where][0]
+    for call in (
+        lambda: inverse_dynamics(PUMA, [0.1] * 6, 0, 0, scene=scene),
+        lambda: bias_forces(PUMA, [0.1] * 6, 0, scene=scene),
+        lambda: mass_matrix(PUMA, [0.1] * 6, scene=scene),
+    ):
+        with pytest.raises(SceneError):
+            call()
