@@ -16,6 +16,8 @@ from robodyn.errors import TrajectoryError
 from robodyn.trajectory.table import FloatArray, check_finite, spread
 
 _MARK = b"PAR1"
+READ_ROWS = 1 << 18
+"""Rows decoded at once: every request decodes the row groups that it touches from their beginnings."""
 _PROGRAM = "import sys; sys.path[:] = {path}; from robodyn.trajectory.parquet_child import serve; serve({file})"
 
 
@@ -45,11 +47,12 @@ class ParquetTable:
         self.position_bytes = 0
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
-        for start in range(0, self._rows, rows):
-            values = self._read(columns, start, min(rows, self._rows - start))
+        size = max(rows, READ_ROWS)
+        for start in range(0, self._rows, size):
+            values = self._read(columns, start, min(size, self._rows - start))
             check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
             self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
-            yield values
+            yield from (values[part : part + rows] for part in range(0, len(values), rows))
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
         cuts = spread(self._rows, count, rows)
