@@ -28,7 +28,7 @@ class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 VECTOR = VectorType()
 SCENE = click.option(
-    "--scene", "scene_file", metavar="FILE", help="TOML: friction, rotors, springs, payloads, wrenches, base."
+    "--scene", "scene_file", metavar="FILE", help="TOML: friction, rotors, springs, payloads, wrenches, fluid, base."
 )
 GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
 FORMAT = click.option(
