@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from closed_forms import TORQUES, g, two_link_planar_masses
 from oracles import frictionless, robot, run, worst
 from small_robots import body_numbers, built, link
 
@@ -11,7 +12,6 @@ from robodyn.inverse import inverse_dynamics, mass_matrix
 from robodyn.plan import Plan
 from robodyn.scene import Scene
 
-g = 9.81
 TOLERANCE = 1e-14
 
 
@@ -19,66 +19,22 @@ def _states(n):
     return np.random.default_rng(11).uniform(-1.5, 1.5, (3, 200, n))
 
 
-def _agrees(name, expected, q, qd, qdd):
+@pytest.mark.parametrize("name", TORQUES)
+def test_torques(name):
     model = robot(name)
+    q, qd, qdd = _states(model.n)
+    expected = TORQUES[name](q, qd, qdd)
     tau = inverse_dynamics(model, q, qd, qdd, scene=frictionless(model))
     assert worst(tau, np.column_stack(expected)) <= TOLERANCE
     for found, wanted in zip(tau.T, expected, strict=True):
         assert worst(found, wanted) <= TOLERANCE
 
 
-def test_scara():
-    q, qd, qdd = _states(3)
-    l1, l2, c1, c2, m1, m2, m3, I1, I2, I3 = 0.4, 0.3, 0.2, 0.15, 6, 4, 1.5, 0.13, 0.065, 0.001
-    A = I1 + I2 + I3 + m1 * c1**2 + m2 * (l1**2 + c2**2) + m3 * (l1**2 + l2**2)
-    B = l1 * (m2 * c2 + m3 * l2)
-    C = I2 + I3 + m2 * c2**2 + m3 * l2**2
-    (_, q2, _), (w1, w2, _), (a1, a2, a3) = q.T, qd.T, qdd.T
-    tau1 = (A + 2 * B * np.cos(q2)) * a1 + (C + B * np.cos(q2)) * a2 - B * np.sin(q2) * (2 * w1 * w2 + w2**2)
-    tau2 = (C + B * np.cos(q2)) * a1 + C * a2 + B * np.sin(q2) * w1**2
-    _agrees("scara", [tau1, tau2, m3 * (a3 - g)], q, qd, qdd)
-
-
-def test_cylindrical():
-    q, qd, qdd = _states(4)
-    m2, m3, m4, Izz = 5, 3, 1, 0.431
-    x3, x4 = 0.3 + q[:, 2], 0.6 + q[:, 2]
-    (w, _, rd, _), (al, zdd, rdd, ddd) = qd.T, qdd.T
-    turning = m3 * x3 + m4 * x4
-    expected = [
-        (Izz + m3 * x3**2 + m4 * x4**2) * al + 2 * turning * rd * w,
-        (m2 + m3 + m4) * (zdd + g) - m4 * ddd,
-        (m3 + m4) * rdd - turning * w**2,
-        m4 * (ddd - zdd - g),
-    ]
-    _agrees("cylindrical", expected, q, qd, qdd)
-
-
-def test_two_link_planar():
-    q, qd, qdd = _states(2)
-    l1, l2, m1, m2 = 0.5, 0.4, 4, 2.5
-    (q1, q2), (w1, w2), (a1, a2) = q.T, qd.T, qdd.T
-    s2, c2, c12 = np.sin(q2), np.cos(q2), np.cos(q1 + q2)
-    M11 = l2**2 * m2 + 2 * l1 * l2 * m2 * c2 + l1**2 * (m1 + m2)
-    M12 = l2**2 * m2 + l1 * l2 * m2 * c2
-    tau1 = M11 * a1 + M12 * a2 - m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2)
-    tau1 += m2 * l2 * g * c12 + (m1 + m2) * l1 * g * np.cos(q1)
-    tau2 = M12 * a1 + l2**2 * m2 * a2 + m2 * l1 * l2 * s2 * w1**2 + m2 * l2 * g * c12
-    _agrees("two_link_planar", [tau1, tau2], q, qd, qdd)
-    M = mass_matrix(robot("two_link_planar"), q)
-    M22 = np.full_like(M11, l2**2 * m2)
-    assert worst(M, np.moveaxis(np.array([[M11, M12], [M12, M22]]), -1, 0)) <= TOLERANCE
-
-
-def test_two_link_spatial():
-    q, qd, qdd = _states(2)
-    Izz, a, m2, c, Ix, Iy, Iz = 0.09, 0.15, 3, 0.3, 0.004, 0.1, 0.102
-    q2, (w1, w2), (a1, a2) = q[:, 1], qd.T, qdd.T
-    r = a + c * np.cos(q2)
-    k = (Ix - Iz) * np.sin(q2) * np.cos(q2) - m2 * r * c * np.sin(q2)
-    M11 = Izz + Ix * np.sin(q2) ** 2 + Iz * np.cos(q2) ** 2 + m2 * r**2
-    expected = [M11 * a1 + 2 * k * w1 * w2, (Iy + m2 * c**2) * a2 - k * w1**2 + m2 * g * c * np.cos(q2)]
-    _agrees("two_link_spatial", expected, q, qd, qdd)
+def test_mass_matrix_of_craigs_arm():
+    q = _states(2)[0]
+    M11, M12, M22 = two_link_planar_masses(q)
+    expected = np.moveaxis(np.array([[M11, M12], [M12, M22]]), -1, 0)
+    assert worst(mass_matrix(robot("two_link_planar"), q), expected) <= TOLERANCE
 
 
 def test_moment_of_a_free_body_is_eulers():

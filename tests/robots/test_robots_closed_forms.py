@@ -8,10 +8,10 @@ from decimal import Decimal
 import numpy as np
 import pinocchio as pin
 import pytest
+from closed_forms import TORQUES
 from robot_files import REFERENCE, configuration, model, torques
 from scene_files import read_scene
 
-g = 9.81
 EPS = np.finfo(float).eps
 
 
@@ -19,64 +19,12 @@ def _states(n, seed=7):
     return np.random.default_rng(seed).uniform(-1.5, 1.5, (3, 50, n))
 
 
-def _agree(name, expected, q, qd, qdd):
+@pytest.mark.parametrize("name", TORQUES)
+def test_torques(name):
+    q, qd, qdd = _states(model(name).nv)
+    expected = TORQUES[name](q, qd, qdd)
     tau = torques(model(name), q, qd, qdd)
     np.testing.assert_allclose(tau, np.column_stack(expected), rtol=0, atol=40 * EPS * np.abs(expected).max())
-
-
-def test_scara():
-    q, qd, qdd = _states(3)
-    l1, l2, c1, c2 = 0.4, 0.3, 0.2, 0.15
-    m1, m2, m3 = 6, 4, 1.5
-    I1, I2, I3 = 0.13, 0.065, 0.001
-    A = I1 + I2 + I3 + m1 * c1**2 + m2 * (l1**2 + c2**2) + m3 * (l1**2 + l2**2)
-    B = l1 * (m2 * c2 + m3 * l2)
-    C = I2 + I3 + m2 * c2**2 + m3 * l2**2
-    (_, q2, _), (w1, w2, _), (a1, a2, a3) = q.T, qd.T, qdd.T
-    tau1 = (A + 2 * B * np.cos(q2)) * a1 + (C + B * np.cos(q2)) * a2 - B * np.sin(q2) * (2 * w1 * w2 + w2**2)
-    tau2 = (C + B * np.cos(q2)) * a1 + C * a2 + B * np.sin(q2) * w1**2
-    _agree("scara", [tau1, tau2, m3 * (a3 - g)], q, qd, qdd)
-
-
-def test_cylindrical():
-    q, qd, qdd = _states(4)
-    m2, m3, m4, Izz = 5, 3, 1, 0.431
-    r = q[:, 2]
-    x3, x4 = 0.3 + r, 0.6 + r
-    w, _, rd, _ = qd.T
-    al, zdd, rdd, ddd = qdd.T
-    turning = m3 * x3 + m4 * x4
-    expected = [
-        (Izz + m3 * x3**2 + m4 * x4**2) * al + 2 * turning * rd * w,
-        (m2 + m3 + m4) * (zdd + g) - m4 * ddd,
-        (m3 + m4) * rdd - turning * w**2,
-        m4 * (ddd - zdd - g),
-    ]
-    _agree("cylindrical", expected, q, qd, qdd)
-
-
-def test_two_link_planar_is_craigs():
-    q, qd, qdd = _states(2)
-    l1, l2, m1, m2 = 0.5, 0.4, 4, 2.5
-    (q1, q2), (w1, w2), (a1, a2) = q.T, qd.T, qdd.T
-    s2, c2, c12 = np.sin(q2), np.cos(q2), np.cos(q1 + q2)
-    M11 = l2**2 * m2 + 2 * l1 * l2 * m2 * c2 + l1**2 * (m1 + m2)
-    M12 = l2**2 * m2 + l1 * l2 * m2 * c2
-    tau1 = M11 * a1 + M12 * a2 - m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2)
-    tau1 += m2 * l2 * g * c12 + (m1 + m2) * l1 * g * np.cos(q1)
-    tau2 = M12 * a1 + l2**2 * m2 * a2 + m2 * l1 * l2 * s2 * w1**2 + m2 * l2 * g * c12
-    _agree("two_link_planar", [tau1, tau2], q, qd, qdd)
-
-
-def test_two_link_spatial():
-    q, qd, qdd = _states(2)
-    Izz, a, m2, c, Ix, Iy, Iz = 0.09, 0.15, 3, 0.3, 0.004, 0.1, 0.102
-    q2, (w1, w2), (a1, a2) = q[:, 1], qd.T, qdd.T
-    r = a + c * np.cos(q2)
-    k = (Ix - Iz) * np.sin(q2) * np.cos(q2) - m2 * r * c * np.sin(q2)
-    M11 = Izz + Ix * np.sin(q2) ** 2 + Iz * np.cos(q2) ** 2 + m2 * r**2
-    expected = [M11 * a1 + 2 * k * w1 * w2, (Iy + m2 * c**2) * a2 - k * w1**2 + m2 * g * c * np.cos(q2)]
-    _agree("two_link_spatial", expected, q, qd, qdd)
 
 
 def test_satellite_inertia_about_the_bus_frame():
