@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from robodyn.effects.effect import Still
 from robodyn.energy_ledger import EnergyLedger
 from robodyn.errors import InputError
-from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.execute.runner import Runner
 from robodyn.inverse import mass_matrix, runner_of, still
 from robodyn.model import Model
 from robodyn.motion_input import read_motion, sources_of
@@ -90,10 +90,10 @@ def torques(
 class _Programs(NamedTuple):
     """What runs for one pattern of zero columns."""
 
-    wrenches: NumpyBlocks
-    losses: NumpyBlocks
-    energy: NumpyBlocks
-    laws: NumpyBlocks
+    wrenches: Runner
+    losses: Runner
+    energy: Runner
+    laws: Runner
 
 
 @lru_cache(maxsize=16)

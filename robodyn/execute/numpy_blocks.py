@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robodyn.trace.program import Program
 from robodyn.trace.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 
-Floats = NDArray[np.float64]
+Numbers = NDArray[np.floating[Any]]
 
 COPY = "copy"
 
@@ -48,8 +48,13 @@ class NumpyBlocks:
     last workspace is kept for the next call.
     """
 
-    def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
-        """Args: widths: how many columns the array of each source will have."""
+    def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
+        """
+        Args:
+            widths: how many columns the array of each source will have.
+            dtype: float64 or float32, of inputs, results and all operations.
+        """
+        self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.outputs = len(program.outputs)
         used = {source for source, _ in program.inputs}
         self.first_row: dict[str, int] = {}
@@ -58,11 +63,11 @@ class NumpyBlocks:
             self.first_row[source] = row
             row += widths[source]
         self.steps, self.rows = _allocated(program, self.first_row, row)
-        fitting = CACHE_BYTES // (8 * max(self.rows, 1)) // 8 * 8
+        fitting: int = CACHE_BYTES // (self.dtype.itemsize * max(self.rows, 1)) // 8 * 8
         self.block = min(max(fitting, SMALLEST), LARGEST)
-        self._ready: dict[int, tuple[Floats, list[tuple[Any, tuple[Any, ...]]]]] = {}
+        self._ready: dict[int, tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]] = {}
 
-    def __call__(self, sources: Mapping[str, Floats], samples: int, out: Floats | None = None) -> Floats:
+    def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None) -> Numbers:
         """The outputs of the program for every sample.
 
         Args:
@@ -75,7 +80,7 @@ class NumpyBlocks:
 
         Accuracy: each operation is rounded once; sine, cosine and exponential are NumPy's (within 1 ulp).
         """
-        result = np.empty((self.outputs, samples)).T if out is None else out
+        result = np.empty((self.outputs, samples), self.dtype).T if out is None else out
         if samples == 0:
             return result
         size = self._block_size(samples)
@@ -101,19 +106,21 @@ class NumpyBlocks:
         size = -(-samples // -(-samples // self.block))
         return size if size <= SMALLEST else min(-(-size // SMALLEST) * SMALLEST, max(self.block, size))
 
-    def _prepared(self, size: int) -> tuple[Floats, list[tuple[Any, tuple[Any, ...]]]]:
+    def _prepared(self, size: int) -> tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]:
         """A workspace for blocks of `size` samples, and the calls that fill it."""
-        rows = _workspace(self.rows, size)
+        rows = _workspace(self.rows, size, self.dtype)
         return rows, [
-            (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg for arg in args)) for op, args in self.steps
+            (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg.astype(self.dtype) for arg in args))
+            for op, args in self.steps
         ]
 
 
-def _workspace(rows: int, size: int) -> Floats:
+def _workspace(rows: int, size: int, dtype: np.dtype[Any]) -> Numbers:
     """Rows of `size` numbers that start on cache lines and whose stride is no power of two (they would share sets)."""
-    stride = -(-size // 8) * 8 + 8
-    raw = np.ones(rows * stride + 8)
-    first = -(raw.ctypes.data // 8) % 8
+    line = 64 // dtype.itemsize
+    stride = -(-size // line) * line + line
+    raw = np.ones(rows * stride + line, dtype)
+    first = -(raw.ctypes.data // dtype.itemsize) % line
     return raw[first : first + rows * stride].reshape(rows, stride)[:, :size]
 
 
