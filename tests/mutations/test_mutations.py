@@ -19,7 +19,7 @@ QUICK = [
     "model/test_invariance.py",
     "dynamics/test_momentum.py",
     "trace/test_folding.py",
-    "trace/test_numpy_blocks.py",
+    "execute/test_numpy_blocks.py",
     "loads/test_sizing_figures.py",
     "loads/test_blocks.py",
     "loads/test_self_checks.py",
