@@ -13,7 +13,7 @@ import click
 from robodyn.cli.failures import reported
 from robodyn.wording import alternatives
 
-COMMANDS = ("torques",)
+COMMANDS = ("torques", "bench")
 
 
 class Commands(click.Group):

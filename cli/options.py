@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import click
 
+from robodyn.execute.choice import EXECUTORS
+
+Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
 
 
@@ -34,3 +39,10 @@ GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in
 FORMAT = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
 )
+
+
+def EXECUTION(command: Callback) -> Callback:
+    """The options --executor and --threads."""
+    text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
+    threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")
+    return click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)(threads(command))

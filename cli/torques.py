@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, GRAVITY, SCENE, Vector
+from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
-from robodyn.loads import output_names, torques
+from robodyn.loads import torques
 from robodyn.motion_input import read_motion
+from robodyn.one_pass import output_names
 from robodyn.report.json_torques import torques_json
 from robodyn.report.text_torques import torques_text
 from robodyn.trajectory.reader import MODES, Derivatives
@@ -26,6 +29,7 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of the description is exceeded.")
+@EXECUTION
 @FORMAT
 def command(
     urdf: str,
@@ -36,9 +40,9 @@ def command(
     reactions: bool,
     derivatives: Derivatives,
     ignore_extra: bool,
-    explain: bool,
     fail_on_limits: bool,
     form: str,
+    **how: Any,
 ) -> int:
     """Joint torques, base loads and sizing figures along a motion.
     A file named - is standard input; a trajectory then is CSV.
@@ -52,9 +56,9 @@ def command(
     check_names([urdf, trajectory, scene_file], out)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
     names = output_names(model, reactions)
-    motion = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
-    with motion as reader, sinks(out, names, reader) as gather:
-        result = torques(model, reader, scene, reactions=reactions, explain=explain, sinks=gather)
+    reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
+    with reader, sinks(out, names, reader) as gather:
+        result = torques(model, reader, scene, reactions=reactions, sinks=gather, **how)
     written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
-    show(torques_json(result) if form == "json" else torques_text(result, explain, page()) + written)
+    show(torques_json(result) if form == "json" else torques_text(result, how["explain"], page()) + written)
     return int(fail_on_limits and bool(result.exceeded))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -65,10 +66,10 @@ def inverse_dynamics(
     of it; bit-identical wherever a fixed base stands and with every effect whose coefficient is zero. In float32,
     1e-5 of the largest torque.
     """
-    if np.dtype(dtype).name not in ("float64", "float32"):
+    if np.dtype(dtype).type not in (np.float64, np.float32):
         raise InputError(f"dtype {np.dtype(dtype).name} is not offered", remedy="float64 or float32")
     sources, shape = _sources(model, q, qd, qdd, scene, columns or {}, dtype)
-    samples = int(np.prod(shape))
+    samples = prod(shape)
     runner = torque_runner(plan(model, scene, still(sources)))
     if out is None:
         out = np.empty((*shape, model.n), dtype, order="F" if _columnar(sources["q"]) and len(shape) == 1 else "C")
@@ -117,7 +118,7 @@ def mass_matrix(
     Accuracy: 1e-14 of the largest entry.
     """
     sources, shape = _sources(model, q, 0.0, 0.0, DEFAULT, {})
-    samples, n = int(np.prod(shape)), model.n
+    samples, n = prod(shape), model.n
     entries = _mass_runner(model, scene)(sources, samples, executor=executor, threads=threads)
     return entries.reshape(*shape, n, n)
 
@@ -152,13 +153,13 @@ def runner_of(program: Program, a_plan: Plan) -> Runner:
 
 def still(sources: Mapping[str, Floats]) -> Still:
     """The (source, column) pairs that are zero in every sample."""
-    out = set()
+    out = []
     for source in ("q", "qd", "qdd"):
         values = sources[source]
         rows = values[:1] if values.strides[0] == 0 else values
-        for column in np.flatnonzero(rows[:1].any(axis=0) == 0) if len(values) else ():
-            if not rows[:, column].any():
-                out.add((source, int(column)))
+        for column, first in enumerate(rows[0].tolist() if len(rows) else ()):
+            if first == 0.0 and not rows[:, column].any():
+                out.append((source, column))
     return frozenset(out)
 
 
@@ -181,11 +182,7 @@ def _sources(
     if missing:
         raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
     extra = [np.asarray(columns[name], dtype) for name in scene.columns]
-    try:
-        shape = np.broadcast_shapes(*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra))
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in given.items())
-        raise InputError(f"the shapes do not go together: {shapes}") from None
+    shape = _common_shape(given, extra)
     sources = {name: _matrix(array, shape) for name, array in given.items()}
     for joint in model.independent:
         if joint.kind == "floating" and _has_zero(sources["q"][:, joint.coordinate + 3 : joint.coordinate + 7]):
@@ -194,6 +191,16 @@ def _sources(
         _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else np.empty((0, 0))
     )
     return sources, shape
+
+
+def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
+    """The shape of the samples."""
+    shapes = {*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra)}
+    try:
+        return shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+    except ValueError:
+        found = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+        raise InputError(f"the shapes do not go together: {found}") from None
 
 
 def _has_zero(quaternions: Floats) -> bool:
@@ -217,5 +224,6 @@ def _trailing(values: Floats, name: str, count: int, names: tuple[str, ...]) -> 
 
 
 def _matrix(array: Floats, shape: tuple[int, ...]) -> Floats:
-    whole = np.broadcast_to(array, (*shape, array.shape[-1]))
-    return whole if len(shape) == 1 else whole.reshape(-1, array.shape[-1])
+    columns = array.shape[-1]
+    whole = array if array.shape[:-1] == shape else np.broadcast_to(array, (*shape, columns))
+    return whole if len(shape) == 1 else whole.reshape(prod(shape), columns)

@@ -86,7 +86,8 @@ class Plan:
 
     def without(self, effect: Effect) -> Program:
         """The program of tau with one effect left out: what the others cost."""
-        return trace(lambda tape: loads(*self._with(tape, [e for e in self.effects if e is not effect])).tau)
+        others = [e for e in self.effects if e is not effect]
+        return trace(lambda tape: loads(*self._with(tape, others)).tau, self.model.tips_first)
 
     def _with(self, tape: Tape, effects: Iterable[Effect]) -> tuple[Sample, Terms]:
         sample = self.sample(tape)

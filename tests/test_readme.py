@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from benchmarks import bench_inverse_dynamics
+from benchmarks import bench_executors
 from make_readme import README, tables_in
 from markdown_tables import cells
 from readme_examples import ELSEWHERE, ROOT, blocks, commands, regenerated, same
@@ -80,8 +80,8 @@ def test_errors_are_those_measured(name):
 
 def test_operations_of_the_speed_table_are_up_to_date():
     rows = [row[:4] for row in cells(tables_in(TEXT)["speed"])]
-    joints, operations = bench_inverse_dynamics.joints, bench_inverse_dynamics.operations
-    assert rows == [[name, joints(name), *map(str, operations(name))] for name in bench_inverse_dynamics.ROBOTS], (
+    joints, operations = bench_executors.joints, bench_executors.operations
+    assert rows == [[name, joints(name), *map(str, operations(name))] for name in bench_executors.ROBOTS], (
         f"{ADVICE} --benchmarks"
     )
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple, dataclass
 from typing import NamedTuple
-
-from robodyn.execute.rates import Rates
 
 EXECUTORS = ("auto", "numpy", "compiled")
 
@@ -16,46 +15,87 @@ class Choice(NamedTuple):
     reason: str
 
 
+@dataclass(frozen=True)
+class Rates:
+    """Seconds.
+
+    Attributes:
+        call: per operation of a block by NumPy, however few its samples.
+        numpy: per operation and sample by NumPy.
+        run: per run of machine code, however few its samples.
+        compiled: per operation and sample by machine code, one thread.
+        build: per operation compiled, of a small program.
+        load: to bring machine code to memory from the cache.
+        start: to import the compiler.
+    """
+
+    call: float
+    numpy: float
+    run: float
+    compiled: float
+    build: float
+    load: float
+    start: float
+
+    @property
+    def sane(self) -> bool:
+        """Whether a machine may have these rates, and machine code is faster per sample."""
+        near = (1e-3 < rate / usual < 1e3 for rate, usual in zip(astuple(self), astuple(TYPICAL), strict=True))
+        return all(near) and self.compiled < self.numpy
+
+
+TYPICAL = Rates(call=4e-7, numpy=6e-10, run=2e-5, compiled=4e-11, build=6e-5, load=2e-3, start=0.06)
+"""A server processor of 2023 with AVX-512."""
+SLOW_TO_BUILD = 10_000
+"""Operations of a program each of which takes twice as long to compile as one of a small program."""
+
+
 class Work(NamedTuple):
     """What is to be computed.
 
     Attributes:
         operations: per sample.
         samples: all that are expected.
+        runs: calls in which they come.
         blocks: how many times NumPy would go through the operations.
         threads: that may work at a time.
     """
 
     operations: int
     samples: int
+    runs: int
     blocks: int
     threads: int
 
 
 class Readiness(NamedTuple):
-    """How much of the compiled executor is there already."""
+    """How much of the compiled executor is there already.
 
-    built: bool = False
-    kept: bool = False
-    started: bool = False
+    Attributes:
+        kept: the machine code lies in the cache.
+        started: the compiler has been imported.
+    """
+
+    kept: bool
+    started: bool
 
 
 def times(work: Work, ready: Readiness, rates: Rates) -> tuple[float, float]:
     """Seconds that NumPy and machine code would take, with what is left to do before machine code runs."""
     each = work.operations * work.samples
     by_numpy = work.operations * work.blocks * rates.call + each * rates.numpy
-    start = 0.0 if ready.started or ready.built else rates.start
-    if not ready.built:
-        start += rates.load if ready.kept else work.operations * rates.build
-    return by_numpy, start + each * rates.compiled / work.threads
+    build = work.operations * rates.build * (1 + work.operations / SLOW_TO_BUILD)
+    start = (0.0 if ready.started else rates.start) + (rates.load if ready.kept else build)
+    return by_numpy, start + work.runs * rates.run + each * rates.compiled / work.threads
 
 
 def choice(work: Work, ready: Readiness, rates: Rates) -> Choice:
-    """The quicker executor by these rates."""
+    """The quicker executor by these rates.
+
+    For rates that are `sane`, more samples in as many runs never turn machine code into NumPy.
+    """
     by_numpy, by_code = times(work, ready, rates)
-    figures = f"about {_seconds(by_numpy)} by numpy, {_seconds(by_code)} compiled"
-    return Choice("numpy" if by_numpy <= by_code else "compiled", f"{figures}, for {work.samples} samples")
-
-
-def _seconds(value: float) -> str:
-    return f"{value:.2g} s" if value >= 0.1 else f"{1e3 * value:.2g} ms"
+    amount = f"{work.samples} samples of {work.operations} operations"
+    if by_numpy <= by_code:
+        return Choice("numpy", f"{amount} are done before machine code could be ready")
+    return Choice("compiled", f"{amount} are worth machine code")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from array import array
+from collections.abc import Mapping
 from ctypes import c_int64, c_void_p
 from functools import cache, cached_property
+from itertools import chain
 from threading import Thread
 from typing import Any
 
@@ -12,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.execute.llvm.build import built
-from robodyn.execute.llvm.driver import FIELDS, driver
+from robodyn.execute.llvm.driver import driver
 from robodyn.execute.llvm.kernel import kernel
 from robodyn.execute.llvm.machine import Function
 from robodyn.execute.numpy_blocks import NumpyBlocks
@@ -31,6 +33,8 @@ THREAD_WORK = 1 << 21
 """Operations that are worth a thread of their own: some 50 microseconds."""
 
 Numbers = NDArray[np.floating[Any]]
+Fields = tuple[int, int, int, int, bool]
+"""Of an array, as `robodyn.execute.llvm.driver.FIELDS` names them."""
 
 
 class CompiledBlocks:
@@ -48,16 +52,13 @@ class CompiledBlocks:
             dtype: float64 or float32, of inputs, results and all operations.
 
         Raises:
-            ImportError, OSError: llvmlite is not there.
+            ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
         """
         self.program, self.widths, self.dtype = program, dict(widths), np.dtype(dtype)
         self.sources, first_row = rows_of(program, widths)
         self.rows = first_row[""] + len(program.outputs)
-        scalar = SCALARS[self.dtype.name]
-        self._kernel = built(
-            "kernel", content_of(program, widths, dtype), lambda: kernel(program, first_row, scalar, LANES[scalar])
-        )
-        self._run = _driver(scalar)
+        self._kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
+        self._run = _driver(SCALARS[self.dtype.name])
 
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int = 1
@@ -80,63 +81,75 @@ class CompiledBlocks:
         result = np.empty((outputs, samples), self.dtype).T if out is None else out
         if samples == 0 or outputs == 0:
             return result
-        arrays = [self._plain(sources[name]) for name in self.sources]
-        target = result
-        if out is not None and (not out.flags.aligned or any(np.may_share_memory(out, array) for array in arrays)):
-            target = np.empty((outputs, samples), self.dtype).T
-        flags = np.empty(-(-samples // BLOCK) * BLOCK // 8, np.uint8)
-        if self._in_threads([*arrays, target], flags, samples, threads):
-            self._repair(sources, samples, target, flags)
+        arrays = [self._plain(name, sources[name], samples) for name in self.sources]
+        target = (
+            result if out is None or self._fits(out, arrays, samples) else np.empty((outputs, samples), self.dtype).T
+        )
+        fields = [_fields(each, self.rows <= MOST_STREAMS) for each in (*arrays, target)]
+        flags = array("B", bytes(-(-samples // BLOCK) * BLOCK // 8))
+        if self._in_threads(fields, flags.buffer_info()[0], samples, threads):
+            self._repair(arrays, samples, target, np.frombuffer(flags, np.uint8))
         if target is not result:
             result[...] = target
         return result
 
-    def _plain(self, array: Numbers) -> Numbers:
-        """The array in this machine's own numbers."""
-        return array if array.dtype == self.dtype and array.flags.aligned else array.astype(self.dtype)
+    def _plain(self, name: str, given: Numbers, samples: int) -> Numbers:
+        """The array of a source in this machine's own numbers."""
+        if given.shape != (samples, self.widths[name]):
+            raise ValueError(f"{name} has shape {given.shape}, not {(samples, self.widths[name])}")
+        if given.dtype == self.dtype and given.flags.aligned:
+            return given
+        with np.errstate(all="ignore"):
+            return given.astype(self.dtype)
 
-    def _in_threads(self, arrays: Sequence[Numbers], flags: NDArray[np.uint8], samples: int, threads: int) -> bool:
+    def _fits(self, out: Numbers, arrays: list[Numbers], samples: int) -> bool:
+        """Whether machine code may write to it."""
+        plain = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, len(self.program.outputs))
+        return plain and not any(np.may_share_memory(out, given) for given in arrays)
+
+    def _in_threads(self, fields: list[Fields], flags: int, samples: int, threads: int) -> bool:
         """Runs over consecutive parts of the samples; whether any sample is flagged."""
-        threads = max(1, min(threads, samples * max(self.program.size, 1) // THREAD_WORK, samples // BLOCK))
+        threads = min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK)
+        if threads < 2:
+            return self._part(fields, flags, 0, samples) != 0
         each = -(-samples // (threads * BLOCK)) * BLOCK
-        parts = [slice(start, min(start + each, samples)) for start in range(0, samples, each)]
         found: list[int] = []
 
-        def work(part: slice) -> None:
-            found.append(
-                self._part([array[part] for array in arrays], flags[part.start // 8 :], part.stop - part.start)
-            )
+        def work(start: int) -> None:
+            found.append(self._part(fields, flags, start, min(start + each, samples)))
 
-        others = [Thread(target=work, args=(part,)) for part in parts[1:]]
+        others = [Thread(target=work, args=(start,)) for start in range(each, samples, each)]
         for thread in others:
             thread.start()
-        work(parts[0])
+        work(0)
         for thread in others:
             thread.join()
-        if len(found) < len(parts):
+        if len(found) <= len(others):
             raise MemoryError("a thread of the compiled executor ended early")
         return any(found)
 
-    def _part(self, arrays: Sequence[Numbers], flags: NDArray[np.uint8], samples: int) -> int:
-        table = np.empty(self.rows, np.int64)
+    def _part(self, fields: list[Fields], flags: int, start: int, stop: int) -> int:
+        """Runs over the samples from `start` to `stop`, a thread's share; not 0 if any is flagged."""
+        shifted = [(at + start * row, row, column, count, direct) for at, row, column, count, direct in fields]
+        arrays = array("q", chain.from_iterable(shifted))
+        table = array("q", bytes(8 * self.rows))
         work = np.empty((self.rows, PITCH), self.dtype)
-        fields = np.array([_fields(array, self.rows <= MOST_STREAMS) for array in arrays], np.int64)
         return self._run(
             self._kernel.address,
-            fields.ctypes.data,
-            len(arrays),
-            table.ctypes.data,
+            arrays.buffer_info()[0],
+            len(fields),
+            table.buffer_info()[0],
             work.ctypes.data,
             work.strides[0],
-            flags.ctypes.data,
-            samples,
+            flags + start // 8,
+            stop - start,
             BLOCK,
         )
 
-    def _repair(self, sources: Mapping[str, Numbers], samples: int, result: Numbers, flags: NDArray[np.uint8]) -> None:
+    def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flags: NDArray[np.uint8]) -> None:
         """Computes the flagged samples by NumPy."""
         flagged = np.flatnonzero(np.unpackbits(flags, bitorder="little")[:samples])
-        chosen = {name: sources[name][flagged] for name in self.sources}
+        chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
         result[flagged] = self._fallback(chosen, len(flagged))
 
     @cached_property
@@ -159,14 +172,19 @@ def content_of(program: Program, widths: Mapping[str, int], dtype: Any) -> objec
     return program.operations, program.outputs, rows_of(program, widths)[1], np.dtype(dtype).name
 
 
-def _fields(array: Numbers, few: bool) -> tuple[int, ...]:
-    """What the driver is told of an array (`FIELDS`)."""
-    columns = array.shape[1]
-    apart = columns <= 8 or array.strides[1] % 4096 != 0
-    direct = few and apart and array.strides[0] == array.itemsize
-    fields = (array.ctypes.data, array.strides[0], array.strides[1], columns, int(direct))
-    assert len(fields) == len(FIELDS)
-    return fields
+def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> str:
+    """The LLVM IR of a program's kernel."""
+    scalar = SCALARS[np.dtype(dtype).name]
+    return kernel(program, rows_of(program, widths)[1], scalar, LANES[scalar])
+
+
+def _fields(given: Numbers, few: bool) -> Fields:
+    """What the driver is told of an array."""
+    sample_stride, column_stride = given.strides
+    columns = given.shape[1]
+    apart = columns <= 8 or column_stride % 4096 != 0
+    direct = few and apart and sample_stride == given.itemsize
+    return given.ctypes.data, sample_stride, column_stride, columns, direct
 
 
 @cache

@@ -1,31 +1,43 @@
-"""Compiled code kept between processes, in the user's cache folder."""
+"""What is kept between processes, machine code above all, in the user's cache folder."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
+import stat
 import time
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 MARK = b"robodyn object 1\n"
 LARGEST_FOLDER = 256 << 20
 """Bytes kept; the files used longest ago go first."""
 FORGOTTEN = 3600.0
 """Seconds after which a file that was never finished is removed."""
+NAME = re.compile(r"[0-9a-f]{32}-[0-9a-f]{32}(\.\w+\.part)?")
 
 
-@cache
 def cache_folder() -> Path | None:
-    """Where compiled code is kept: `ROBODYN_CACHE` if set, none if that is 0, else the user's cache folder."""
+    """Where things are kept: `ROBODYN_CACHE` if set, nowhere if that is 0, else the user's cache folder if there is."""
     named = os.environ.get("ROBODYN_CACHE")
     if named is not None:
-        return None if named in ("", "0") else Path(named)
+        return None if named in ("", "0") else Path(os.path.expanduser(named))
     import platformdirs
 
-    return Path(platformdirs.user_cache_dir("robodyn", appauthor=False))
+    with suppress(RuntimeError):
+        folder = Path(platformdirs.user_cache_dir("robodyn", appauthor=False))
+        return folder if folder.is_absolute() else None
+    return None
+
+
+class Key(NamedTuple):
+    """What something kept is, and by what it was made: each text tells every difference that matters."""
+
+    content: str
+    maker: str
 
 
 class ObjectCache:
@@ -36,18 +48,24 @@ class ObjectCache:
     not kept is made again.
     """
 
-    def __init__(self, folder: Path | None) -> None:
-        """Args: folder: made when it is needed; None keeps nothing."""
-        self._folder = folder
+    def __init__(self, folder: Path | None, largest: int = LARGEST_FOLDER) -> None:
+        """
+        Args:
+            folder: made when it is needed; None keeps nothing.
+            largest: bytes kept.
+        """
+        self._folder = None if folder is None else folder / "objects"
+        self._largest = largest
 
-    def get(self, key: str) -> bytes | None:
+    def get(self, key: Key) -> bytes | None:
         """What was kept under this key, or None."""
         if self._folder is None:
             return None
-        path = self._path(key)
+        path = self._folder / _name(key)
         try:
-            with open(path, "rb") as stream:
-                if not (_private(os.stat(path.parent)) and _private(os.fstat(stream.fileno()))):
+            with open(path, "rb", opener=_at_once) as stream:
+                status = os.fstat(stream.fileno())
+                if not (stat.S_ISREG(status.st_mode) and _private(status) and _private(os.stat(self._folder))):
                     return None
                 data = stream.read()
         except OSError:
@@ -60,61 +78,69 @@ class ObjectCache:
             os.utime(path)
         return content
 
-    def put(self, key: str, content: bytes) -> bool:
-        """Keep the content under this key; False if that cannot be."""
+    def put(self, key: Key, content: bytes) -> None:
+        """Keep the content under this key, if that can be."""
+        if self._folder is None:
+            return
+        path = self._folder / _name(key)
+        part = path.with_name(f"{path.name}.{os.urandom(8).hex()}.part")
+        with suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+            if not _private(self._folder.stat()):
+                return
+            try:
+                with open(part, "xb", opener=_for_this_user) as stream:
+                    stream.write(MARK + _digest(key, content) + content)
+                os.replace(part, path)
+            finally:
+                part.unlink(missing_ok=True)
+            _prune(self._folder, self._largest)
+
+    def has(self, content: str) -> bool:
+        """Whether something of this content, intact or not and by whatever maker, is kept."""
         if self._folder is None:
             return False
-        path = self._path(key)
-        kept = write_whole(path, MARK + _digest(key, content) + content)
-        if kept:
-            _prune(path.parent)
-        return kept
-
-    def has(self, key: str) -> bool:
-        """Whether something, intact or not, is kept under this key."""
-        return self._folder is not None and self._path(key).exists()
-
-    def _path(self, key: str) -> Path:
-        assert self._folder is not None
-        return self._folder / "code" / hashlib.sha256(key.encode()).hexdigest()
-
-
-def write_whole(path: Path, data: bytes) -> bool:
-    """Write a file that is read whole or not at all, in a folder of this user; False if that cannot be."""
-    part = path.with_name(f"{path.name}.{os.getpid()}.{os.urandom(4).hex()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if not _private(path.parent.stat()):
-            return False
-        try:
-            with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as stream:
-                stream.write(data)
-            os.replace(part, path)
-        except OSError:
-            part.unlink(missing_ok=True)
-            return False
-    except OSError:
+        with suppress(OSError):
+            return any(name.startswith(_short(content)) for name in os.listdir(self._folder))
         return False
-    return True
 
 
-def _prune(folder: Path) -> None:
+def _prune(folder: Path, largest: int) -> None:
+    """Removes the files used longest ago and those never finished, but nothing that was not written here."""
     now, kept = time.time(), 0
-    with suppress(OSError):
-        for path, status in sorted(_files(folder), key=lambda file: -file[1].st_mtime):
-            kept += status.st_size
-            if kept > LARGEST_FOLDER or (path.suffix == ".part" and now - status.st_mtime > FORGOTTEN):
+    for path, status in sorted(_files(folder), key=lambda file: -file[1].st_mtime):
+        kept += status.st_size
+        if kept > largest or (path.suffix == ".part" and now - status.st_mtime > FORGOTTEN):
+            with suppress(OSError):
                 path.unlink()
 
 
 def _files(folder: Path) -> Iterator[tuple[Path, os.stat_result]]:
     for path in folder.iterdir():
         with suppress(OSError):
-            yield path, path.stat()
+            if NAME.fullmatch(path.name):
+                yield path, path.lstat()
 
 
-def _digest(key: str, content: bytes) -> bytes:
-    return hashlib.sha256(key.encode() + b"\0" + content).digest()
+def _name(key: Key) -> str:
+    return f"{_short(key.content)}-{_short(key.maker)}"
+
+
+def _short(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _digest(key: Key, content: bytes) -> bytes:
+    return hashlib.sha256(b"\0".join((key.content.encode(), key.maker.encode(), content))).digest()
+
+
+def _at_once(path: str, flags: int) -> int:
+    """Opens without waiting for the other end of a pipe."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def _for_this_user(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def _private(status: os.stat_result) -> bool:

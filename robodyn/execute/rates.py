@@ -7,110 +7,92 @@ import os
 import platform
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, fields
-from pathlib import Path
+from dataclasses import asdict, fields
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from robodyn.execute.choice import TYPICAL, Rates
+from robodyn.execute.llvm.build import generator, kept_objects
+from robodyn.execute.llvm.machine import Function, compiler, machine_code
 from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.object_cache import cache_folder, write_whole
+from robodyn.execute.object_cache import Key
+from robodyn.spatial import ZERO, cross, rotation_about
 from robodyn.trace.program import Program, trace
-
-
-@dataclass(frozen=True)
-class Rates:
-    """Seconds.
-
-    Attributes:
-        call: per operation of a block by NumPy, however few its samples.
-        numpy: per operation and sample by NumPy.
-        compiled: per operation and sample by machine code, one thread.
-        build: per operation compiled.
-        load: to bring machine code to memory from the cache.
-        start: to import the compiler.
-    """
-
-    call: float
-    numpy: float
-    compiled: float
-    build: float
-    load: float
-    start: float
-
-
-TYPICAL = Rates(call=4e-7, numpy=6e-10, compiled=4e-11, build=6e-5, load=3e-3, start=0.08)
-"""A server processor of 2023 with AVX-512."""
 
 
 def stored_rates() -> Rates | None:
     """The rates measured on this machine before, if they are kept."""
-    path = _path()
-    if path is None:
-        return None
-    with suppress(OSError, ValueError, TypeError):
-        values = json.loads(path.read_text())
+    with suppress(ValueError, TypeError, LookupError, OverflowError):
+        values = json.loads(kept_objects().get(_key()) or b"")
         rates = Rates(**{field.name: float(values[field.name]) for field in fields(Rates)})
-        if all(0.0 < value < 10.0 for value in asdict(rates).values()):
-            return rates
+        return rates if rates.sane else None
     return None
 
 
-def measured_rates(compiled: Callable[[Program, dict[str, int]], Any]) -> Rates:
-    """Rates measured now, in some tenths of a second, and kept.
+def measured_rates() -> Rates:
+    """Rates measured now, in some tenths of a second, and kept; the typical ones if the machine is too busy to tell.
 
-    Args:
-        compiled: makes the compiled executor of a program; it must compile, not load.
+    Raises:
+        ImportError, OSError, RuntimeError: there is no compiler here.
     """
-    program, widths = _sample_program(), {"x": 8}
-    few, many = (np.asfortranarray(np.full((samples, 8), 0.5)) for samples in (8, 4096))
-    by_numpy = NumpyBlocks(program, widths)
-    quick, slow = (_shortest(by_numpy, values) for values in (few, many))
-    start = perf_counter()
-    machine_code = compiled(program, widths)
-    build = perf_counter() - start
-    fast = _shortest(machine_code, many)
+    from robodyn.execute.compiled_blocks import CompiledBlocks, kernel_of
+
+    program, widths = _sample_program(bodies=6), {"x": 12}
+    code = machine_code(kernel_of(program, widths))
+    build = _shortest(lambda: machine_code(kernel_of(program, widths)), 2)
+    load = _shortest(lambda: Function(code, "kernel"), 3)
+    numpy, compiled = NumpyBlocks(program, widths), CompiledBlocks(program, widths)
+    few, many = (np.asfortranarray(np.full((samples, 12), 0.5)) for samples in (8, 4096))
+    each = program.size * (len(many) - len(few))
+    block = _shortest(lambda: numpy({"x": few}, len(few)))
+    run = _shortest(lambda: compiled({"x": few}, len(few)))
     rates = Rates(
-        call=quick / program.size,
-        numpy=max(slow - quick, 1e-9) / (program.size * len(many)),
-        compiled=fast / (program.size * len(many)),
+        call=block / program.size,
+        numpy=(_shortest(lambda: numpy({"x": many}, len(many))) - block) / each,
+        run=run,
+        compiled=(_shortest(lambda: compiled({"x": many}, len(many))) - run) / each,
         build=build / program.size,
-        load=TYPICAL.load,
-        start=TYPICAL.start,
+        load=load,
+        start=compiler().start or TYPICAL.start,
     )
-    path = _path()
-    if path is not None:
-        write_whole(path, json.dumps(asdict(rates)).encode())
+    if not rates.sane:
+        return TYPICAL
+    kept_objects().put(_key(), json.dumps(asdict(rates)).encode())
     return rates
 
 
-def _shortest(run: Any, values: np.ndarray[Any, Any]) -> float:
+def _shortest(run: Callable[[], object], turns: int = 5) -> float:
     times = []
-    for _ in range(5):
+    for _ in range(turns):
         start = perf_counter()
-        run({"x": values}, len(values))
+        run()
         times.append(perf_counter() - start)
     return min(times)
 
 
-def _sample_program() -> Program:
-    """Sums of products with a sine here and there, as recursions have them."""
+def _sample_program(bodies: int) -> Program:
+    """A recursion like those of dynamics: the centripetal forces on a chain of points, and their sums."""
+    axis, offset = np.array([0.6, 0.0, 0.8]), np.array([0.1, 0.2, 0.3])
 
     def outputs(tape: Any) -> list[Any]:
-        x = [tape.input("x", k) for k in range(8)]
-        for turn in range(40):
-            x = [x[k] * x[(k + 3) % 8] + x[(k + turn) % 8] * 0.37 for k in range(8)]
-            if turn % 8 == 0:
-                x[0] = x[0].sin()
-        return x
+        q, qd = ([tape.input("x", first + k) for k in range(bodies)] for first in (0, bodies))
+        turns = [rotation_about(axis, angle) for angle in q]
+        w, a, forces, torques = ZERO, ZERO, [], []
+        for R, speed in zip(turns, qd, strict=True):
+            w = R.T @ w + axis * speed
+            a = R.T @ (a + cross(w, cross(w, offset)))
+            forces.append(a * 2.5)
+        f = n = ZERO
+        for R, force in zip(reversed(turns), reversed(forces), strict=True):
+            f, n = R @ (f + force), R @ (n + cross(offset, f))
+            torques.append(axis @ n)
+        return torques
 
     return trace(outputs)
 
 
-def _path() -> Path | None:
-    folder = cache_folder()
-    if folder is None:
-        return None
-    machine = "-".join((platform.node(), platform.machine(), str(os.cpu_count()), np.__version__))
-    return folder / f"rates-{''.join(c if c.isalnum() or c in '.-' else '_' for c in machine)}.json"
+def _key() -> Key:
+    machine = platform.node(), platform.machine(), os.cpu_count(), np.__version__
+    return Key("rates", repr((generator(), machine)))

@@ -6,24 +6,27 @@ import os
 import sys
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
-from robodyn.execute.choice import EXECUTORS, Choice, Readiness, Work, choice, times
+from robodyn.execute.choice import EXECUTORS, TYPICAL, Choice, Rates, Readiness, Work, choice, times
+from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.rates import TYPICAL, Rates, measured_rates, stored_rates
 from robodyn.trace.program import Program
+from robodyn.wording import alternatives
 
 if TYPE_CHECKING:
     from robodyn.execute.compiled_blocks import CompiledBlocks
 
+WORTH_ASKING = 0.02
+"""Seconds of work by NumPy, on a typical machine, from which rates and kept machine code are looked up."""
 WORTH_MEASURING = 0.5
-"""Seconds of work by NumPy from which the rates of this machine are measured, if they are not known."""
+"""Likewise, from which the rates of this machine are measured, if they are not known."""
 
 
 class Runner:
@@ -40,9 +43,12 @@ class Runner:
         """Args: widths: how many columns the array of each source will have."""
         self.program, self.widths = program, dict(widths)
         self.choice = Choice("numpy", "nothing has run yet")
-        self._numpy: dict[str, NumpyBlocks] = {}
-        self._compiled: dict[str, CompiledBlocks] = {}
-        self._samples = self._blocks = 0
+        self._numpy: dict[type, NumpyBlocks] = {}
+        self._compiled: dict[type, CompiledBlocks] = {}
+        self._kept: dict[type, bool] = {}
+        self._problem: str | None = None
+        self._rates: Rates | None = None
+        self._samples = self._runs = self._blocks = 0
 
     def __call__(
         self,
@@ -63,7 +69,7 @@ class Runner:
             out: (samples, outputs) of `dtype`, written to if given.
             executor: "auto", "numpy" or "compiled".
             threads: of the compiled executor; None is all cores.
-            expected: samples of all runs that will follow, with this one.
+            expected: samples of this run and of those that will follow, if known.
             dtype: float64 or float32: of inputs, results and all operations.
 
         Returns:
@@ -74,81 +80,96 @@ class Runner:
 
         Accuracy: as `NumpyBlocks` and `CompiledBlocks`.
         """
-        kind = np.dtype(dtype).name
-        workers = _threads(threads)
+        kind, workers = np.dtype(dtype).type, _threads(threads)
         if self._chosen(executor, kind, samples, max(expected, samples), workers) == "compiled":
-            return self._by_code(kind)(sources, samples, out, workers)
+            return self._compiled[kind](sources, samples, out, workers)
         run = self._by_numpy(kind)
         self._samples += samples
+        self._runs += 1
         self._blocks += -(-samples // run.block)
         return run(sources, samples, out)
 
-    def _chosen(self, executor: str, kind: str, samples: int, expected: int, threads: int) -> str:
+    def _chosen(self, executor: str, kind: type, samples: int, expected: int, threads: int) -> str:
+        """The executor to use, which is ready."""
         if executor == "auto":
-            if kind not in self._compiled:
-                self.choice = self._choice(kind, self._samples + expected, threads)
-        elif executor == "compiled":
-            if problem := unavailable():
-                raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
-            self.choice = Choice(executor, "as asked")
-        elif executor == "numpy":
+            self.choice = self._choice(kind, samples, expected, threads)
+        elif executor in EXECUTORS:
             self.choice = Choice(executor, "as asked")
         else:
-            raise InputError(f"there is no executor {executor!r}", remedy=f"choose {', '.join(EXECUTORS)}")
+            remedy = alternatives(str(executor), EXECUTORS, "executors")
+            raise InputError(f"there is no executor {executor!r}", remedy=remedy)
+        if self.choice.executor == "compiled" and (problem := self._made(kind)):
+            if executor == "compiled":
+                raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
+            self._problem, self.choice = problem, Choice("numpy", problem)
+            _say(f"large work goes without machine code, tens of times slower: {problem}")
         return self.choice.executor
 
-    def _choice(self, kind: str, samples: int, threads: int) -> Choice:
+    def _choice(self, kind: type, samples: int, expected: int, threads: int) -> Choice:
         """The quicker executor, finding out no more than the work is worth."""
-        blocks = self._blocks + -(-samples // self._by_numpy(kind).block)
-        work = Work(self.program.size, samples, blocks, threads)
-        rates = stored_rates() or TYPICAL
-        hoped = choice(work, Readiness(kept=True, started="llvmlite.binding" in sys.modules), rates)
+        if kind in self._compiled:
+            return Choice("compiled", "its machine code is ready")
+        if self._problem:
+            return Choice("numpy", self._problem)
+        runs = -(-expected // max(samples, 1))
+        blocks = runs * -(-samples // self._by_numpy(kind).block)
+        work = Work(self.program.size, self._samples + expected, self._runs + runs, self._blocks + blocks, threads)
+        ready = Readiness(kept=True, started="llvmlite.binding" in sys.modules)
+        seconds, _ = times(work, ready, TYPICAL)
+        if seconds < WORTH_ASKING:
+            return Choice("numpy", "little work, and it starts at once")
+        rates = self._rates_for(seconds)
+        hoped = choice(work, ready, rates)
         if hoped.executor == "numpy":
             return hoped
-        if problem := unavailable():
-            _say(f"large work goes without machine code, tens of times slower: {problem}")
-            return Choice("numpy", problem)
-        if times(work, Readiness(), rates)[0] > WORTH_MEASURING and stored_rates() is None:
-            rates = _measured()
-        return choice(work, Readiness(kept=self._is_kept(kind), started=True), rates)
+        return choice(work, ready._replace(kept=self._is_kept(kind)), rates)
 
-    def _is_kept(self, kind: str) -> bool:
+    def _rates_for(self, seconds: float) -> Rates:
+        """The rates of this machine, measured if they are not known and the work is worth it; else the typical ones."""
+        from robodyn.execute.rates import stored_rates
+
+        rates = self._rates or stored_rates() or TYPICAL
+        if rates is TYPICAL and seconds > WORTH_MEASURING and not compiler().problem:
+            rates = _measured()
+        self._rates = rates
+        return rates
+
+    def _is_kept(self, kind: type) -> bool:
         from robodyn.execute.compiled_blocks import content_of
         from robodyn.execute.llvm.build import is_kept
 
-        return is_kept(content_of(self.program, self.widths, kind))
+        if kind not in self._kept:
+            self._kept[kind] = is_kept(content_of(self.program, self.widths, kind))
+        return self._kept[kind]
 
-    def _by_numpy(self, kind: str) -> NumpyBlocks:
+    def _by_numpy(self, kind: type) -> NumpyBlocks:
         if kind not in self._numpy:
             self._numpy[kind] = NumpyBlocks(self.program, self.widths, kind)
         return self._numpy[kind]
 
-    def _by_code(self, kind: str) -> CompiledBlocks:
-        if kind not in self._compiled:
-            from robodyn.execute.compiled_blocks import CompiledBlocks
+    def _made(self, kind: type) -> str | None:
+        """Makes the compiled executor unless it is there already; what stands against it."""
+        if kind in self._compiled:
+            return None
+        if problem := compiler().problem:
+            return problem
+        from robodyn.execute.compiled_blocks import CompiledBlocks
 
+        try:
             self._compiled[kind] = CompiledBlocks(self.program, self.widths, kind)
-        return self._compiled[kind]
-
-
-@cache
-def unavailable() -> str | None:
-    """Why there is no compiled executor here; None if there is."""
-    try:
-        from robodyn.execute.llvm.machine import host
-
-        here = host()
-    except (ImportError, OSError, RuntimeError) as error:
-        reason = "llvmlite is not installed" if find_spec("llvmlite") is None else f"llvmlite does not load ({error})"
-        return f"{reason}; pip install llvmlite"
-    return None if here.fused else f"the processor ({here.cpu}) has no fused multiply-add"
+        except (OSError, RuntimeError) as error:
+            return f"LLVM fails on this program ({one_line(error)})"
+        return None
 
 
 @cache
 def _measured() -> Rates:
-    from robodyn.execute.compiled_blocks import CompiledBlocks
+    """The rates measured now, in some tenths of a second; the typical ones where the compiler fails."""
+    from robodyn.execute.rates import measured_rates
 
-    return measured_rates(CompiledBlocks)
+    with suppress(OSError, RuntimeError):
+        return measured_rates()
+    return TYPICAL
 
 
 @cache

@@ -12,8 +12,9 @@ from oracles import EPS, robot
 from small_robots import built, joint, link
 
 from robodyn.errors import InputError
-from robodyn.loads import output_names, torques
+from robodyn.loads import torques
 from robodyn.motion_input import motion
+from robodyn.one_pass import output_names
 from robodyn.statistics import Peak
 
 SAMPLES = 400

@@ -9,26 +9,29 @@ from pathlib import Path
 from typing import Any
 
 from robodyn.execute.llvm.machine import Function, host, machine_code
-from robodyn.execute.object_cache import ObjectCache, cache_folder
+from robodyn.execute.object_cache import Key, ObjectCache, cache_folder
 
 
 @cache
-def _generator() -> str:
-    """A digest of the modules that write the code: with any change of them, code is made anew."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+def generator() -> str:
+    """A digest of the modules that write and run the code: with any change of them, code is made anew."""
+    sources = sorted(Path(__file__).parent.parent.rglob("*.py"))
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in sources)).hexdigest() if sources else ""
 
 
-def code_key(content: object) -> str:
-    """What names machine code: what it computes, the machine, the compiler's version and robodyn's code generator."""
-    return repr((_generator(), host(), content))
+def kept_objects() -> ObjectCache:
+    """The cache; it keeps nothing where robodyn is installed without its sources, by which versions are told apart."""
+    return ObjectCache(cache_folder() if generator() else None)
+
+
+def code_key(content: object) -> Key:
+    """What names machine code: what it computes; the machine, the compiler's versions and robodyn's code generator."""
+    return Key(repr(content), repr((generator(), host())))
 
 
 def is_kept(content: object) -> bool:
-    """Whether the machine code for this content lies in the cache."""
-    return ObjectCache(cache_folder()).has(code_key(content))
+    """Whether machine code for this content lies in the cache, of this machine or another: llvmlite is not asked."""
+    return kept_objects().has(repr(content))
 
 
 def built(name: str, content: object, ir: Callable[[], str], *arguments: Any) -> Function:
@@ -40,9 +43,9 @@ def built(name: str, content: object, ir: Callable[[], str], *arguments: Any) ->
         arguments: ctypes types of the function's arguments.
 
     Raises:
-        ImportError, OSError: llvmlite is not there.
+        ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
     """
-    objects = ObjectCache(cache_folder())
+    objects = kept_objects()
     key = code_key(content)
     code = objects.get(key)
     if code is None:

@@ -20,17 +20,21 @@ ONE: dict[str, Callable[[Code, str], str]] = {
     SIGN: sign,
 }
 
+PART = 500
+"""Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
+
 FRAME = """\
 {declared}
 define i64 @kernel(ptr noalias readonly %rows, ptr noalias writeonly %flags, i64 %groups) #0 {{
 entry:
-{pointers}
   br label %loop
 loop:
-  %i = phi i64 [ 0, %entry ], [ %next, %loop ]
-  %any = phi i64 [ 0, %entry ], [ %some, %loop ]
+  %i = phi i64 [ 0, %entry ], [ %next, %end ]
+  %any = phi i64 [ 0, %entry ], [ %some, %end ]
   %o = mul i64 %i, {lanes}
 {body}
+  br label %end
+end:
   %next = add i64 %i, 1
   %more = icmp ult i64 %next, %groups
   br i1 %more, label %loop, label %done
@@ -55,12 +59,8 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
         lanes: samples in a group: 8 or 16.
     """
     writer = _Writer(program, first_row, Code(scalar, lanes))
-    pointers = [
-        f"  %a{row} = getelementptr ptr, ptr %rows, i64 {row}\n  %p{row} = load ptr, ptr %a{row}" for row in writer.rows
-    ]
     return FRAME.format(
         declared="\n".join(sorted(writer.code.declared)),
-        pointers="\n".join(pointers),
         lanes=lanes,
         body="\n".join(writer.code.lines),
     )
@@ -75,6 +75,7 @@ class _Writer:
         self.values: list[str] = []
         self.angles: dict[int, tuple[str, str]] = {}
         self.quarters: list[str] = []
+        self.parts = 0
         homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
             homes[position].append(first_row[""] + place)
@@ -83,12 +84,21 @@ class _Writer:
             self.values.append("" if k in products else self._value(k, op, a, b))
             for row in homes[k]:
                 code.do(f"store {code.vector} {self.values[k]}, ptr {self._address(row)}, align {BYTES[code.scalar]}")
+                self._divide()
+            self._divide()
         self._flags()
-        inputs = {first_row[source] + column for source, column in program.inputs}
-        self.rows = sorted(inputs | {first_row[""] + place for place in range(len(program.outputs))})
+
+    def _divide(self) -> None:
+        """Begins a basic block where the last one is long enough."""
+        lines = self.code.lines
+        if len(lines) > PART * (self.parts + 1):
+            self.parts += 1
+            lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
 
     def _address(self, row: int) -> str:
-        return self.code.new(f"getelementptr {self.code.scalar}, ptr %p{row}, i64 %o")
+        place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {row}")
+        column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
+        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
 
     def _value(self, k: int, op: str, a: Any, b: Any) -> str:
         code = self.code

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from functools import cache
+from time import perf_counter
 from typing import Any, NamedTuple
 
 
@@ -13,13 +15,14 @@ class Host(NamedTuple):
     Attributes:
         cpu: its name to LLVM.
         features: "+avx2,-avx512f,..." as LLVM writes them.
-        llvmlite: the version of the compiler's binding.
+        llvmlite, llvm: the versions of the compiler and of its binding.
     """
 
     triple: str
     cpu: str
     features: str
     llvmlite: str
+    llvm: tuple[int, ...]
 
     @property
     def fused(self) -> bool:
@@ -32,7 +35,7 @@ def host() -> Host:
     """This machine.
 
     Raises:
-        ImportError, OSError: llvmlite is not installed or does not load.
+        ImportError, OSError, RuntimeError: llvmlite is not installed or does not load, or does not know the processor.
     """
     import llvmlite
     import llvmlite.binding as llvm
@@ -40,7 +43,40 @@ def host() -> Host:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     features = llvm.get_host_cpu_features().flatten()
-    return Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features, llvmlite.__version__)
+    versions = llvmlite.__version__, tuple(llvm.llvm_version_info)
+    return Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features, *versions)
+
+
+class Compiler(NamedTuple):
+    """Whether machine code can be made here.
+
+    Attributes:
+        problem: why not, with a remedy; None if it can.
+        start: seconds that the import took; None if it was imported before.
+    """
+
+    problem: str | None
+    start: float | None
+
+
+@cache
+def compiler() -> Compiler:
+    """The compiler, imported if it can be."""
+    start = None if "llvmlite.binding" in sys.modules else perf_counter()
+    try:
+        here = host()
+    except (ImportError, OSError, RuntimeError) as error:
+        missing = getattr(error, "name", None) == "llvmlite"
+        reason = "llvmlite is not installed" if missing else f"llvmlite does not load ({one_line(error)})"
+        return Compiler(f"{reason}; pip install llvmlite", None)
+    if not here.fused:
+        return Compiler(f"the processor ({here.cpu}) has no fused multiply-add", None)
+    return Compiler(None, None if start is None else perf_counter() - start)
+
+
+def one_line(error: Exception) -> str:
+    """The beginning of what an error says."""
+    return str(error).partition("\n")[0][:120] or type(error).__name__
 
 
 def _target_machine() -> Any:

@@ -1,0 +1,55 @@
+"""`robodyn bench`: how fast the dynamics of a robot are computed on this machine."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from robodyn.bench.run import bench
+from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
+from robodyn.cli.options import FORMAT, GRAVITY, SCENE, Vector
+from robodyn.cli.screen import page, show
+from robodyn.report.json_bench import bench_json
+from robodyn.report.text_bench import bench_text
+
+
+@click.command("bench")
+@click.argument("urdf")
+@SCENE
+@GRAVITY
+@click.option("--samples", type=click.IntRange(min=1), default=100_000, metavar="N", help="Default 100000.")
+@click.option("--threads", type=click.IntRange(min=1), metavar="N", help="Beside one; default all.")
+@click.option("--peers", is_flag=True, help="Measure Pinocchio, MuJoCo and Drake too, where they are installed.")
+@FORMAT
+def command(
+    urdf: str,
+    scene_file: str | None,
+    gravity: Vector | None,
+    samples: int,
+    threads: int | None,
+    peers: bool,
+    form: str,
+) -> None:
+    """Time of the inverse dynamics by every executor, and the cost of every effect.
+    A file named - is standard input.
+
+    \b
+    Example:
+      robodyn bench robots/puma560.urdf --scene robots/puma560_motors.toml --peers
+    """
+    if peers and urdf == STANDARD_INPUT:
+        raise click.UsageError("--peers reads the description again: name its file", click.get_current_context())
+    check_names([urdf, scene_file], None)
+    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    try:
+        result = bench(model, scene, samples=samples, threads=threads, peers=peers, watch=_watch)
+    finally:
+        _watch("")
+    show(bench_json(result) if form == "json" else bench_text(result, page()))
+
+
+def _watch(what: str) -> None:
+    """Shows on a terminal what is measured; nothing takes the line away."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        print(f"\r\x1b[K{what and 'measuring: '}{what}", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,27 @@
+"""Small programs for the compiled executor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robodyn.execute.compiled_blocks import CompiledBlocks
+from robodyn.execute.llvm.machine import compiler
+from robodyn.trace.program import trace
+
+needs_compiler = pytest.mark.skipif(compiler().problem is not None, reason=str(compiler().problem))
+
+
+def program_of(function, inputs):
+    """The program of a function from so many scalars, the columns of the source `x`, to a list of them."""
+    return trace(lambda tape: function(*(tape.input("x", i) for i in range(inputs))))
+
+
+def compiled(function, inputs=1, dtype=np.float64):
+    return CompiledBlocks(program_of(function, inputs), {"x": inputs}, dtype)
+
+
+def bits(array):
+    """The numbers as integers, so that comparing them tells zeros and NaNs apart."""
+    whole = np.ascontiguousarray(array)
+    return whole.view(f"i{whole.itemsize}")

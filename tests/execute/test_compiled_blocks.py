@@ -1,0 +1,154 @@
+"""The compiled executor: the same bits whatever the layout, the number of samples, the threads and the neighbours."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from threading import Thread
+
+import numpy as np
+import pytest
+from array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
+from compiled_programs import bits, needs_compiler
+from oracles import EPS, golden_model, random_state, worst
+
+from robodyn.execute import compiled_blocks
+from robodyn.execute.compiled_blocks import BLOCK, CompiledBlocks
+from robodyn.execute.llvm import build, machine
+from robodyn.execute.llvm.machine import host
+from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.plan import Plan
+from robodyn.scene import Scene
+
+pytestmark = needs_compiler
+
+SAMPLES = [1, 7, 8, 9, 15, 16, 17, BLOCK - 1, BLOCK, BLOCK + 1, 1000, 4097]
+
+
+@pytest.fixture
+def busy_threads(monkeypatch):
+    """Threads start however small the work is."""
+    monkeypatch.setattr(compiled_blocks, "THREAD_WORK", 1)
+
+
+def test_agrees_with_numpy():
+    arrays = state(1000)
+    found, plain = expected(arrays), NumpyBlocks(PROGRAM, WIDTHS)(arrays, 1000)
+    finite = np.isfinite(plain)
+    np.testing.assert_array_equal(np.isfinite(found), finite)
+    assert worst(found[finite], plain[finite]) <= 4 * EPS
+    flagged = {name: values[3::101] for name, values in arrays.items()}
+    np.testing.assert_array_equal(found[3::101], NumpyBlocks(PROGRAM, WIDTHS)(flagged, len(flagged["a"])))
+
+
+@pytest.mark.parametrize("samples", SAMPLES)
+def test_any_number_of_samples(samples, busy_threads):
+    arrays = state(samples)
+    found = expected(arrays)
+    if samples <= 300:
+        apart = [ready()({name: x[[i]] for name, x in arrays.items()}, 1)[0] for i in range(samples)]
+        np.testing.assert_array_equal(bits(found), bits(apart))
+    few = {name: x[: samples // 2] for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(found[: samples // 2]), bits(ready()(few, samples // 2)))
+    last = {name: x[-1:] for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(found[-1:]), bits(ready()(last, 1)))
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_any_layout_and_thread_count(layout, busy_threads):
+    for samples in SAMPLES:
+        arrays = {name: LAYOUTS[layout](values) for name, values in state(samples).items()}
+        right = bits(expected(arrays))
+        for threads in (1, 2, 3, 5):
+            np.testing.assert_array_equal(bits(ready()(arrays, samples, None, threads)), right)
+
+
+@pytest.mark.parametrize("stuck", [["a"], ["b"], ["a", "b"]])
+def test_one_sample_for_all(stuck):
+    """A column that is broadcast has a stride of 0."""
+    arrays = state(300)
+    broadcast = {name: np.broadcast_to(x[7], x.shape) if name in stuck else x for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(ready()(broadcast, 300)), bits(expected(broadcast)))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+@pytest.mark.parametrize("source", "ab")
+def test_one_sample_leaves_the_others(source, value):
+    for at in (0, 5, 127, 128, 299):
+        calm = {name: np.clip(np.nan_to_num(x, nan=1.0), -9, 9) for name, x in state(300).items()}
+        right = expected(calm)
+        calm[source][at] = value
+        found = ready()(calm, 300)
+        np.testing.assert_array_equal(bits(np.delete(found, at, axis=0)), bits(np.delete(right, at, axis=0)))
+        assert (found[at] != right[at]).any()
+
+
+def test_single_precision(busy_threads):
+    run = ready(np.float32)
+    for samples in (1, 15, 17, BLOCK + 1, 1000):
+        arrays = state(samples, np.float32)
+        right = run(arrays, samples)
+        assert right.dtype == np.float32
+        for layout in ("rows", "every third row", "backwards", "unaligned", "other bytes first", "whole pages apart"):
+            other = {name: LAYOUTS[layout](values) for name, values in arrays.items()}
+            for threads in (1, 3):
+                np.testing.assert_array_equal(bits(run(other, samples, None, threads)), bits(right))
+        finite = np.isfinite(right)
+        with np.errstate(all="ignore"):
+            assert worst(right[finite], expected(arrays)[finite]) <= 8 * np.finfo(np.float32).eps
+
+
+def test_many_threads_at_once():
+    """One object, many callers, each with threads of its own."""
+    run = CompiledBlocks(PROGRAM, WIDTHS)
+    tasks = [state(samples) for samples in range(60, 1200, 30)]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda arrays: run(arrays, len(arrays["a"]), None, 2), tasks))
+    for arrays, result in zip(tasks, found, strict=True):
+        np.testing.assert_array_equal(bits(result), bits(expected(arrays)))
+
+
+def test_work_is_shared_among_threads(monkeypatch):
+    """No more threads than asked for, and each has work enough."""
+    started = []
+
+    class Noted(Thread):
+        def start(self):
+            started.append(self)
+            super().start()
+
+    monkeypatch.setattr(compiled_blocks, "Thread", Noted)
+    for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
+        started.clear()
+        samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
+        ready()(state(samples), samples, None, asked)
+        assert 1 + len(started) == threads
+
+
+def test_a_robot_in_blocks_and_at_once():
+    model = golden_model("tree15_bf2_skew0.3")
+    widths = {"q": model.nq, "qd": model.n, "qdd": model.n}
+    program = Plan(model, Scene()).wrenches(joints=True)
+    run = CompiledBlocks(program, widths)
+    assert run.rows > compiled_blocks.MOST_STREAMS
+    samples = 1001
+    arrays = dict(zip(widths, random_state(model, np.random.default_rng(8), samples), strict=True))
+    found = run(arrays, samples)
+    assert worst(found, NumpyBlocks(program, widths)(arrays, samples)) <= 8 * EPS
+    turned = {name: np.asfortranarray(values[::-1]) for name, values in arrays.items()}
+    np.testing.assert_array_equal(bits(run(turned, samples, None, 2)[::-1]), bits(found))
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_other_processors_find_the_same_bits(dtype, monkeypatch):
+    """Code for vectors of half the length: an executor made as if on an older processor."""
+    if "+avx2" not in host().features:
+        pytest.skip("code for AVX2 does not run here")
+    older = host()._replace(cpu="haswell", features="+avx2,+fma")
+    for module in (machine, build):
+        monkeypatch.setattr(module, "host", lambda: older)
+    monkeypatch.setattr(compiled_blocks, "_driver", compiled_blocks._driver.__wrapped__)
+    run = CompiledBlocks(PROGRAM, WIDTHS, dtype)
+    for layout in ("columns", "rows", "backwards"):
+        for samples in (9, 1000):
+            arrays = {name: LAYOUTS[layout](values) for name, values in state(samples, dtype).items()}
+            np.testing.assert_array_equal(bits(run(arrays, samples)), bits(ready(dtype)(arrays, samples)))
