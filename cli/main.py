@@ -52,6 +52,8 @@ def main() -> None:
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
         if not sys.warnoptions:
             warnings.simplefilter("ignore")
+            warnings.filterwarnings("default", module=r"robodyn\.execute\.runner")
+            warnings.formatwarning = lambda message, *_: f"warning: {message}\n"
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")
         status = robodyn.main(prog_name="robodyn", standalone_mode=False)

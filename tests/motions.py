@@ -10,7 +10,9 @@ from robodyn.motion_input import motion
 
 
 class Pieces:
-    """A trajectory handed out in blocks of the given lengths, as a reader does."""
+    """A trajectory handed out in blocks of the given lengths, as a reader of a stream does."""
+
+    size_bytes = position_bytes = 0
 
     def __init__(self, trajectory, lengths):
         self.trajectory, self.lengths = trajectory, lengths

@@ -16,8 +16,8 @@ from robodyn.bench.timing import repeated, taking_turns
 from robodyn.errors import InputError
 from robodyn.execute.compiled_blocks import CompiledBlocks
 from robodyn.execute.llvm.machine import compiler
-from robodyn.execute.runner import _threads
-from robodyn.inverse import _mass_runner, runner_of
+from robodyn.execute.runner import cores
+from robodyn.inverse import mass_runner, runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
@@ -60,7 +60,7 @@ def bench(
         )
     a_plan = plan(model, scene)
     work = _work(a_plan.torques(), a_plan, random_sources(model, scene, samples), samples)
-    workers = _threads(threads)
+    workers = cores(threads)
     watch("executors")
     trace = repeated(a_plan.torques)
     executors, copying = executor_benches(work, workers)
@@ -111,7 +111,7 @@ def _programs(a_plan: Plan, work: Work, watch: Callable[[str], None]) -> tuple[P
     makers: dict[str, Callable[[], Program]] = {
         "torques and joint wrenches": partial(a_plan.wrenches, True),
         "bias forces": _resting(a_plan, ("qdd",)).torques,
-        "mass matrix": lambda: _mass_runner(a_plan.model, a_plan.scene).program,
+        "mass matrix": lambda: mass_runner(a_plan.model, a_plan.scene).program,
         "energy and losses": partial(energy, a_plan),
         "momentum laws": partial(laws, a_plan),
     }

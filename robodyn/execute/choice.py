@@ -24,7 +24,7 @@ class Rates:
         numpy: per operation and sample by NumPy.
         run: per run of machine code, however few its samples.
         compiled: per operation and sample by machine code, one thread.
-        build: per operation compiled, of a small program.
+        build: per operation compiled.
         load: to bring machine code to memory from the cache.
         start: to import the compiler.
     """
@@ -46,8 +46,6 @@ class Rates:
 
 TYPICAL = Rates(call=4e-7, numpy=6e-10, run=2e-5, compiled=4e-11, build=6e-5, load=2e-3, start=0.06)
 """A server processor of 2023 with AVX-512."""
-SLOW_TO_BUILD = 10_000
-"""Operations of a program each of which takes twice as long to compile as one of a small program."""
 
 
 class Work(NamedTuple):
@@ -84,8 +82,7 @@ def times(work: Work, ready: Readiness, rates: Rates) -> tuple[float, float]:
     """Seconds that NumPy and machine code would take, with what is left to do before machine code runs."""
     each = work.operations * work.samples
     by_numpy = work.operations * work.blocks * rates.call + each * rates.numpy
-    build = work.operations * rates.build * (1 + work.operations / SLOW_TO_BUILD)
-    start = (0.0 if ready.started else rates.start) + (rates.load if ready.kept else build)
+    start = (0.0 if ready.started else rates.start) + (rates.load if ready.kept else work.operations * rates.build)
     return by_numpy, start + work.runs * rates.run + each * rates.compiled / work.threads
 
 

@@ -81,6 +81,9 @@ class NumpyBlocks:
         Accuracy: each operation is rounded once; sine, cosine and exponential are NumPy's (within 1 ulp in float64, 3
         in float32).
         """
+        if out is not None and any(np.may_share_memory(out, sources[source]) for source in self.first_row):
+            out[...] = self(sources, samples)
+            return out
         result = np.empty((self.outputs, samples), self.dtype).T if out is None else out
         if samples == 0:
             return result

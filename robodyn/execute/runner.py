@@ -80,7 +80,7 @@ class Runner:
 
         Accuracy: as `NumpyBlocks` and `CompiledBlocks`.
         """
-        kind, workers = np.dtype(dtype).type, _threads(threads)
+        kind, workers = np.dtype(dtype).type, cores(threads)
         if self._chosen(executor, kind, samples, max(expected, samples), workers) == "compiled":
             return self._compiled[kind](sources, samples, out, workers)
         run = self._by_numpy(kind)
@@ -108,21 +108,22 @@ class Runner:
     def _choice(self, kind: type, samples: int, expected: int, threads: int) -> Choice:
         """The quicker executor, finding out no more than the work is worth."""
         if kind in self._compiled:
-            return Choice("compiled", "its machine code is ready")
+            ready = Choice("compiled", "its machine code is ready")
+            return self.choice if self.choice.executor == "compiled" else ready
         if self._problem:
             return Choice("numpy", self._problem)
         runs = -(-expected // max(samples, 1))
         blocks = runs * -(-samples // self._by_numpy(kind).block)
         work = Work(self.program.size, self._samples + expected, self._runs + runs, self._blocks + blocks, threads)
-        ready = Readiness(kept=True, started="llvmlite.binding" in sys.modules)
-        seconds, _ = times(work, ready, TYPICAL)
+        best = Readiness(kept=True, started="llvmlite.binding" in sys.modules)
+        seconds, _ = times(work, best, TYPICAL)
         if seconds < WORTH_ASKING:
             return Choice("numpy", "little work, and it starts at once")
         rates = self._rates_for(seconds)
-        hoped = choice(work, ready, rates)
+        hoped = choice(work, best, rates)
         if hoped.executor == "numpy":
             return hoped
-        return choice(work, ready._replace(kept=self._is_kept(kind)), rates)
+        return choice(work, best._replace(kept=self._is_kept(kind)), rates)
 
     def _rates_for(self, seconds: float) -> Rates:
         """The rates of this machine, measured if they are not known and the work is worth it; else the typical ones."""
@@ -178,7 +179,12 @@ def _say(what: str) -> None:
     warnings.warn(what, RuntimeWarning, stacklevel=2)
 
 
-def _threads(asked: int | None) -> int:
+def cores(asked: int | None = None) -> int:
+    """The number of threads asked for; None is as many as the process may use cores.
+
+    Raises:
+        InputError: less than 1.
+    """
     if asked is not None:
         if asked < 1:
             raise InputError(f"{asked} threads cannot work", remedy="1 or more")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from robodyn.execute.choice import SLOW_TO_BUILD, TYPICAL, Rates, Readiness, Work, choice, times
+from robodyn.execute.choice import TYPICAL, Rates, Readiness, Work, choice, times
 
 COLD, WARM = Readiness(kept=False, started=False), Readiness(kept=True, started=True)
 SIMPLE = Rates(*(2.0**power for power in (-20, -28, -16, -32, -14, -9, -4)))
@@ -33,7 +33,7 @@ def _crossing(ready, work):
     """The most samples in one block for which NumPy is the quicker."""
     operations, rates = work.operations, SIMPLE
     begin = rates.run + (0.0 if ready.started else rates.start)
-    build = rates.build * operations * (1 + operations / SLOW_TO_BUILD)
+    build = rates.build * operations
     begin += rates.load if ready.kept else build
     return (begin - operations * rates.call) / (operations * (rates.numpy - rates.compiled / work.threads))
 
@@ -82,11 +82,6 @@ def test_small_calls_are_worth_machine_code_in_the_end():
 
 def test_calls_of_next_to_nothing_are_never_worth_it():
     assert chosen(Work(5, 10**7, 10**7, 10**7, 1), COLD, TYPICAL) == "numpy"
-
-
-def test_large_programs_take_longer_to_build_per_operation():
-    small, large = (times(Work(n, 1, 1, 1, 1), WARM._replace(kept=False), SIMPLE)[1] for n in (100, 100_000))
-    assert 5_000 < large / small < 20_000
 
 
 def test_reasons_name_the_work():

@@ -9,7 +9,7 @@ from program_values import evaluated
 
 from robodyn.errors import InputError
 from robodyn.execute import numpy_blocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.execute.numpy_blocks import LARGEST, NumpyBlocks
 from robodyn.inverse import inverse_dynamics
 from robodyn.plan import Plan
 from robodyn.scene import Scene
@@ -169,3 +169,15 @@ def test_rows_are_reused():
     assert runner.block == numpy_blocks.LARGEST
     rows = NumpyBlocks(PROGRAM, WIDTHS).rows
     assert rows < PROGRAM.size / 4
+
+
+@pytest.mark.parametrize("shift", [-100, 0, 100])
+def test_output_over_an_input(shift):
+    """More samples than a block holds, written some rows from where they are read."""
+    samples = 3 * LARGEST
+    memory = np.linspace(-3.0, 3.0, samples + 200)[:, None]
+    program = trace(lambda tape: [tape.input("q", 0) * 2.0 + 1.0])
+    given, out = memory[100 : 100 + samples], memory[100 + shift : 100 + shift + samples]
+    expected = given * 2.0 + 1.0
+    assert NumpyBlocks(program, {"q": 1})({"q": given}, samples, out) is out
+    np.testing.assert_array_equal(out, expected)

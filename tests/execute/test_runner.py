@@ -67,9 +67,19 @@ def test_much_work_is_done_by_machine_code():
 @needs_compiler
 def test_machine_code_is_used_once_it_is_there():
     a_runner = made()
-    run(a_runner, expected=HUGE)
+    run(a_runner, executor="compiled")
+    run(a_runner, executor="numpy")
     run(a_runner)
     assert a_runner.choice == ("compiled", "its machine code is ready")
+
+
+@needs_compiler
+def test_later_blocks_keep_the_reason_of_the_first():
+    a_runner = made()
+    run(a_runner, expected=HUGE)
+    first = a_runner.choice
+    run(a_runner)
+    assert a_runner.choice == first
 
 
 @needs_compiler
