@@ -49,3 +49,7 @@ class TrajectoryError(InputError):
 
 class SceneError(InputError):
     """A scene asks for what does not exist or is not understood."""
+
+
+class MeshError(InputError):
+    """A mesh cannot be read, or what is asked of it is not defined."""

@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.inertia.validity import unphysical
 from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, skew
+
+__all__ = ["MASSLESS", "Inertia", "combined", "inertia_of", "unphysical"]
 
 
 class Inertia(NamedTuple):
@@ -55,20 +58,3 @@ def combined(bodies: Iterable[Inertia]) -> Inertia:
     for body in bodies:
         m, mc, I = m + body.m, mc + body.mc, I + body.I
     return Inertia(m, mc, I)
-
-
-def unphysical(I_c: Array, relative: float = 1e-6) -> str | None:
-    """Why no body can have the inertia matrix I_c about its centre of mass, or None if one can.
-
-    The principal moments must be positive and each at most the sum of the other two (the triangle inequality).
-
-    Args:
-        I_c: (3, 3) kg m^2.
-        relative: slack, relative to the largest principal moment, for numbers rounded in print.
-    """
-    small, middle, large = np.linalg.eigvalsh(I_c)
-    if small < -relative * abs(large):
-        return f"a principal moment of inertia is negative ({small:.6g} kg m^2)"
-    if small + middle < large * (1 - relative):
-        return f"principal moments {small:.6g} + {middle:.6g} < {large:.6g} kg m^2 break the triangle inequality"
-    return None

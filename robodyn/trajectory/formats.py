@@ -1,16 +1,23 @@
-"""The formats of written tables."""
+"""The formats of written tables, each in memory that does not grow with the table."""
 
 from __future__ import annotations
 
 import csv
 import io
+import os
+import tempfile
+import zipfile
 from collections.abc import Sequence
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from robodyn.trajectory.table import FloatArray
 from robodyn.trajectory.write_text import LARGE, lines_fast, lines_plain
+
+GROUP_ROWS = 1 << 17
+"""Rows of a row group of Parquet."""
+_PART = 1 << 10
 
 
 class CsvFormat:
@@ -24,42 +31,120 @@ class CsvFormat:
         csv.writer(header, lineterminator="\n").writerow(names)
         stream.write(header.getvalue().encode())
 
-    def add(self, stream: BinaryIO, values: FloatArray) -> None:
+    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+        values = _joined(time, columns)
         self._cells += values.size
         stream.write(lines_fast(values) if self._cells > LARGE else lines_plain(values))
 
     def end(self, stream: BinaryIO) -> None:
         """All is written."""
 
+    def close(self) -> None:
+        """Nothing is kept."""
 
-class _Held:
-    """Columns kept until the end."""
+
+class ParquetFormat:
+    """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
+
+    def __init__(self) -> None:
+        self._parts: list[FloatArray] = []
+        self._rows = 0
+
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        import pyarrow as pa
+        from pyarrow.parquet import ParquetWriter
+
+        self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
+        self._writer = ParquetWriter(_Sink(stream), self._schema, compression="zstd", use_dictionary=False)
+
+    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+        self._parts.append(_joined(time, columns))
+        self._rows += len(time)
+        if self._rows >= GROUP_ROWS:
+            self._write_group()
+
+    def _write_group(self) -> None:
+        import pyarrow as pa
+
+        columns = [pa.chunked_array([pa.array(part[:, i]) for part in self._parts]) for i in range(len(self._schema))]
+        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
+        self._parts, self._rows = [], 0
+
+    def end(self, stream: BinaryIO) -> None:
+        if self._rows:
+            self._write_group()
+        self._writer.close()
+
+    def close(self) -> None:
+        """The writer of pyarrow ends by itself."""
+
+
+class _Sink(io.RawIOBase):
+    """A stream as pyarrow's writer wants it, which ends its file even if that was given up and the stream closed."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream, self._written = stream, 0
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any) -> int:
+        if not self._stream.closed:
+            self._stream.write(data)
+        self._written += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._written
+
+
+class NpzFormat:
+    """One float64 array per column, as `numpy.savez` stores them.
+
+    An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
+    that is a file, until the last one is there: on disk the table takes its size twice while it is written.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: Any = None
+        self._lengths: list[int] = []
 
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
         self._names = tuple(names)
-        self._parts: list[FloatArray] = [np.empty((0, len(names)))]
+        folder = os.path.dirname(os.path.abspath(stream.name)) if os.path.isfile(stream.name) else None
+        self._waiting = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115
 
-    def add(self, stream: BinaryIO, values: FloatArray) -> None:
-        self._parts.append(values)
-
-    def columns(self) -> dict[str, FloatArray]:
-        return {name: np.concatenate([part[:, i] for part in self._parts]) for i, name in enumerate(self._names)}
-
-
-class ParquetFormat(_Held):
-    """Parquet of float64 columns."""
+    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+        for column in (time, *columns.T):
+            self._waiting.write(np.ascontiguousarray(column).data)
+        self._lengths.append(len(time))
 
     def end(self, stream: BinaryIO) -> None:
-        import polars as pl
+        self._waiting.flush()
+        values = np.memmap(self._waiting, np.float64, "r") if any(self._lengths) else np.empty(0)
+        head = {
+            "descr": np.lib.format.dtype_to_descr(values.dtype),
+            "fortran_order": False,
+            "shape": (sum(self._lengths),),
+        }
+        with zipfile.ZipFile(stream, "w") as archive:
+            for i, name in enumerate(self._names):
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, head)
+                    start = 0
+                    for length in self._lengths:
+                        member.write(values[start + i * length : start + (i + 1) * length].data)
+                        start += length * len(self._names)
 
-        try:
-            pl.DataFrame(self.columns()).write_parquet(stream)
-        except pl.exceptions.PolarsError as error:
-            raise OSError(str(error).partition("\n")[0].rpartition("IO error: ")[2]) from None
+    def close(self) -> None:
+        if self._waiting:
+            self._waiting.close()
 
 
-class NpzFormat(_Held):
-    """One float64 array per column."""
-
-    def end(self, stream: BinaryIO) -> None:
-        np.savez(stream, allow_pickle=False, **self.columns())
+def _joined(time: FloatArray, columns: FloatArray) -> FloatArray:
+    """(N, 1 + k), each column contiguous; copied in parts that stay in the cache, for rows may be contiguous."""
+    values = np.empty((1 + columns.shape[1], len(time)))
+    values[0] = time
+    for start in range(0, len(time), _PART):
+        values[1:, start : start + _PART] = columns[start : start + _PART].T
+    return values.T

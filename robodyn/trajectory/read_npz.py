@@ -4,64 +4,83 @@ from __future__ import annotations
 
 import os
 import zipfile
-import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.array_table import ArrayTable
-from robodyn.trajectory.columns import matrix_column
-from robodyn.trajectory.table import FloatArray
+from robodyn.trajectory.npz_members import Values, member
+from robodyn.trajectory.table import FloatArray, check_finite, common_length, decoding, spread
 
-_MATRICES = ("q", "qd", "qdd")
-_DAMAGE = (
-    ValueError,
-    KeyError,
-    TypeError,
-    EOFError,
-    MemoryError,
-    OverflowError,
-    SyntaxError,
-    RuntimeError,
-    OSError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
-"""All that `zipfile` and `numpy.load` raise on damaged archives."""
+_Sources = list[tuple[Values, list[tuple[int, int]]]]
 
 
-def read_npz(path: str) -> ArrayTable:
-    """The table in an `.npz` archive; its arrays are held in memory. Pickled objects are never loaded.
+class NpzTable:
+    """The table in an `.npz` archive, stored or deflated; see `Table`. Every number becomes float64."""
 
-    Raises:
-        TrajectoryError: the archive is damaged, or an array is not a column (or matrix q, qd, qdd) of numbers.
-        OSError: the file cannot be opened.
-    """
-    columns: dict[str, FloatArray] = {}
-    with open(path, "rb") as stream:
-        try:
-            with np.load(stream, allow_pickle=False) as arrays:
-                for name in arrays.files if hasattr(arrays, "files") else _refuse_single():
-                    columns |= _columns(name, arrays[name], path)
-        except TrajectoryError:
-            raise
-        except _DAMAGE as error:
-            first = str(error).strip().partition("\n")[0] or type(error).__name__
-            raise TrajectoryError(f"cannot be read as .npz: {first}", remedy="write it again", file=path) from None
-    return ArrayTable(path, columns, os.stat(path).st_size)
+    header_line = None
 
+    def __init__(self, path: str) -> None:
+        self.file = path
+        self.size_bytes, self.position_bytes = os.stat(path).st_size, 0
+        with ExitStack() as opened:
+            stream = opened.enter_context(open(path, "rb"))
+            with decoding(".npz", self.file):
+                if stream.peek(6).startswith(b"\x93NUMPY"):
+                    raise ValueError("a single array, not an archive")
+                self._archive = opened.enter_context(zipfile.ZipFile(stream))
+                self._members = [member(self._archive, info, path) for info in self._archive.infolist()]
+            self.names = tuple(name for each in self._members for name in each.names)
+            self._rows = common_length({name: each.rows for each in self._members for name in each.names}, path)
+            self._opened = opened.pop_all()
 
-def _refuse_single() -> list[str]:
-    raise ValueError("a single array, not an archive")
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+        with ExitStack() as opened:
+            sources = self._sources(columns, opened)
+            for start in range(0, self._rows, rows):
+                values = self._take(sources, min(rows, self._rows - start))
+                check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
+                self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
+                yield values
 
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+        found, done = [], 0
+        with ExitStack() as opened:
+            sources = self._sources(columns, opened)
+            for cut in spread(self._rows, count, rows):
+                with decoding(".npz", self.file):
+                    for values, _ in sources:
+                        values.skip(cut.start - done)
+                found.append(self._take(sources, cut.stop - cut.start))
+                done = cut.stop
+        return found
 
-def _columns(name: str, array: object, file: str) -> dict[str, FloatArray]:
-    if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
-        kind = array.dtype if isinstance(array, np.ndarray) else "bytes"
-        raise TrajectoryError(f"array {name!r} holds {kind}, not numbers", remedy="store float64", file=file)
-    if array.ndim == 2 and name in _MATRICES:
-        return {matrix_column(name, i): np.asarray(array[:, i], np.float64) for i in range(array.shape[1])}
-    if array.ndim != 1:
-        remedy = "give one 1-D array per column, or time (N,) and matrices q, qd, qdd (N, n)"
-        raise TrajectoryError(f"array {name!r} has shape {array.shape}", remedy=remedy, file=file)
-    return {name: np.asarray(array, np.float64)}
+    def _sources(self, columns: Sequence[int], opened: ExitStack) -> _Sources:
+        """The members that hold the columns, each with pairs (column of the member, place in the block)."""
+        places = {column: place for place, column in enumerate(columns)}
+        sources: _Sources = []
+        first = 0
+        for each in self._members:
+            pairs = [(i, places[first + i]) for i in range(len(each.names)) if first + i in places]
+            first += len(each.names)
+            if pairs:
+                with decoding(".npz", self.file):
+                    sources.append((opened.enter_context(closing(Values(self._archive, each))), pairs))
+        return sources
+
+    def _take(self, sources: _Sources, rows: int) -> FloatArray:
+        """The next rows of all sources."""
+        block = np.empty((sum(len(pairs) for _, pairs in sources), rows))
+        with decoding(".npz", self.file), np.errstate(all="ignore"):
+            for values, pairs in sources:
+                found = values.take(rows)
+                for component, place in pairs:
+                    block[place] = found[component]
+        return block.T
+
+    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
+        return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
+
+    def close(self) -> None:
+        self._opened.close()

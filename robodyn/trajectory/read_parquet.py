@@ -1,101 +1,111 @@
-"""Parquet tables, through polars in a process of its own."""
+"""Parquet tables, through pyarrow, which refuses damaged files where other readers end the process."""
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
-import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray, check_finite, spread
+from robodyn.trajectory.table import FloatArray, check_finite, decoding, spread
 
 _MARK = b"PAR1"
-READ_ROWS = 1 << 18
-"""Rows decoded at once: every request decodes the row groups that it touches from their beginnings."""
-_PROGRAM = "import sys; sys.path[:] = {path}; from robodyn.trajectory.parquet_child import serve; serve({file})"
+_BUFFER = 1 << 16
+"""Bytes of a column that are read at once; without it, and with buffering ahead, memory would grow with the file."""
 
 
 class ParquetTable:
-    """A Parquet file of columns of numbers; see `Table`. Integers and float32 become float64."""
+    """A Parquet file of columns of numbers; see `Table`. Integers, decimals and float32 become float64.
+
+    In memory are a block and a few pages of each column; where pages have less than 16 kB, a row group as it is stored.
+    """
 
     header_line = None
 
     def __init__(self, path: str) -> None:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
         self.file = path
         with open(path, "rb") as stream:
             self.size_bytes = stream.seek(0, os.SEEK_END)
             if self.size_bytes < 12 or not _is_parquet(stream, self.size_bytes):
                 raise TrajectoryError("is not a Parquet file, or is cut short", remedy="write it again", file=path)
-        program = _PROGRAM.format(path=sys.path, file=repr(path))
-        pipe = subprocess.PIPE
-        command = [sys.executable, "-c", program]
-        self._child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL)
-        try:
-            head, _ = self._ask({})
-        except BaseException:
-            self.close()
-            raise
-        self.names: tuple[str, ...] = tuple(head["names"])
-        self._types: list[str | None] = head["types"]
-        self._rows: int = head["rows"]
+        with decoding("Parquet", self.file):
+            self._source = pq.ParquetFile(pa.OSFile(path), buffer_size=_BUFFER, pre_buffer=False)
+            schema, metadata = self._source.schema_arrow, self._source.metadata
+            self.names: tuple[str, ...] = tuple(schema.names)
+            self._types = schema.types
+            self._groups = [metadata.row_group(i).num_rows for i in range(metadata.num_row_groups)]
+            self._rows = sum(self._groups)
+            if self._rows != metadata.num_rows:
+                raise ValueError(f"it says {metadata.num_rows} rows, its row groups {self._rows}")
         self.position_bytes = 0
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
-        size = max(rows, READ_ROWS)
-        for start in range(0, self._rows, size):
-            values = self._read(columns, start, min(size, self._rows - start))
-            check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
-            self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
-            yield from (values[part : part + rows] for part in range(0, len(values), rows))
+        names = self._numeric(columns)
+        done = 0
+        for batch in self._batches(names, rows):
+            values = self._values(batch, names)
+            check_finite(values, names, done + 1, self.error_at)
+            done += len(values)
+            self.position_bytes = self.size_bytes * done // max(done, self._rows)
+            yield values
+        if done != self._rows:
+            raise TrajectoryError("holds fewer rows than it says", remedy="write it again", file=self.file)
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+        """Each begins with a row group, or whole pieces after that, so that little else is decoded."""
+        if self._rows <= 0:
+            return []
+        names, first_rows = self._numeric(columns), np.cumsum([0, *self._groups])
         cuts = spread(self._rows, count, rows)
-        return [self._read(columns, cut.start, cut.stop - cut.start) for cut in cuts]
+        size = cuts[0].stop
+        found = []
+        for group, share in Counter(np.searchsorted(first_rows, [cut.start for cut in cuts], "right") - 1).items():
+            wanted = {i * self._groups[group] // (share * size) for i in range(share)}
+            batches = self._batches(names, size, range(group, len(self._groups)))
+            numbered = zip(range(max(wanted) + 1), batches, strict=False)
+            found += [self._values(batch, names) for number, batch in numbered if number in wanted]
+        return found
 
-    def _read(self, columns: Sequence[int], start: int, rows: int) -> FloatArray:
-        names = [self.names[i] for i in columns]
+    def _numeric(self, columns: Sequence[int]) -> list[str]:
+        """The names of columns, all of which hold numbers."""
+        from pyarrow import types
+
         for name, kind in ((self.names[i], self._types[i]) for i in columns):
-            if kind:
-                what = f"column {name!r} holds {kind}, not numbers"
+            if not (types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind)):
+                shown = str(kind).removeprefix("large_").partition("<")[0]
+                what = f"column {name!r} holds {shown}, not numbers"
                 raise TrajectoryError(what, remedy="store it as float64", file=self.file)
-        head, values = self._ask({"names": names, "start": start, "rows": rows})
-        if head["rows"] != rows:
-            raise TrajectoryError("holds fewer rows than it says", remedy="write it again", file=self.file)
-        return np.frombuffer(values).reshape(len(columns), rows).T
+        return [self.names[i] for i in columns]
 
-    def _ask(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-        """The child's answer; a child that says no, or dies, has met a damaged file."""
-        assert self._child.stdin is not None
-        assert self._child.stdout is not None
-        try:
-            self._child.stdin.write(json.dumps(request).encode() + b"\n")
-            self._child.stdin.flush()
-            line = self._child.stdout.readline()
-        except BrokenPipeError:
-            line = b""
-        head: dict[str, Any] = json.loads(line) if line.endswith(b"\n") else {"error": "the decoder gave up"}
-        if "error" in head:
-            what = f"cannot be read as Parquet: {head['error']}"
-            raise TrajectoryError(what, remedy="write it again", file=self.file)
-        return head, self._child.stdout.read(head["bytes"])
+    def _batches(self, names: list[str], rows: int, groups: Sequence[int] | None = None) -> Iterator[Any]:
+        """Consecutive rows of these row groups, across their limits."""
+        with decoding("Parquet", self.file):
+            batches = self._source.iter_batches(batch_size=rows, row_groups=groups, columns=names)
+        while True:
+            with decoding("Parquet", self.file):
+                batch = next(batches, None)
+            if batch is None:
+                return
+            yield batch
+
+    def _values(self, batch: Any, names: Sequence[str]) -> FloatArray:
+        values = np.empty((len(names), batch.num_rows))
+        with decoding("Parquet", self.file):
+            for i, name in enumerate(names):
+                values[i] = batch.column(name).cast("float64", safe=False).to_numpy(zero_copy_only=False)
+        return values.T
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
 
     def close(self) -> None:
-        """End the child."""
-        self._child.kill()
-        self._child.wait()
-        for pipe in (self._child.stdin, self._child.stdout):
-            if pipe:
-                with suppress(OSError):
-                    pipe.close()
+        self._source.close(force=True)
 
 
 def _is_parquet(stream: BinaryIO, size: int) -> bool:

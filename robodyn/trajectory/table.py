@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Protocol
 
 import numpy as np
@@ -47,7 +48,10 @@ class Table(Protocol):
     def position_bytes(self) -> int: ...
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
-        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite."""
+        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
+
+        Each column of a block is contiguous, except in blocks of text.
+        """
         ...
 
     def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
@@ -90,9 +94,9 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Ta
             from robodyn.trajectory.read_parquet import ParquetTable
 
             return ParquetTable(name)
-        from robodyn.trajectory.read_npz import read_npz
+        from robodyn.trajectory.read_npz import NpzTable
 
-        return read_npz(name)
+        return NpzTable(name)
     except OSError as error:
         raise TrajectoryError(f"cannot be read: {reason(error)}", file=name) from None
     except ValueError as error:  # an embedded null character in the name
@@ -102,6 +106,34 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Ta
 def reason(error: OSError) -> str:
     """What the system says, without the file name."""
     return (error.strerror or str(error)).lower()
+
+
+@contextmanager
+def decoding(format_name: str, file: str) -> Iterator[None]:
+    """Tells what a library raises about a damaged file, of whatever class it is, as a TrajectoryError."""
+    try:
+        yield
+    except TrajectoryError:
+        raise
+    except Exception as error:
+        first = str(error).strip().partition("\n")[0] or type(error).__name__
+        what = f"cannot be read as {format_name}: {first}"
+        raise TrajectoryError(what, remedy="write it again", file=file) from None
+
+
+def common_length(lengths: Mapping[str, int], file: str | None) -> int:
+    """The length of all columns, 0 if there are none.
+
+    Raises:
+        TrajectoryError: they differ.
+    """
+    if not lengths:
+        return 0
+    longest, shortest = max(lengths, key=lengths.__getitem__), min(lengths, key=lengths.__getitem__)
+    if lengths[longest] != lengths[shortest]:
+        what = f"{longest!r} has {lengths[longest]} rows, {shortest!r} has {lengths[shortest]}"
+        raise TrajectoryError(what, remedy="give every column the same length", file=file)
+    return lengths[longest]
 
 
 def spread(total: int, count: int, rows: int) -> list[slice]:

@@ -9,8 +9,6 @@ from contextlib import suppress
 from types import TracebackType
 from typing import BinaryIO, Protocol
 
-import numpy as np
-
 from robodyn.errors import InputError
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
 from robodyn.trajectory.table import FILE_TYPES, FloatArray, reason
@@ -21,17 +19,21 @@ class Format(Protocol):
 
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None: ...
 
-    def add(self, stream: BinaryIO, values: FloatArray) -> None: ...
+    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None: ...
 
     def end(self, stream: BinaryIO) -> None: ...
+
+    def close(self) -> None:
+        """Give back what is kept beside the stream, whether the table came to its end or not."""
+        ...
 
 
 class Writer:
     """A table of `time` and named columns; use as a context manager.
 
     The file appears under its name, with all its rows, when the block of the `with` ends well; on any error nothing is
-    left and an older file of that name stays. CSV is written as it comes; Parquet and .npz are held in memory until the
-    end (8 bytes a cell).
+    left and an older file of that name stays. CSV is written as it comes, Parquet a row group at a time, .npz by way of
+    a second temporary file.
     """
 
     def __init__(self, path: str, names: Sequence[str], form: Format) -> None:
@@ -62,7 +64,7 @@ class Writer:
         if self._stream is None or columns.shape != (len(time), len(self._names) - 1):
             raise ValueError(f"columns {columns.shape} do not fit {len(self._names) - 1} names and {len(time)} times")
         try:
-            self._form.add(self._stream, np.column_stack((time, columns)))
+            self._form.add(self._stream, time, columns)
         except OSError as error:
             raise self._error(error) from None
 
@@ -101,6 +103,8 @@ class Writer:
         return stream
 
     def _discard(self) -> None:
+        with suppress(OSError):
+            self._form.close()
         with suppress(OSError):
             if self._stream:
                 self._stream.close()

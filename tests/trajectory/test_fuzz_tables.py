@@ -118,7 +118,7 @@ def test_damaged_npz(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> N
     outcome(path)
 
 
-@settings(QUICK, max_examples=12)
+@QUICK
 @given(edits)
 def test_damaged_parquet(tmp_path: Path, changes: list[tuple[str, int, bytes]]) -> None:
     data = table("parquet")
