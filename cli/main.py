@@ -13,7 +13,7 @@ import click
 from robodyn.cli.failures import reported
 from robodyn.wording import alternatives
 
-COMMANDS = ("torques", "bench")
+COMMANDS = ("torques", "inertia", "bench")
 
 
 class Commands(click.Group):

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from robodyn.model import Model as Model
     from robodyn.motion_input import motion as motion
     from robodyn.motion_input import read_motion as read_motion
+    from robodyn.part import mass_properties as mass_properties
     from robodyn.scene import ExternalWrench as ExternalWrench
     from robodyn.scene import Friction as Friction
     from robodyn.scene import Immersed as Immersed
@@ -37,6 +38,7 @@ _HOMES = {
     "loads": ("torques",),
     "model": ("Model",),
     "motion_input": ("motion", "read_motion"),
+    "part": ("mass_properties",),
     "scene": ("ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),
 }

@@ -16,7 +16,7 @@ ORDER = [
     ("errors", "spatial", "wording", "overlap"),
     ("inertia", "scene", "trace", "overflow", "statistics"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
-    ("model", "scene_file"),
+    ("model", "scene_file", "part"),
     ("joints", "dynamics", "motion_input", "scene_fit"),
     ("assemble", "effects"),
     ("plan", "result"),

@@ -1,0 +1,228 @@
+"""A mesh as a solid part, or as a sheet: what it weighs, how that mass is spread, and how far the numbers hold."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robodyn.errors import InputError, MeshError
+from robodyn.inertia.conversions import from_integrals, from_surface_integrals
+from robodyn.inertia.laws import rotation_law
+from robodyn.inertia.properties import MassProperties
+from robodyn.mesh.closed import Fingerprint
+from robodyn.mesh.integrals import Integrals
+from robodyn.mesh.integrate import measure
+from robodyn.mesh.load import from_array, load_triangles
+from robodyn.mesh.surface import surface
+from robodyn.mesh.triangles import Triangles
+from robodyn.spatial import ZERO, rotation_from_rpy
+
+Floats = NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+WATER = 1000.0
+"""Density [kg/m^3] that is assumed where neither a density nor a mass is given."""
+LONGEST = 20.0
+"""Metres above which a part is suspected to be in millimetres: longer than any arm, shorter than a small part in mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Mass properties of a mesh.
+
+    Attributes:
+        name: of the file; triangles: how many it has.
+        body: mass, centre of mass and second moments, in the mesh's axes [kg, m].
+        assumed: whether the density is assumed.
+        lo, hi: (3,) corners of its box [m].
+        closed: whether the surface has no boundary, so that the integral does not depend on the origin.
+        repairs: what was changed before the mesh was integrated.
+        method: the arithmetic that was needed: "float64", "long double" or "rational".
+        arithmetic, rounding: relative errors of the volume: a bound of that of computing, and what the file's rounding
+            of coordinates can make of it.
+        warnings: what is doubtful; notes: what was assumed when the file was read.
+    """
+
+    name: str
+    triangles: int
+    body: MassProperties
+    assumed: bool
+    lo: Floats
+    hi: Floats
+    closed: bool
+    repairs: tuple[str, ...]
+    method: str
+    arithmetic: float
+    rounding: float
+    warnings: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class View:
+    """About which point, and in which axes, an inertia matrix is wanted.
+
+    Attributes:
+        about: "com", "origin" or a point of the mesh's frame [m].
+        rpy: fixed-axis roll, pitch and yaw of the axes in the mesh's [rad].
+    """
+
+    about: Literal["com", "origin"] | Vector = "com"
+    rpy: Vector = (0.0, 0.0, 0.0)
+
+    def inertia(self, body: MassProperties) -> tuple[Floats, Floats]:
+        """The point [m] in the mesh's frame and the inertia matrix about it, R^T I R, in the view's axes [kg m^2]."""
+        point = body.com if self.about == "com" else np.array(ZERO if self.about == "origin" else self.about)
+        R = rotation_from_rpy(*self.rpy)
+        return point, rotation_law(body.about(point), R.T)
+
+    @property
+    def words(self) -> str:
+        place = {"com": "the centre of mass", "origin": "the origin"}.get(str(self.about), f"{self.about} m")
+        turned = f", axes turned by roll, pitch, yaw {self.rpy} rad" if any(self.rpy) else ""
+        return f"about {place}{turned}"
+
+
+def mass_properties(
+    source: str | os.PathLike[str] | bytes | ArrayLike,
+    *,
+    density: float | None = None,
+    mass: float | None = None,
+    unit: str | None = None,
+    file_type: str | None = None,
+    exact: bool = False,
+    repair: bool = True,
+    strict: bool = False,
+    shell: float | None = None,
+) -> Part:
+    """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
+
+    The integrals are sums over tetrahedra (see `robodyn.mesh.integrate`); that the surface is closed is proven by its
+    boundary chain. A closed surface that is wound inwards is taken the other way round, and that is said.
+
+    Args:
+        source: name of a mesh file, `-` for standard input, its bytes, or triangles (m, 3, 3).
+        density: kg/m^3; 1000 if neither this nor the mass is given.
+        mass: kg, in place of a density.
+        unit: "m", "mm", "cm" or "in"; by default what the file says, or metres.
+        file_type: "stl", "obj", "ply" and so on; by default by the suffix.
+        exact: integrate in exact arithmetic.
+        repair: False takes the signed integral of the surface as it is, with a warning if it is not closed.
+        strict: refuse a mesh that needs repair.
+        shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
+
+    Raises:
+        InputError: density, mass or thickness is not positive, or both of the first two are given.
+        MeshError: the mesh cannot be read, is not closed, or encloses no volume.
+
+    Accuracy: centre of mass and inertia of the triangles as given within 1e-12, and within 1e-15 at most offsets and
+        shapes; correctly rounded if `exact`.
+    """
+    _check(density, mass, shell)
+    named = isinstance(source, (str, os.PathLike, bytes))
+    triangles = (
+        load_triangles(source, file_type=file_type, unit=unit) if named else from_array(source, unit=unit or "m")
+    )
+    integrals, edges = measure(triangles, exact)
+    size = (integrals.hi - integrals.lo) * triangles.scale
+    warnings = _doubts(size)
+    repairs: tuple[str, ...] = ()
+    weight = WATER if density is None else density
+    if shell is not None:
+        body = _sheet(triangles, weight, shell)
+    else:
+        if repair:
+            _demand_closed(triangles, edges)
+            if integrals.volume < 0:
+                repairs = ("all faces were wound inwards: turned outwards",)
+        elif not edges.closed:
+            warnings += ("the surface is not closed: its integral depends on where the origin is",)
+        if strict and repairs:
+            raise MeshError(repairs[0], remedy="--strict refuses what needs repair", file=triangles.name)
+        body = _solid(integrals, triangles, weight)
+        if repairs:
+            body = -body
+    if mass is not None:
+        body = body.scaled_to_mass(mass)
+    return Part(
+        name=triangles.name,
+        triangles=integrals.count,
+        body=replace(body, area=integrals.area * triangles.scale**2),
+        assumed=density is None and mass is None,
+        lo=integrals.lo * triangles.scale,
+        hi=integrals.hi * triangles.scale,
+        closed=edges.closed,
+        repairs=repairs,
+        method=integrals.method,
+        arithmetic=integrals.bound,
+        rounding=_rounding(integrals, triangles),
+        warnings=warnings,
+        notes=triangles.notes,
+    )
+
+
+def _check(density: float | None, mass: float | None, shell: float | None) -> None:
+    if density is not None and mass is not None:
+        raise InputError("both a density and a mass are given", remedy="give one of them")
+    for name, value, unit in (("density", density, "kg/m^3"), ("mass", mass, "kg"), ("thickness", shell, "m")):
+        if value is not None and not 0 < value < np.inf:
+            raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
+
+
+def _demand_closed(triangles: Triangles, edges: Fingerprint) -> None:
+    if edges.mixed:
+        what, remedy = "some faces are wound inwards and some outwards", "orient them alike"
+    elif not edges.closed:
+        what, remedy = "the surface is not closed", "fill its holes"
+    else:
+        return
+    others = "--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is"
+    raise MeshError(f"{what}, so it encloses no definite volume", remedy=f"{remedy}; {others}", file=triangles.name)
+
+
+def _solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:
+    if not integrals.volume:
+        raise MeshError(
+            "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
+        )
+    found = integrals.moments
+    return from_integrals(
+        found.volume,
+        found.first,
+        found.second,
+        density=density,
+        reference=integrals.reference,
+        scale=triangles.scale,
+    )
+
+
+def _sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
+    found = surface(triangles)
+    return from_surface_integrals(
+        found.area,
+        found.first,
+        found.S,
+        density=density,
+        thickness=thickness,
+        reference=found.reference,
+        scale=triangles.scale,
+    )
+
+
+def _rounding(integrals: Integrals, triangles: Triangles) -> float:
+    """What moving every corner by half a unit in the last place of the file's largest coordinate does to the volume."""
+    if not integrals.volume:
+        return np.inf
+    half = max(np.abs(integrals.lo).max(), np.abs(integrals.hi).max()) * 2.0**-triangles.significand
+    return float(half * integrals.area / abs(integrals.volume))
+
+
+def _doubts(size: Floats) -> tuple[str, ...]:
+    longest = float(size.max())
+    if longest <= LONGEST:
+        return ()
+    return (f"the part is {longest:.4g} m long: if the file is in millimetres, say --unit mm",)
