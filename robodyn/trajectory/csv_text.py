@@ -54,6 +54,8 @@ def parse(data: bytes, dialect: Dialect, columns: Sequence[int], line: Callable[
 def _parse_fast(data: bytes, dialect: Dialect, columns: Sequence[int]) -> FloatArray | None:
     import polars as pl
 
+    if not data.endswith(b"\n"):
+        data += b"\n"  # polars overlooks a delimiter at the very end
     last = len(dialect.names) - 1
     if dialect.delimiter == BLANK:
         data = b"\n".join(b" ".join(line.split()) for line in data.split(b"\n"))

@@ -1,78 +1,134 @@
-"""Reading and writing of tables against polars alone, in one run: `python tests/benchmarks/bench_tables.py [ROWS]`.
+"""Tables of 19 columns read and written in blocks, against the raw library with the whole table at once.
 
-Prints seconds and the ratio to polars for a table of 19 columns (time, 6 joints with q, qd and qdd) read and 7 columns
-written, and for positions only, which are also differentiated.
+    cd tests && python -m benchmarks.bench_tables [--rows N] [--turns N] [--write FILE]
+
+robodyn reads a trajectory of six joints (time, q, qd, qdd) to the end and writes a table of 19 columns block by block.
+The raw library of Parquet and CSV is polars (to NumPy arrays and from them), that of .npz NumPy. Both run in one
+process with the same threads and take turns, and the medians count; a tenth of the rows shows what starting costs.
 """
 
 from __future__ import annotations
 
-import sys
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 import polars as pl
+from machine import machine
+from markdown_tables import main, table
 
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.reader import BLOCK_ROWS
 from robodyn.trajectory.write import open_writer
 
-JOINTS = 6
-SIGNALS = Signals(tuple(Signal(f"joint{i}", "angle") for i in range(JOINTS)))
+Arrays = dict[str, np.ndarray]
+Act = Callable[[], object]
+JOINTS = [f"joint{i}" for i in range(6)]
+SIGNALS = Signals(tuple(Signal(name, "angle") for name in JOINTS))
+HEAD = ("table", "rows x columns", "robodyn", "raw library", "ratio")
 
 
-def make(path: Path, rows: int, quantities: Sequence[str], decimals: int | None = None) -> None:
-    """A table of sines of different frequency."""
-    t = np.arange(rows) / 1000.0
+def motion(rows: int) -> Arrays:
+    """Sines of 1 ms steps with full digits: time, and q, qd and qdd of every joint."""
+    t = np.arange(rows) * 1e-3
+    w = {name: 0.3 + 0.11 * i for i, name in enumerate(JOINTS)}
     columns = {"time": t}
-    for i in range(JOINTS):
-        angle = 2.0 * np.pi * (0.1 + 0.1 * i) * t
-        values = {"q": np.sin(angle), "qd": np.cos(angle), "qdd": -np.sin(angle)}
-        columns |= {f"{quantity}_joint{i}": values[quantity] for quantity in quantities}
-    frame = pl.DataFrame(columns)
-    (frame if decimals is None else frame.select(pl.all().round(decimals))).write_csv(path)
+    columns |= {f"q_{name}": np.sin(k * t) for name, k in w.items()}
+    columns |= {f"qd_{name}": k * np.cos(k * t) for name, k in w.items()}
+    columns |= {f"qdd_{name}": -k * k * np.sin(k * t) for name, k in w.items()}
+    return columns
 
 
-def alone(source: Path, target: Path) -> None:
-    """What any program pays that uses polars: read all columns, write time and one column per joint."""
-    frame = pl.read_csv(source)
-    frame.select(frame.columns[: JOINTS + 1]).write_csv(target)
+def matrices(columns: Arrays) -> Arrays:
+    """The same motion as time and matrices q, qd and qdd."""
+    parts = {kind: [columns[f"{kind}_{name}"] for name in JOINTS] for kind in ("q", "qd", "qdd")}
+    return {"time": columns["time"], **{kind: np.column_stack(part) for kind, part in parts.items()}}
 
 
-def ours(source: Path, target: Path) -> None:
-    """The same through blocks of this package."""
-    with open_trajectory(source, SIGNALS) as reader, open_writer(target, SIGNALS.positions) as writer:
-        for block in reader.blocks():
-            writer.write(block.time, block.q)
+def read_blocks(path: Path) -> int:
+    with open_trajectory(path, SIGNALS) as reader:
+        return sum(len(block) for block in reader.blocks())
 
 
-def seconds(act: Callable[[Path, Path], None], source: Path, target: Path) -> float:
-    """The shorter of two runs."""
-    spent = []
-    for _ in range(2):
-        start = time.perf_counter()
-        act(source, target)
-        spent.append(time.perf_counter() - start)
-    return min(spent)
+def write_blocks(path: Path, names: list[str], time: np.ndarray, values: np.ndarray) -> None:
+    with open_writer(path, names) as writer:
+        for start in range(0, len(time), BLOCK_ROWS):
+            block = slice(start, start + BLOCK_ROWS)
+            writer.write(time[block], values[block])
 
 
-def main() -> None:
-    rows = int(sys.argv[1]) if len(sys.argv) > 1 else 2_000_000
-    cases: list[tuple[str, Sequence[str], int | None]] = [
-        ("q, qd, qdd", ("q", "qd", "qdd"), None),
-        ("q, clean: spline", ("q",), None),
-        ("q, 6 decimals: Savitzky-Golay", ("q",), 6),
-    ]
-    print(f"{'table of ' + str(rows) + ' rows':32} {'MB':>6} {'polars s':>9} {'robodyn s':>9} {'ratio':>6}")
+def arrays_of(frame: pl.DataFrame) -> Arrays:
+    return {column.name: column.cast(pl.Float64).to_numpy() for column in frame}
+
+
+def load(path: Path) -> Arrays:
+    with np.load(path) as archive:
+        return dict(archive)
+
+
+def alternately(acts: tuple[Act, Act], turns: int, written: Path) -> tuple[float, ...]:
+    """Median seconds of each; what they have written is removed in between."""
+    spent: tuple[list[float], ...] = ([], [])
+    for _ in range(turns + 1):
+        for act, times in zip(acts, spent, strict=True):
+            for path in written.iterdir():
+                path.unlink()
+            start = time.perf_counter()
+            act()
+            times.append(time.perf_counter() - start)
+    return tuple(median(times[1:]) for times in spent)
+
+
+def cases(columns: Arrays, folder: Path) -> Mapping[str, tuple[Act, Act]]:
+    """Pairs of what robodyn does and what the raw library does, by the title of the row; the files are made here."""
+    source = {kind: folder / f"in.{kind}" for kind in ("parquet", "npz", "csv")}
+    target = {kind: folder / "written" / f"out.{kind}" for kind in source}
+    frame, square = pl.DataFrame(columns), folder / "matrices.npz"
+    frame.write_parquet(source["parquet"])
+    frame.write_csv(source["csv"])
+    np.savez(source["npz"], **columns)
+    np.savez(square, **matrices(columns))
+
+    time, names = columns["time"], list(columns)[1:]
+    values = np.array([columns[name] for name in names]).T
+
+    def reading(path: Path, raw: Act) -> tuple[Act, Act]:
+        return lambda: read_blocks(path), raw
+
+    def writing(kind: str, raw: Callable[[Path], object]) -> tuple[Act, Act]:
+        return lambda: write_blocks(target[kind], names, time, values), lambda: raw(target[kind])
+
+    return {
+        "Parquet, read": reading(source["parquet"], lambda: arrays_of(pl.read_parquet(source["parquet"]))),
+        ".npz of columns, read": reading(source["npz"], lambda: load(source["npz"])),
+        ".npz of matrices, read": reading(square, lambda: load(square)),
+        "CSV, read": reading(source["csv"], lambda: arrays_of(pl.read_csv(source["csv"]))),
+        "Parquet, written": writing("parquet", lambda path: pl.DataFrame(columns).write_parquet(path)),
+        ".npz, written": writing("npz", lambda path: np.savez(path, **columns)),
+        "CSV, written": writing("csv", lambda path: pl.DataFrame(columns).write_csv(path)),
+    }
+
+
+def measured(rows: int, turns: int) -> list[tuple[str, ...]]:
+    """The rows of the report for one length of table."""
+    columns, shown = motion(rows), []
     with tempfile.TemporaryDirectory() as folder:
-        source, target = Path(folder) / "in.csv", Path(folder) / "out.csv"
-        for name, quantities, decimals in cases:
-            make(source, rows, quantities, decimals)
-            raw, mine = seconds(alone, source, target), seconds(ours, source, target)
-            print(f"{name:32} {source.stat().st_size / 1e6:6.0f} {raw:9.2f} {mine:9.2f} {mine / raw:6.2f}")
+        written = Path(folder) / "written"
+        written.mkdir()
+        for title, acts in cases(columns, Path(folder)).items():
+            mine, theirs = alternately(acts, turns, written)
+            times = (f"{1e3 * mine:.0f} ms", f"{1e3 * theirs:.0f} ms", f"{mine / theirs:.2f}")
+            shown.append((title, f"{rows} x {len(columns)}", *times))
+    return shown
+
+
+def report(rows: int, turns: int) -> str:
+    return table(HEAD, [*measured(rows, turns), *measured(rows // 10, turns)]) + "\n" + machine("polars", "pyarrow")
 
 
 if __name__ == "__main__":
-    main()
+    main(report, __doc__, rows=2_000_000, turns=7)
