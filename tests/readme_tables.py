@@ -18,7 +18,12 @@ from robot_catalogue import robots_table
 from robodyn.effects.catalogue import EFFECTS
 from robodyn.scene import Scene
 
-TIMED = {"speed": "bench_executors", "streaming": "bench_streaming", "tables": "bench_tables", "startup": "bench_startup"}
+TIMED = {
+    "speed": "bench_executors",
+    "streaming": "bench_streaming",
+    "tables": "bench_tables",
+    "startup": "bench_startup",
+}
 
 
 def effects_table() -> str:

@@ -9,7 +9,10 @@ import sys
 import pytest
 from command_line import ROBOTS
 
-HEAVY = ("polars", "pyarrow", "scipy", "yourdfpy", "trimesh", "sympy", "matplotlib", "rich", "pandas", "llvmlite", "numpy.ma")
+HEAVY = (
+    *("polars", "pyarrow", "scipy", "rich", "llvmlite", "yourdfpy", "trimesh"),
+    *("sympy", "matplotlib", "pandas", "numpy.ma"),
+)
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 OURS = 115
 """Modules of robodyn that one job may import. It has about 100 small ones, each 0.2 ms from cached bytecode."""
