@@ -13,10 +13,11 @@ from robodyn.errors import InputError, MeshError
 from robodyn.inertia.conversions import from_integrals, from_surface_integrals
 from robodyn.inertia.laws import rotation_law
 from robodyn.inertia.properties import MassProperties
-from robodyn.mesh.closed import Fingerprint
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.integrate import measure
 from robodyn.mesh.load import from_array, load_triangles
+from robodyn.mesh.repair import Repaired, Step
+from robodyn.mesh.repair import repair as put_right
 from robodyn.mesh.surface import surface
 from robodyn.mesh.triangles import Triangles
 from robodyn.spatial import ZERO, rotation_from_rpy
@@ -40,7 +41,7 @@ class Part:
         assumed: whether the density is assumed.
         lo, hi: (3,) corners of its box [m].
         closed: whether the surface has no boundary, so that the integral does not depend on the origin.
-        repairs: what was changed before the mesh was integrated.
+        repairs: what was changed before the mesh was integrated, with signed volumes in m^3.
         method: the arithmetic that was needed: "float64", "long double" or "rational".
         arithmetic, rounding: relative errors of the volume: a bound of that of computing, and what the file's rounding
             of coordinates can make of it.
@@ -54,7 +55,7 @@ class Part:
     lo: Floats
     hi: Floats
     closed: bool
-    repairs: tuple[str, ...]
+    repairs: tuple[Step, ...]
     method: str
     arithmetic: float
     rounding: float
@@ -102,7 +103,7 @@ def mass_properties(
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
     The integrals are sums over tetrahedra (see `robodyn.mesh.integrate`); that the surface is closed is proven by its
-    boundary chain. A closed surface that is wound inwards is taken the other way round, and that is said.
+    boundary chain. What is wrong with it is repaired where that can be done (see `robodyn.mesh.repair`), and said.
 
     Args:
         source: name of a mesh file, `-` for standard input, its bytes, or triangles (m, 3, 3).
@@ -111,7 +112,8 @@ def mass_properties(
         unit: "m", "mm", "cm" or "in"; by default what the file says, or metres.
         file_type: "stl", "obj", "ply" and so on; by default by the suffix.
         exact: integrate in exact arithmetic.
-        repair: False takes the signed integral of the surface as it is, with a warning if it is not closed.
+        repair: False takes the signed integral of the surface as it is, with a warning if it is not closed; shells that
+            overlap then count twice.
         strict: refuse a mesh that needs repair.
         shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
 
@@ -123,29 +125,25 @@ def mass_properties(
         shapes; correctly rounded if `exact`.
     """
     _check(density, mass, shell)
-    named = isinstance(source, (str, os.PathLike, bytes))
-    triangles = (
-        load_triangles(source, file_type=file_type, unit=unit) if named else from_array(source, unit=unit or "m")
-    )
+    triangles: Triangles
+    if isinstance(source, (str, os.PathLike, bytes)):
+        triangles = load_triangles(source, file_type=file_type, unit=unit)
+    else:
+        triangles = from_array(source, unit=unit or "m")
+    fixed = _repaired(triangles, strict) if repair and shell is None else None
+    if fixed is not None:
+        triangles = fixed.triangles
     integrals, edges = measure(triangles, exact)
-    size = (integrals.hi - integrals.lo) * triangles.scale
-    warnings = _doubts(size)
-    repairs: tuple[str, ...] = ()
+    warnings = _doubts((integrals.hi - integrals.lo) * triangles.scale)
     weight = WATER if density is None else density
     if shell is not None:
         body = _sheet(triangles, weight, shell)
     else:
-        if repair:
-            _demand_closed(triangles, edges)
-            if integrals.volume < 0:
-                repairs = ("all faces were wound inwards: turned outwards",)
-        elif not edges.closed:
-            warnings += ("the surface is not closed: its integral depends on where the origin is",)
-        if strict and repairs:
-            raise MeshError(repairs[0], remedy="--strict refuses what needs repair", file=triangles.name)
         body = _solid(integrals, triangles, weight)
-        if repairs:
-            body = -body
+        if not edges.closed:
+            warnings += ("the surface is not closed: its integral depends on where the origin is",)
+    if fixed is not None:
+        warnings += fixed.remarks
     if mass is not None:
         body = body.scaled_to_mass(mass)
     return Part(
@@ -156,7 +154,7 @@ def mass_properties(
         lo=integrals.lo * triangles.scale,
         hi=integrals.hi * triangles.scale,
         closed=edges.closed,
-        repairs=repairs,
+        repairs=() if fixed is None else tuple(_in_metres(step, triangles.scale) for step in fixed.steps),
         method=integrals.method,
         arithmetic=integrals.bound,
         rounding=_rounding(integrals, triangles),
@@ -173,15 +171,20 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
             raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
 
 
-def _demand_closed(triangles: Triangles, edges: Fingerprint) -> None:
-    if edges.mixed:
-        what, remedy = "some faces are wound inwards and some outwards", "orient them alike"
-    elif not edges.closed:
-        what, remedy = "the surface is not closed", "fill its holes"
-    else:
-        return
-    others = "--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is"
-    raise MeshError(f"{what}, so it encloses no definite volume", remedy=f"{remedy}; {others}", file=triangles.name)
+def _repaired(triangles: Triangles, strict: bool) -> Repaired:
+    """The surface put right and closed."""
+    fixed = put_right(triangles)
+    if strict and fixed.steps:
+        remedy = "--strict refuses what needs repair"
+        raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)
+    if not fixed.closed:
+        why = f" ({'; '.join(fixed.remarks)})" if fixed.remarks else ""
+        raise MeshError(
+            f"the surface is not closed{why}, so it encloses no definite volume",
+            remedy="--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is",
+            file=triangles.name,
+        )
+    return fixed
 
 
 def _solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:
@@ -211,6 +214,10 @@ def _sheet(triangles: Triangles, density: float, thickness: float) -> MassProper
         reference=found.reference,
         scale=triangles.scale,
     )
+
+
+def _in_metres(step: Step, scale: float) -> Step:
+    return replace(step, volume_before=step.volume_before * scale**3, volume_after=step.volume_after * scale**3)
 
 
 def _rounding(integrals: Integrals, triangles: Triangles) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from robodyn.part import Part, View
@@ -31,7 +32,7 @@ def _part(part: Part, view: View) -> dict[str, Any]:
         "principal": {"moments": body.principal.moments.tolist(), "axes": body.principal.axes.tolist()},
         "box": {"lo": part.lo.tolist(), "hi": part.hi.tolist()},
         "closed": part.closed,
-        "repairs": list(part.repairs),
+        "repairs": [asdict(step) for step in part.repairs],
         "error": {"arithmetic": _finite(part.arithmetic), "rounding": _finite(part.rounding)},
         "arithmetic": part.method,
         "notes": list(part.notes),

@@ -64,7 +64,10 @@ def _principal(part: Part, page: Page) -> str:
 def _trust(part: Part) -> str:
     lines = [f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "]
     lines[0] += f"rounding of the file at most {part.rounding:.0e}\n"
-    lines += [f"repaired: {step}\n" for step in part.repairs]
+    lines += [
+        f"repaired: {step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3\n"
+        for step in part.repairs
+    ]
     lines += [f"{printable(note)}\n" for note in part.notes]
     lines += [f"warning: {printable(line)}\n" for line in part.warnings]
     return "".join(lines)

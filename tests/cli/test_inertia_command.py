@@ -111,16 +111,15 @@ def test_inward_winding_is_turned_and_said(tmp_path):
     path = tmp_path / "inward.stl"
     path.write_bytes(mesh_samples.binary_stl(mesh_samples.flipped(mesh_samples.tetrahedron())))
     found = mesh(run("inertia", str(path), "--density", "1", "--format", "json"))
-    assert found["repairs"] == ["all faces were wound inwards: turned outwards"]
+    (step,) = found["repairs"]
+    assert (step["name"], step["count"], step["what"]) == ("orientation", 1, "1 shell turned outwards")
+    assert [step["volume_before"], step["volume_after"]] == pytest.approx([-10, 10], rel=4 * EPS)
     assert found["mass"] == pytest.approx(10, rel=4 * EPS)
     np.testing.assert_allclose(found["inertia"], TETRAHEDRON, rtol=0, atol=4 * EPS * 15.375)
-    assert "repaired: all faces were wound inwards" in run("inertia", str(path)).out
+    assert "repaired: 1 shell turned outwards; volume -10.00 to 10.00 m^3\n" in run("inertia", str(path)).out
     refused = run("inertia", str(path), "--strict")
     assert (refused.status, refused.out) == (2, "")
-    assert (
-        refused.err
-        == f"error: {path}: all faces were wound inwards: turned outwards (--strict refuses what needs repair)\n"
-    )
+    assert refused.err == f"error: {path}: 1 shell turned outwards (--strict refuses what needs repair)\n"
     raw = mesh(run("inertia", str(path), "--density", "1", "--no-repair", "--format", "json"))
     assert raw["mass"] == pytest.approx(-10, rel=4 * EPS)
 
@@ -130,7 +129,7 @@ def test_open_surface(tmp_path):
     path.write_bytes(mesh_samples.binary_stl(mesh_samples.box((2, 2, 2))[:-2]))
     outcome = run("inertia", str(path))
     assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err.startswith(f"error: {path}: the surface is not closed, so it encloses no definite volume (")
+    assert outcome.err.startswith(f"error: {path}: the surface is not closed (1 gap too large to be filled: ")
     sheet = mesh(run("inertia", str(path), "--shell", "0.001", "--density", "7800", "--format", "json"))
     assert sheet["mass"] == pytest.approx(20 * 0.001 * 7800, rel=4 * EPS)
     assert sheet["closed"] is False
@@ -142,7 +141,10 @@ def test_mixed_winding(tmp_path):
     path = tmp_path / "mixed.stl"
     box = mesh_samples.box()
     path.write_bytes(mesh_samples.binary_stl(np.concatenate((box[:3], mesh_samples.flipped(box[3:])))))
-    assert "some faces are wound inwards and some outwards" in run("inertia", str(path)).err
+    found = mesh(run("inertia", str(path), "--format", "json"))
+    assert found["volume"] == pytest.approx(1, rel=4 * EPS)
+    assert "winding" in [step["name"] for step in found["repairs"]]
+    assert mesh(run("inertia", str(path), "--no-repair", "--format", "json"))["closed"] is False
 
 
 def test_a_part_that_looks_like_millimetres(tmp_path):

@@ -1,0 +1,131 @@
+"""Moments of volume and of surface of a block of triangles.
+
+A tetrahedron from the point of reference to a triangle a, b, c has six times the volume D = a . ((b - a) x (c - a)).
+Over it, and over the triangle, a quadratic is the mean of its values at the middles of the three edges, times a
+constant (Hammer, Marlowe, Stroud 1956). With the edge sums u = a + b, b + c, c + a:
+
+    6 V = sum D,    24 first = sum D (a + b + c),    120 S = sum D u u^T,
+
+and for the surface, with twice the area of a triangle |(b - a) x (c - a)| for D, 2 A, 6 first and 24 S.
+
+Operations on rows that follow each other are the fast ones. Dot products of more than 10 000 numbers are not made,
+because OpenBLAS would start threads for them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.mesh.blocks import CHUNK, ROWS, Step, workspace
+from robodyn.spatial import Array
+
+PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+"""The entries of a symmetric matrix in the order of its sums."""
+
+Kernel = tuple[list[Step], Array]
+"""Steps to be taken for every block, and the array that then has its sums."""
+
+_CHUNKS = ROWS // CHUNK
+
+
+def volume_kernel(space: Array) -> Kernel:
+    """6 V, 24 first (3), 120 S (6: xx, xy, xz, yy, yz, zz), 6 perm, twice the area.
+
+    perm is V with all products of D taken as positive: it measures how much of them cancels.
+
+    Args:
+        space: (4, 3, ROWS) of `block_space`, with corners from the point of reference; they are lost.
+    """
+    X, result = space[:3], np.empty(12, space.dtype)
+    early, normal, weights = workspace(12, space.dtype), workspace(3, space.dtype), workspace(3, space.dtype)
+    products = early[6:].reshape(2, 3, ROWS)
+    size, terms, weight = early[:3], early[3:6], weights[0]
+    by_axis = np.empty((3, 1, 1), space.dtype)
+    steps: list[Step] = [
+        *_cross(X, early, normal),
+        (np.absolute, (products, products)),
+        (np.add, (*products, products[0])),
+        (np.absolute, (X[0], size)),
+        (np.matmul, (size[:, None, :], products[0][:, :, None], by_axis)),
+        (np.add.reduce, (by_axis, None, None, result[10, ...])),
+        (np.multiply, (normal, X[0], terms)),
+        *_row_sum(terms, weight),
+        *_lengths(normal),
+        (np.add.reduce, (normal[0], None, None, result[11, ...])),
+        *_moments(space, weights, early, result[:10]),
+    ]
+    return steps, result
+
+
+def surface_kernel(space: Array) -> Kernel:
+    """2 A, 6 first (3), 24 S (6), for the same space."""
+    result = np.empty(10, space.dtype)
+    early, normal, weights = workspace(12, space.dtype), workspace(3, space.dtype), workspace(3, space.dtype)
+    steps: list[Step] = [
+        *_cross(space[:3], early, normal),
+        *_lengths(normal),
+        (np.copyto, (weights[0], normal[0])),
+        *_moments(space, weights, early, result),
+    ]
+    return steps, result
+
+
+def symmetric(entries: Array) -> Array:
+    """(3, 3) from the entries xx, xy, xz, yy, yz, zz."""
+    matrix = np.empty((3, 3), entries.dtype)
+    for (i, j), entry in zip(PAIRS, entries, strict=True):
+        matrix[i, j] = matrix[j, i] = entry
+    return matrix
+
+
+def _cross(X: Array, space: Array, normal: Array) -> list[Step]:
+    """(b - a) x (c - a), and its products in the last six of twelve rows of space."""
+    edges, (plus, minus) = space[:6].reshape(2, 3, ROWS), space[6:].reshape(2, 3, ROWS)
+    (ex, ey, ez), (fx, fy, fz) = edges
+    return [
+        (np.subtract, (X[1], X[0], edges[0])),
+        (np.subtract, (X[2], X[0], edges[1])),
+        (np.multiply, (ey, fz, plus[0])),
+        (np.multiply, (ez, fx, plus[1])),
+        (np.multiply, (ex, fy, plus[2])),
+        (np.multiply, (ez, fy, minus[0])),
+        (np.multiply, (ex, fz, minus[1])),
+        (np.multiply, (ey, fx, minus[2])),
+        (np.subtract, (plus, minus, normal)),
+    ]
+
+
+def _row_sum(rows: Array, out: Array) -> list[Step]:
+    return [(np.add, (rows[0], rows[1], out)), (np.add, (out, rows[2], out))]
+
+
+def _lengths(normal: Array) -> list[Step]:
+    """The length of each vector in its first component; the vectors are lost."""
+    first = normal[0]
+    return [(np.multiply, (normal, normal, normal)), *_row_sum(normal, first), (np.sqrt, (first, first))]
+
+
+def _moments(space: Array, weights: Array, early: Array, result: Array) -> list[Step]:
+    """Sums of weight, weight (a + b + c) and weight u u^T; the first of the three rows of weights has them."""
+    (a, b, c, third), weight = space, weights[0]
+    total, weighted, sums = early[9:], early[:9], space.reshape(12, ROWS)[3:]
+    first = np.empty((3, _CHUNKS, 1, 1), space.dtype)
+    second = np.empty((len(PAIRS), 3, _CHUNKS, 1, 1), space.dtype)
+    across = weighted.reshape(3, 3, _CHUNKS, 1, CHUNK)
+    down = sums.reshape(3, 3, _CHUNKS, CHUNK, 1)
+    dots: list[Step] = [
+        (np.matmul, (across[:, i], down[:, j], out)) for (i, j), out in zip(PAIRS, second, strict=True)
+    ]
+    return [
+        (np.add.reduce, (weight, None, None, result[0, ...])),
+        (np.add, (a, b, third)),
+        (np.add, (third, c, total)),
+        (np.matmul, (total.reshape(3, _CHUNKS, 1, CHUNK), weight.reshape(_CHUNKS, CHUNK, 1), first)),
+        (np.add.reduce, (first.reshape(3, -1), 1, None, result[1:4])),
+        (np.add, (b, c, b)),
+        (np.add, (c, a, c)),
+        (np.copyto, (weights[1:], weight)),
+        (np.multiply, (sums.reshape(3, -1), weights.reshape(-1), weighted.reshape(3, -1))),
+        *dots,
+        (np.add.reduce, (second.reshape(len(PAIRS), -1), 1, None, result[4:10])),
+    ]

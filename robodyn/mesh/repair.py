@@ -1,0 +1,155 @@
+"""Putting a surface right step by step, saying what was done and what it did to the volume."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robodyn.errors import MeshError
+from robodyn.mesh.clean import without_degenerate, without_duplicates
+from robodyn.mesh.holes import Filling, filled
+from robodyn.mesh.indexed import Indexed, merged
+from robodyn.mesh.nesting import Nesting, nested
+from robodyn.mesh.shells import wound
+from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.mesh.union import United, united
+
+
+@dataclass(frozen=True)
+class Step:
+    """One kind of repair.
+
+    Attributes:
+        name: "degenerate", "duplicate", "winding", "holes", "orientation" or "union".
+        count: of the faces, gaps, shells or bodies it was done to.
+        what: in words.
+        volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
+    """
+
+    name: str
+    count: int
+    what: str
+    volume_before: float
+    volume_after: float
+
+    @property
+    def change(self) -> float:
+        """Of the volume."""
+        return self.volume_after - self.volume_before
+
+
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """A surface after its repair.
+
+    Attributes:
+        triangles: the surface, the same object if nothing was done.
+        steps: what was done, in order.
+        shells: connected parts, before any union.
+        closed: whether no boundary is left, so that the volume is well defined.
+        missing: estimated share of the surface of the open parts that is missing, 0 if closed.
+        untested: bodies that may overlap, as their boxes do and not all are manifolds; no union was made of them.
+        folded: shells that may overlap themselves, as they have edges of more than two faces.
+        remarks: what was found and left as it is.
+    """
+
+    triangles: Triangles
+    steps: tuple[Step, ...]
+    shells: int
+    closed: bool
+    missing: float
+    untested: int
+    folded: int
+    remarks: tuple[str, ...]
+
+
+def repair(triangles: Triangles) -> Repaired:
+    """The surface with bad faces dropped, small holes filled, shells wound as their nesting asks, and bodies united.
+
+    Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole
+    stay as they are. Nothing is replaced by its hull.
+
+    Args:
+        triangles: at least one.
+
+    Raises:
+        MeshError: no triangle has an area.
+    """
+    mesh = merged(triangles.array())
+    steps = _Steps(mesh.middle)
+    mesh = steps.taken(mesh, *_dropped(mesh, without_degenerate(mesh), "degenerate", "without area"))
+    mesh = steps.taken(mesh, *_dropped(mesh, without_duplicates(mesh), "duplicate", "given more than once"))
+    if not len(mesh.faces):
+        raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
+    shells, turned = wound(mesh)
+    steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
+    filling = filled(shells)
+    count = filling.holes + filling.seams
+    steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
+    nesting = nested(filling.shells)
+    count = nesting.bodies + nesting.cavities
+    steps.taken(filling.shells.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
+    union = united(nesting)
+    steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
+    return Repaired(
+        triangles=_replaced(triangles, union.mesh) if steps.all else triangles,
+        steps=tuple(steps.all),
+        shells=nesting.shells.count,
+        closed=bool(nesting.shells.closed.all()),
+        missing=filling.missing,
+        untested=union.untested,
+        folded=union.folded,
+        remarks=_remarks(filling, union),
+    )
+
+
+class _Steps:
+    """The steps so far; their volumes are about one point."""
+
+    def __init__(self, reference: Floats) -> None:
+        self.all: list[Step] = []
+        self._reference = reference
+
+    def taken(self, before: Indexed, after: Indexed, count: int, name: str, what: str) -> Indexed:
+        """The mesh after a step, which is kept in mind if it was done to anything."""
+        if not count:
+            return before
+        self.all.append(Step(name, count, what, *(mesh.volume(self._reference) for mesh in (before, after))))
+        return after
+
+
+def _dropped(before: Indexed, after: Indexed, name: str, why: str) -> tuple[Indexed, int, str, str]:
+    count = len(before.faces) - len(after.faces)
+    return after, count, name, f"{_many(count, 'face')} {why} dropped"
+
+
+def _filling(found: Filling) -> str:
+    kinds = [(found.holes, "hole"), (found.seams, "seam")]
+    gaps = " and ".join(_many(count, kind) for count, kind in kinds if count)
+    return f"{gaps} filled by {_many(found.triangles, 'triangle')}"
+
+
+def _nesting(found: Nesting) -> str:
+    kinds = [(found.bodies, "turned outwards"), (found.cavities, "turned inwards, being a cavity in another")]
+    return ", ".join(f"{_many(count, 'shell')} {how}" for count, how in kinds if count)
+
+
+def _remarks(found: Filling, union: United) -> tuple[str, ...]:
+    remarks = []
+    if found.left:
+        share = f"{100 * found.missing:.2g} % of their surface"
+        remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
+    if found.shells.twisted:
+        remarks.append(f"{_many(found.shells.twisted, 'face')} in patches with one side only, which have no winding")
+    if union.untested:
+        remarks.append(f"{union.untested} bodies may overlap, but not all are manifolds: no union was made of them")
+    if union.folded:
+        remarks.append(f"{_many(union.folded, 'shell')} with edges of more than two faces, which may overlap in itself")
+    return tuple(remarks)
+
+
+def _many(count: int, thing: str) -> str:
+    return f"{count} {thing}" + ("" if count == 1 else "s")
+
+
+def _replaced(triangles: Triangles, mesh: Indexed) -> Triangles:
+    return MemoryTriangles(triangles.name, mesh.corners, triangles.significand, triangles.scale, triangles.notes)

@@ -1,0 +1,93 @@
+"""Binary STL, streamed: 80 bytes of header, the number of triangles, then 50 bytes for each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.mesh.source import Source
+from robodyn.mesh.triangles import BLOCK, Corners, Floats, check_finite
+
+START, RECORD = 84, 50
+_TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def promised(head: bytes) -> int:
+    """The number of triangles that the first 84 bytes of a file promise."""
+    return int.from_bytes(head[80:START], "little")
+
+
+def is_complete(head: bytes, size: int) -> bool:
+    """Whether a file of this size that begins so is exactly a binary STL, whatever the text in its header."""
+    return len(head) >= START and size == START + RECORD * promised(head)
+
+
+@dataclass(frozen=True, eq=False)
+class StlTriangles:
+    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for; see `Triangles`.
+
+    The coordinates of a block are contiguous: `block.transpose(1, 2, 0)` is in C order.
+    """
+
+    source: Source
+    count: int
+    scale: float = 1.0
+    notes: tuple[str, ...] = ()
+    significand: int = 24
+
+    @property
+    def name(self) -> str:
+        return self.source.name
+
+    def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
+        data = bytearray(RECORD * min(rows, self.count))
+        with self.source.opened() as stream:
+            for first in range(0, self.count, rows):
+                wanted = RECORD * min(rows, self.count - first)
+                stream.seek(START + RECORD * first)
+                if stream.readinto(memoryview(data)[:wanted]) != wanted:  # type: ignore[attr-defined]
+                    raise self.source.error("was cut short while it was read", remedy="run again")
+                block = _columns(np.frombuffer(data, _TYPE, wanted // RECORD)["corners"])
+                check_finite(block, first, self.name)
+                yield block
+
+    def array(self) -> Floats:
+        found = np.empty((self.count, 3, 3))
+        first = 0
+        for block in self.blocks():
+            found[first : first + len(block)] = block
+            first += len(block)
+        return found
+
+
+def _columns(corners: Corners) -> Corners:
+    """A copy of (n, 3, 3) with each of its nine columns contiguous."""
+    found = np.empty((3, 3, len(corners)), np.float32)
+    found[...] = corners.transpose(1, 2, 0)
+    return found.transpose(2, 0, 1)
+
+
+def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
+    """The triangles of a file that begins with `head`.
+
+    Raises:
+        MeshError: it has no triangles, or fewer than it promises.
+    """
+    if len(head) < START:
+        what = f"{source.size} bytes are no STL, whose header alone has {START}"
+        raise source.error(what, remedy="export the mesh again")
+    count, there = promised(head), (source.size - START) // RECORD
+    if count > there:
+        what = (
+            f"the header promises {count} triangles ({START + RECORD * count} bytes), the file has {source.size} bytes"
+        )
+        raise source.error(f"{what}, {there} whole triangles", remedy="it is cut short or no STL: get it again")
+    if not count:
+        extra = f", though {source.size - START} bytes follow" if source.size > START else ""
+        raise source.error(f"the header promises 0 triangles{extra}", remedy="export the mesh again")
+    extra_bytes = source.size - START - RECORD * count
+    if extra_bytes:
+        notes = (*notes, f"{extra_bytes} bytes after the last triangle are left out")
+    return StlTriangles(source, count, scale, notes)

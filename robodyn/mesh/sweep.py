@@ -1,0 +1,120 @@
+"""One pass over the triangles of a mesh: sums, box and boundary."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import fsum
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from robodyn.errors import MeshError
+from robodyn.inertia.exact import exact
+from robodyn.mesh.blocks import block_space, fill, reference_in
+from robodyn.mesh.closed import EdgeSums, Fingerprint
+from robodyn.mesh.kernel import Kernel
+from robodyn.mesh.triangles import Triangles
+from robodyn.spatial import Array
+
+Floats = NDArray[np.float64]
+
+_SAFE = 2.0**-170, 2.0**180
+"""Sizes of boxes whose fifth powers, and those of the triangles in them, stay clear of the ends of a float's range."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """What one pass found.
+
+    Attributes:
+        sums: (blocks, k) the sums of each block, in the floats of the pass.
+        reference: (3,) the point about which they are.
+        lo, hi: (3,) corners of the box.
+    """
+
+    sums: Array
+    reference: Floats
+    lo: Floats
+    hi: Floats
+
+    @property
+    def reach(self) -> Floats:
+        """(3,) how far the box reaches from the reference."""
+        with np.errstate(over="ignore"):
+            return np.maximum(self.hi - self.reference, self.reference - self.lo)
+
+    @property
+    def safe(self) -> bool:
+        """Whether nothing can have come near the ends of the range of a float."""
+        reach = self.reach
+        return bool((reach < _SAFE[1]).all() and (reach[reach > 0] > _SAFE[0]).all())
+
+    def totals(self) -> Array:
+        """(k,) the sums of all blocks, as fractions.
+
+        Accuracy: of float64, the correctly rounded sum; of wider floats, the exact one.
+        """
+        if self.sums.dtype == np.float64:
+            return exact([fsum(column) for column in self.sums.T.tolist()])
+        total: Array = exact(self.sums).sum(axis=0)
+        return total
+
+    def beyond(self, triangles: Triangles, how: str) -> MeshError:
+        """The error of a mesh that is too large or too small for floats."""
+        with np.errstate(over="ignore"):
+            width = (self.hi - self.lo).max()
+        return MeshError(
+            f"is too {how}, {width:.3g} wide: its moments are beyond the range of a float",
+            remedy="scale it to a size between 1e-60 and 1e60",
+            file=triangles.name,
+        )
+
+
+def swept(
+    triangles: Triangles,
+    kernel: Callable[[Array], Kernel],
+    *,
+    dtype: DTypeLike = np.float64,
+    reference: Floats | None = None,
+) -> Sweep:
+    """Pass over the triangles once.
+
+    Args:
+        kernel: `volume_kernel` or `surface_kernel`.
+        dtype: of the arithmetic.
+        reference: (3,) by default a point in the middle of the first block.
+
+    Raises:
+        MeshError: there are no triangles.
+    """
+    space = block_space(dtype)
+    return _swept(triangles, space, kernel(space), reference, None)
+
+
+def swept_with_edges(triangles: Triangles, kernel: Callable[[Array], Kernel]) -> tuple[Sweep, Fingerprint]:
+    """`swept` in float64, and the fingerprint of the boundary, in one pass."""
+    space = block_space()
+    edges = EdgeSums(space)
+    return _swept(triangles, space, kernel(space), None, edges), edges.total()
+
+
+def _swept(triangles: Triangles, space: Array, kernel: Kernel, reference: Floats | None, edges: EdgeSums | None) -> Sweep:
+    steps, result = kernel
+    sums, lows, highs = [], [], []
+    with np.errstate(all="ignore"):
+        for X in fill(space, triangles):
+            if edges is not None:
+                edges.add()
+            if reference is None:
+                reference = reference_in(X)
+            lows.append(np.minimum.reduce(X, 2))
+            highs.append(np.maximum.reduce(X, 2))
+            np.subtract(X, reference[:, None], X)
+            for function, arguments in steps:
+                function(*arguments)
+            sums.append(result.copy())
+    if reference is None:
+        raise MeshError("has no triangles", remedy="give a mesh with at least one", file=triangles.name)
+    lo, hi = np.min(lows, axis=(0, 1)).astype(np.float64), np.max(highs, axis=(0, 1)).astype(np.float64)
+    return Sweep(np.array(sums), reference, lo, hi)

@@ -1,0 +1,83 @@
+"""Volume, centre and second moments of a mesh from the bytes of an STL: `cd tests && python -m benchmarks.bench_mesh_integral`.
+
+All take turns on the same torus, and the shortest runs count. robodyn reads its bytes block by block; trimesh is given
+the same bytes, and once more the corners as an array, as libigl is (where it is installed). Finer arithmetic and exact
+integers are asked for on a mesh that would not need them.
+"""
+
+from __future__ import annotations
+
+import io
+import time
+from collections.abc import Callable
+
+import numpy as np
+from machine import machine
+from markdown_tables import main, table
+from mesh_samples import binary_stl, torus
+
+from robodyn.mesh.closed import fingerprint
+from robodyn.mesh.integrate import integrate, measure
+from robodyn.mesh.kernel import volume_kernel
+from robodyn.mesh.load import load_triangles
+from robodyn.mesh.sweep import swept
+
+OURS = "integral"
+SLOW = 1e-3
+"""Seconds per 1000 triangles above which a way has one turn only."""
+
+
+def ways(corners: np.ndarray, data: bytes) -> dict[str, Callable[[], object]]:
+    """Everything that is measured, by its name."""
+    import trimesh
+
+    triangles = load_triangles(data, file_type="stl")
+    return {
+        OURS: lambda: integrate(triangles),
+        "integral and proof of closedness": lambda: measure(triangles),
+        "proof alone": lambda: fingerprint(triangles),
+        "reading alone": lambda: sum(len(block) for block in triangles.blocks()),
+        "integral in long double": lambda: swept(triangles, volume_kernel, dtype=np.longdouble),
+        "integral in exact integers": lambda: integrate(triangles, exact=True),
+        "trimesh, from the bytes": lambda: trimesh.load(io.BytesIO(data), file_type="stl").moment_inertia,
+        "trimesh, from an array": lambda: trimesh.triangles.mass_properties(corners),
+        **_libigl(corners),
+    }
+
+
+def _libigl(corners: np.ndarray) -> dict[str, Callable[[], object]]:
+    try:
+        import igl
+    except ImportError:
+        return {}
+    vertices = np.ascontiguousarray(corners.reshape(-1, 3))
+    faces = np.arange(len(vertices)).reshape(-1, 3)
+    return {"libigl, from an array": lambda: igl.moments(vertices, faces)}
+
+
+def shortest(found: dict[str, Callable[[], object]], count: int, turns: int) -> dict[str, float]:
+    """Nanoseconds per triangle of the shortest run of each."""
+    best: dict[str, float] = {}
+    for _ in range(turns):
+        for name, run in found.items():
+            if best.get(name, 0.0) > SLOW * 1e6:
+                continue
+            start = time.perf_counter()
+            run()
+            spent = (time.perf_counter() - start) / count * 1e9
+            best[name] = min(spent, best.get(name, spent))
+    return best
+
+
+def report(turns: int, rings: int) -> str:
+    parts = []
+    for factor in (100, 10, 1):
+        corners = torus(2.0, 0.5, rings, max(rings // 2 // factor, 3)).astype(np.float32)
+        best = shortest(ways(corners.astype(np.float64), binary_stl(corners)), len(corners), turns)
+        rows = [(name, f"{spent:.1f}", f"{spent / best[OURS]:.2f}") for name, spent in best.items()]
+        parts.append(table((f"{len(corners)} triangles", "ns per triangle", "ratio"), rows))
+    return "\n".join(parts) + "\n" + machine("trimesh")
+
+
+if __name__ == "__main__":
+    main(report, __doc__, turns=7, rings=1000)
