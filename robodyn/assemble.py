@@ -7,7 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from robodyn.inertia.moments import MASSLESS, Inertia, combined, inertia_of, unphysical
+from robodyn.inertia.moments import MASSLESS, Inertia, combined, inertia_of
+from robodyn.inertia.validity import unphysical
 from robodyn.joints import elementary, fixed, numbered, placement
 from robodyn.model import Body, Floats, Frame, Joint, Model
 from robodyn.spatial import snapped

@@ -7,10 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.inertia.validity import unphysical
 from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, skew
-
-__all__ = ["MASSLESS", "Inertia", "combined", "inertia_of", "unphysical"]
 
 
 class Inertia(NamedTuple):

@@ -78,7 +78,7 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
             principal within the same part; 0 keeps the axes of what differs at all.
 
     Accuracy: each principal moment and second moment within 16 eps of that of the matrix as given, however small, if
-        it is positive definite with second moments at most 1 : 1e-20 apart. Axes orthonormal within 8 eps, and
+        it is positive definite with second moments down to 1e-20 of the largest. Axes orthonormal within 8 eps, and
         axes I axes^T diagonal within 16 eps of the largest moment, where no two are counted as equal.
     """
     given = exact(S) + exact(S_low)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from oracles import EPS, worst
 
 from robodyn.dynamics.euler import euler
-from robodyn.inertia.moments import MASSLESS, combined, inertia_of, unphysical
+from robodyn.inertia.moments import MASSLESS, combined, inertia_of
+from robodyn.inertia.validity import unphysical
 from robodyn.spatial import (
     cross,
     exp,
