@@ -26,7 +26,7 @@ def test_every_column_leaves_the_body_as_often_as_it_enters(body, direction):
 
 @pytest.mark.parametrize("direction", [ALONG, OBLIQUE])
 @pytest.mark.parametrize(
-    "body, exact", [(samples.box((1, 2, 3)), 6.0), (bracket(), 6.0), (samples.tetrahedron(), 10.0)]
+    ("body", "exact"), [(samples.box((1, 2, 3)), 6.0), (bracket(), 6.0), (samples.tetrahedron(), 10.0)]
 )
 def test_volume(body, exact, direction):
     assert volume(body, direction) == pytest.approx(exact, rel=4e-3)

@@ -1,0 +1,133 @@
+"""Where a body may have planes and axes of symmetry, by its moments."""
+
+from __future__ import annotations
+
+from math import gcd, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.spatial import Array
+
+Floats = NDArray[np.float64]
+
+DISTINCT = 1e-9
+"""Principal second moments that are closer than this part of the largest leave their axes open."""
+
+CLOSE = 1e-2
+"""Those that are closer than this part may be equal but for facets."""
+
+_LEVELS = (1e-10, 1e-7, 1e-5, 1e-4, 1e-3)
+_STARTS, _STEPS = 64, 24
+_STEEP = 1e-6
+_RIM = 1e-6
+_MOST = 64
+
+
+def folds(axial: Array) -> list[float]:
+    """Folds that an axis may have, the largest first, infinite for revolution.
+
+    An axis of fold n leaves only the moments whose frequency is a multiple of n: n is the greatest common divisor of
+    the frequencies of those above a level of noise, for several levels.
+    """
+    size = np.abs(axial).max(axis=1)
+    found = {gcd(*(int(m) + 1 for m in np.flatnonzero(size > level))) or inf for level in _LEVELS}
+    return sorted(found - {1}, reverse=True)
+
+
+def mirror_angles(axial: Array) -> list[float]:
+    """Angles about the axis of the half planes in which a mirror plane through it may lie.
+
+    Seen from such an angle all moments are real: it is the phase of the strongest one, over its frequency.
+    """
+    size = np.abs(axial)
+    m, k = np.unravel_index(np.argmax(size), size.shape)
+    frequency = int(m) + 1
+    if size[m, k] <= _LEVELS[0]:
+        return []
+    return [(float(np.angle(axial[m, k])) + np.pi * j) / frequency for j in range(frequency)]
+
+
+def rim_angles(points: Array, frame: Array) -> Floats:
+    """The angles about the axis, ascending, of the points (n, 3) that are farthest from it; a symmetry permutes them.
+
+    Args:
+        frame: (3, 3) rows: two directions from the axis on, and its own.
+    """
+    x, y = frame[:2] @ points.T
+    radius = np.hypot(x, y)
+    outer = radius >= radius.max() * (1 - _RIM)
+    return distinct_angles(np.arctan2(y[outer], x[outer]))
+
+
+def rim_folds(count: int) -> list[float]:
+    """The folds of an axis with so many points on its rim: divisors, the largest first."""
+    return [float(n) for n in range(count, 1, -1) if count % n == 0][:4]
+
+
+def distinct_angles(angles: Array) -> Floats:
+    """Each angle once, within a millionth of a turn, ascending from that of the least."""
+    ordered = np.sort(angles)
+    apart = np.diff(ordered, append=ordered[0] + 2 * np.pi) > 2 * np.pi * _RIM
+    found: Floats = ordered[apart]
+    return found
+
+
+def critical_directions(fourth: Array) -> Floats:
+    """(n, 3) isolated critical points, one of each opposite pair, of T(n, n, n, n) among unit vectors n.
+
+    Every normal of a mirror plane and every axis is one. Newton's method from many directions on the sphere.
+
+    Args:
+        fourth: (3, 3, 3, 3) symmetric tensor T.
+    """
+    n = _spread(_STARTS)
+    for _ in range(_STEPS):
+        step, _ = _newton(fourth, n)
+        length = np.linalg.norm(step, axis=1, keepdims=True)
+        n = n + step * np.minimum(1.0, 0.3 / np.maximum(length, 1e-300))
+        n = n / np.linalg.norm(n, axis=1, keepdims=True)
+    step, steep = _newton(fourth, n)
+    return distinct_lines(n[(np.linalg.norm(step, axis=1) < 1e-9) & (steep > _STEEP * np.abs(fourth).max())])
+
+
+def distinct_lines(directions: Array) -> Floats:
+    """(n, 3) each direction once, whatever its sign, within 1e-6."""
+    kept: list[Array] = []
+    for direction in directions:
+        if all(np.linalg.norm(np.cross(direction, other)) > 1e-6 for other in kept):
+            kept.append(direction)
+    return np.array(kept).reshape(-1, 3)
+
+
+def swapping_normals(points: Array) -> Floats:
+    """(n, 3) normals of the planes through the origin that swap one of the farthest points (n, 3) with the others."""
+    radius = np.linalg.norm(points, axis=1)
+    far = points[radius >= radius.max() * (1 - _RIM)]
+    between = far[0] - far
+    length = np.linalg.norm(between, axis=1)
+    apart = length > _RIM * radius.max()
+    return distinct_lines((between[apart] / length[apart, None])[:_MOST])
+
+
+def _newton(fourth: Array, n: Array) -> tuple[Array, Array]:
+    """Newton's steps (n, 3) in the tangent planes, and the least absolute curvature (n,) there."""
+    hessian = 3 * np.einsum("ijkl,nk,nl->nij", fourth, n, n)
+    gradient = np.einsum("nij,nj->ni", hessian, n) / 3
+    slope = np.einsum("ni,ni->n", gradient, n)
+    tangent = np.eye(3) - n[:, :, None] * n[:, None, :]
+    curvature = tangent @ (hessian - slope[:, None, None] * np.eye(3)) @ tangent
+    size = np.abs(curvature).max() + 1e-300
+    values, axes = np.linalg.eigh(curvature + 1e3 * size * n[:, :, None] * n[:, None, :])
+    values, axes = values[:, :2], axes[:, :, :2]
+    safe = np.where(np.abs(values) > 1e-14 * size, values, size)
+    step = -np.einsum("nij,nj->ni", axes, np.einsum("nij,ni->nj", axes, gradient) / safe)
+    return step, np.abs(values).min(axis=1)
+
+
+def _spread(count: int) -> Floats:
+    """Directions spread over half a sphere (Fibonacci), and the coordinate axes."""
+    index = np.arange(count) + 0.5
+    z, turn = index / count, np.pi * (1 + 5**0.5) * index
+    r = np.sqrt(1 - z * z)
+    return np.concatenate([np.eye(3), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)])

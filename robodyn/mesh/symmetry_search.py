@@ -1,0 +1,166 @@
+"""The search for mirror planes and axes of symmetry: candidates by moments, verdicts by volumes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf, pi
+
+import numpy as np
+
+from robodyn.inertia.eigen import eigen
+from robodyn.mesh import symmetry_candidates as candidates
+from robodyn.mesh.asymmetry import CentredBody, mirror
+from robodyn.mesh.columns import Floats, frame_along
+from robodyn.mesh.higher_moments import FREQUENCIES, axial_moments
+from robodyn.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
+from robodyn.spatial import Array, rotation_about
+
+_APART = 1e-3
+"""Angle between planes that are told apart."""
+
+_SOLID_FOLDS = (5.0, 4.0, 3.0, 2.0)
+"""Of the axes of the regular bodies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """A body, its principal second moments, descending, and their axes as rows."""
+
+    body: CentredBody
+    tolerance: float
+    second: Floats
+    principal: Floats
+
+    @classmethod
+    def of(cls, body: CentredBody, tolerance: float) -> Search:
+        return cls(body, tolerance, *eigen(body.S))
+
+    def axes(self) -> tuple[Axis, ...]:
+        """Axes that are at least near, the most symmetric first."""
+        found = list(self._ball)
+        for i, direction in enumerate(self.principal):
+            if i in self.lone:
+                found += self._axial(direction, *self._about[i])
+            elif self._distinct(i) and self._half_turn_possible(i):
+                found += self._first(direction, (2.0,))
+        for direction in self.special:
+            if not any(_parallel(direction, axis.direction) for axis in found):
+                found += self._first(direction, _SOLID_FOLDS)
+        return tuple(sorted(found, key=lambda axis: axis.asymmetry))
+
+    def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
+        """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
+        others = [self._plane(normal) for normal in self._further_normals(axes) if self._promising(mirror(normal))]
+        listed = [*self._always.values(), *(plane for plane in others if plane.verdict != "none")]
+        kept: list[Plane] = []
+        for plane in sorted(listed, key=lambda plane: plane.asymmetry):
+            if not any(_parallel(plane.normal, other.normal) for other in kept):
+                kept.append(plane)
+        return tuple(kept)
+
+    @cached_property
+    def lone(self) -> tuple[int, ...]:
+        """The principal axes whose two transverse moments are equal but for facets."""
+        return tuple(i for i in range(3) if self._equal(i - 1, i - 2, candidates.CLOSE) and self._distinct(i))
+
+    @cached_property
+    def special(self) -> Floats:
+        """Directions that fourth moments single out where second moments are all equal; none of a ball."""
+        if self._ball or not self._all_equal:
+            return np.empty((0, 3))
+        return candidates.critical_directions(self.body.moments.tensors[2])
+
+    @cached_property
+    def _all_equal(self) -> bool:
+        return all(self._equal(i, i - 1, candidates.CLOSE) for i in range(3))
+
+    @cached_property
+    def _ball(self) -> tuple[Axis, ...]:
+        """Two axes of revolution: all are."""
+        if not self._all_equal:
+            return ()
+        two = [axis for row in self.principal[:2] for axis in self._first(row, (inf,)) if axis.holds]
+        return tuple(two) if len(two) == 2 else ()
+
+    @cached_property
+    def _always(self) -> dict[int, Plane]:
+        """The planes normal to distinct principal axes."""
+        return {i: self._plane(row) for i, row in enumerate(self.principal) if self._distinct(i)}
+
+    def _half_turn_possible(self, i: int) -> bool:
+        """A half turn is two reflections: its asymmetry is no less than the difference of theirs."""
+        planes = [self._always[j % 3] for j in (i + 1, i + 2) if j % 3 in self._always]
+        return len(planes) < 2 or abs(planes[0].asymmetry - planes[1].asymmetry) <= NEAR
+
+    def _equal(self, i: int, j: int, within: float) -> bool:
+        one, other = self.second[i], self.second[j]
+        return bool(abs(one - other) <= within * max(one, other))
+
+    def _distinct(self, i: int) -> bool:
+        return not any(self._equal(i, i - k, candidates.DISTINCT) for k in (1, 2))
+
+    def _promising(self, Q: Array) -> bool:
+        return self.body.least(Q) <= NEAR
+
+    def _axial(self, direction: Array, frame: Floats, axial: Array) -> list[Axis]:
+        """Revolution, and the highest finite fold that is not the same but for facets."""
+        folds = candidates.folds(axial)
+        revolved = self._first(direction, (inf,)) if inf in folds and not self._ball else []
+        if inf in folds:
+            folds += candidates.rim_folds(len(candidates.rim_angles(self._points, frame)))
+        finite = self._first(direction, sorted({fold for fold in folds if fold < inf}, reverse=True))
+        implied = self._ball or any(axis.holds for axis in revolved)
+        return revolved + [axis for axis in finite if axis.verdict == "exact" or not implied]
+
+    def _first(self, direction: Array, folds: Iterable[float]) -> list[Axis]:
+        """The axis of the first of these folds that holds, else the one that is nearest to it, if any is near."""
+        near: list[Axis] = []
+        for fold in folds:
+            if fold < inf and not self._promising(rotation_about(direction, 2 * pi / fold)):
+                continue
+            asymmetry = self.body.revolved(direction) if fold == inf else self.body.turned(direction, 2 * pi / fold)
+            axis = Axis(direction, self.body.centre, fold, asymmetry, self._verdict(asymmetry))
+            if axis.holds:
+                return [axis]
+            near += [axis] if axis.verdict == "near" else []
+        return sorted(near, key=lambda axis: axis.asymmetry)[:1]
+
+    def _further_normals(self, axes: Iterable[Axis]) -> Floats:
+        """Normals of planes through lone axes, special ones, and of what even fourth moments do not show."""
+        normals = [self.special]
+        for i in self.lone:
+            frame, axial = self._about[i]
+            angles = candidates.mirror_angles(axial)
+            rim = candidates.rim_angles(self._points, frame)
+            folds = [axis.fold for axis in axes if axis.holds and FREQUENCIES < axis.fold < inf]
+            if inf in candidates.folds(axial):
+                period = len(rim) // int(max(folds)) if folds else FREQUENCIES
+                angles += [(rim[0] + angle) / 2 for angle in rim[: period + 1]]
+            normals.append(np.array([frame[1] * np.cos(a) - frame[0] * np.sin(a) for a in angles]).reshape(-1, 3))
+        if not any(map(len, normals)) and len(self.lone) == 0 and not self._distinct(0):
+            normals.append(candidates.swapping_normals(self._points))
+        return candidates.distinct_lines(np.concatenate(normals))
+
+    @cached_property
+    def _about(self) -> dict[int, tuple[Floats, Array]]:
+        """Of each lone axis, a frame along it and the moments about it."""
+        frames = {i: frame_along(self.principal[i]) for i in self.lone}
+        return {i: (frame, axial_moments(self.body.corners, frame, self.body.volume)) for i, frame in frames.items()}
+
+    @cached_property
+    def _points(self) -> Array:
+        return self.body.corners.reshape(-1, 3)
+
+    def _plane(self, normal: Array) -> Plane:
+        asymmetry = self.body.mirrored(normal)
+        return Plane(normal, float(normal @ self.body.centre), asymmetry, self._verdict(asymmetry))
+
+    def _verdict(self, asymmetry: float) -> Verdict:
+        facets = self.body.facets if self.tolerance < asymmetry <= NEAR else 0.0
+        return verdict_of(asymmetry, self.tolerance, facets)
+
+
+def _parallel(one: Array, other: Array) -> bool:
+    return bool(np.linalg.norm(np.cross(one, other)) <= _APART)
