@@ -1,4 +1,6 @@
-"""Volume, centre and second moments of a mesh from the bytes of an STL: `cd tests && python -m benchmarks.bench_mesh_integral`.
+"""Volume, centre and second moments of a mesh from the bytes of an STL.
+
+    cd tests && python -m benchmarks.bench_mesh_integral
 
 All take turns on the same torus, and the shortest runs count. robodyn reads its bytes block by block; trimesh is given
 the same bytes, and once more the corners as an array, as libigl is (where it is installed). Finer arithmetic and exact
