@@ -79,26 +79,34 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
 
 
 def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
-    """Vertices and faces of each instance of each geometry that has faces."""
-    from trimesh.scene.transforms import SceneGraph
+    """Vertices and faces of each instance of each geometry that has faces.
 
-    if "geometry" not in loaded:
-        yield from _moved(loaded, np.eye(4))
-        return
-    geometries = loaded["geometry"]
-    if loaded.get("graph") is None:
-        for geometry in geometries.values():
+    `trimesh.Scene` itself would change transforms a little: nearly rigid ones into rigid ones.
+    """
+    geometries, edges = loaded.get("geometry"), loaded.get("graph")
+    if geometries is None or edges is None:
+        for geometry in [loaded] if geometries is None else geometries.values():
             yield from _moved(geometry, np.eye(4))
         return
-    graph = SceneGraph(loaded.get("base_frame", "world"))
-    for edge in loaded["graph"]:
-        if isinstance(edge, Mapping):
-            graph.update(**edge)  # type: ignore[no-untyped-call]
-        else:
-            graph.update(edge[1], edge[0], **edge[2])  # type: ignore[no-untyped-call]
-    for node in graph.nodes_geometry:
-        matrix, name = graph[node]
-        yield from _moved(geometries[name], np.asarray(matrix, dtype=np.float64))
+    base = loaded.get("base_frame", "world")
+    above = {edge["frame_to"]: edge for edge in edges}
+    for edge in edges:
+        if edge.get("geometry") is not None:
+            yield from _moved(geometries[edge["geometry"]], _to_base(edge, above, base))
+
+
+def _to_base(edge: Mapping[str, Any], above: Mapping[Any, Mapping[str, Any]], base: Any) -> Floats:
+    """The transform (4, 4) from the end of an edge of the scene's graph to its base; `above`: edges by their ends."""
+    matrix = np.eye(4)
+    for _ in range(len(above) + 1):
+        matrix = np.asarray(edge.get("matrix", np.eye(4)), dtype=np.float64) @ matrix
+        parent = edge.get("frame_from", base)
+        if parent == base:
+            return matrix
+        if parent not in above:
+            break
+        edge = above[parent]
+    raise ValueError("a geometry hangs on a node that is not part of the scene")
 
 
 def _moved(geometry: Mapping[str, Any], matrix: Floats) -> Iterator[_Part]:

@@ -15,6 +15,7 @@ from mesh_samples import binary_stl, box, torus
 from robodyn.errors import MeshError
 from robodyn.mesh.kinds import KINDS
 from robodyn.mesh.load import from_array, load_triangles
+from robodyn.mesh.triangles import BLOCK
 from robodyn.mesh.triangles import box as box_of
 from robodyn.mesh.units import METRES
 
@@ -211,3 +212,10 @@ def test_every_kind_is_one_that_trimesh_reads_too():
     from trimesh.exchange.load import mesh_formats
 
     assert set(KINDS) <= mesh_formats()
+
+
+def test_the_box_of_several_blocks():
+    corners = np.zeros((3 * BLOCK, 3, 3))
+    corners[0], corners[BLOCK, 1] = -7, (1, 2, 3)
+    lo, hi = box_of(from_array(corners))
+    np.testing.assert_array_equal([lo, hi], [(-7, -7, -7), (1, 2, 3)])

@@ -56,6 +56,14 @@ def test_weights_colours_and_blanks(vertex):
     np.testing.assert_array_equal(read(text + "\nf 1 2 5").array(), corners(VERTICES, [(0, 1, 4)]))
 
 
+@pytest.mark.parametrize("feed", ["\n", "\r\n"])
+def test_continued_lines_across_chunks_of_the_text(feed):
+    count = 60_000
+    text = TEXT + f"f 1 \\{feed}2 \\{feed}3 # corners{feed}" * count
+    assert len(text) > 1 << 20
+    np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)] * count))
+
+
 def test_other_lines_do_not_matter():
     text = "\ufeff# v 5 5 5\nmtllib x.mtl\no first#\nvt 1 2\nvn 0 0 1\nvp 1\n" + TEXT + "g a b\ns off\nusemtl v\n"
     read_back = read(text + "f 1 2 3\ng c\nl 1 2\np 3\nf 1 3 4\n# the path ends in a C:\\\nf 1 2 5\n")
@@ -87,6 +95,7 @@ def test_unused_vertices_do_not_matter():
     [
         ("v nan 0 0\n" + TEXT + "f 2 3 4\nf 2 3 4 1\n", "face 2 has a corner at (nan, 0, 0)"),
         (TEXT + "f 1 2 3\nf 1 2 6\n", "face 2 names vertex 5, counted from 0, of 5"),
+        (TEXT + "f 1 2 3\nf 7 1 2\n", "face 2 names vertex 6, counted from 0, of 5"),
         (TEXT + "f 1 2 3\nf 1 2 123456789012\n", "face 2 names vertex 123456789011"),
         (TEXT + "f 1 2 -6\n", "6: vertex -6 of the 5 before this face"),
         (TEXT + "f 1 2 0\n", "6: vertex 0 of the 5"),

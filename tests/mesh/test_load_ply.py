@@ -151,6 +151,8 @@ GOOD = ply(POINTS, FACES.tolist())
         (b"end_header", b"endheader", "does not end with 'end_header'"),
         (b"0.5 3 ", b"0.5 4 ", "not the number of words"),
         (b"0.5 3 ", b"0.5 -1 ", "not the number of words"),
+        (b"255\n", b"255 7\n", "14: the line has not the number of words"),
+        (b"0.5 3 ", b"0.5 3/1 ", "'3/1' is not an index"),
         (b"0.5 3 ", b"0.5 x ", "'x' is not an index"),
     ],
 )

@@ -17,6 +17,10 @@ from robodyn.mesh.load import load_triangles
 
 BALL = uv_sphere(rings=8, sectors=12).astype(np.float32)
 TURN = np.array([[0, -2, 0, 1], [2, 0, 0, 0.5], [0, 0, 2, -3], [0, 0, 0, 1]], np.float64)
+TILT = np.eye(4)
+TILT[:3, :3] = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0].astype(np.float32)
+TILT[:3, 3] = 0.125, 7, 1e3
+"""Of numbers that are exact in float32, as DAE keeps them, and round in every product."""
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 MIRROR[:3, 3] = 0.25
 
@@ -40,20 +44,30 @@ WRITERS = {
 }
 
 
-@pytest.mark.parametrize("matrix", [np.eye(4), TURN, MIRROR], ids=["still", "turned", "mirrored"])
+@pytest.mark.parametrize("matrix", [np.eye(4), TURN, TILT, MIRROR], ids=["still", "turned", "tilted", "mirrored"])
 @pytest.mark.parametrize("kind", WRITERS)
 def test_geometry_stands_in_its_place(kind, matrix):
     read = load_triangles(WRITERS[kind](matrix), file_type=kind)
     np.testing.assert_array_equal(rows(read.array()), rows(placed(BALL, matrix)))
 
 
+def test_nested_nodes_of_gltf():
+    nodes = [
+        {"children": [1], "translation": [1, 2, 3]},
+        {"children": [2], "scale": [2, 1, 0.5], "rotation": [0, 0, 1, 0]},
+        {"mesh": 0, "matrix": TILT.ravel(order="F").tolist()},
+    ]
+    half_turn = np.diag([-2, -1, 0.5, 1.0])
+    half_turn[:3, 3] = 1, 2, 3
+    read = load_triangles(glb(BALL, nodes=nodes))
+    expected = placed(BALL, half_turn @ TILT)
+    np.testing.assert_allclose(rows(read.array()), rows(expected), rtol=0, atol=4e-16 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("kind", WRITERS)
 def test_equal_corners_stay_equal(kind):
     """A product of matrices may round the same vertex differently in different rows."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0].astype(np.float32)
-    matrix[:3, 3] = 0.125, 7, 1e3
-    read = load_triangles(WRITERS[kind](matrix), file_type=kind)
+    read = load_triangles(WRITERS[kind](TILT), file_type=kind)
     assert len(np.unique(read.array().reshape(-1, 3), axis=0)) == len(indexed(BALL)[0])
 
 

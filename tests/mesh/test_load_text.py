@@ -7,7 +7,7 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
@@ -57,6 +57,7 @@ def test_integers_are_exact(values, slash):
 
 @settings(deadline=None)
 @given(st.text("0123456789+-./e_x,\0é", min_size=1, max_size=20))
+@example("1/2")
 def test_only_plain_numbers_are_read(word):
     """Python reads `1_0` and spaces too; a text of a mesh must not."""
     words = words_of(word.encode())
