@@ -23,31 +23,38 @@ Step = tuple[Callable[..., Any], tuple[Any, ...]]
 """A function and its arguments: rows of workspaces, which are written to. What is ready to be called costs less."""
 
 
-def workspace(rows: int, dtype: DTypeLike = np.float64) -> Array:
-    """(rows, ROWS) numbers that start on a cache line."""
+def rows_for(count: int) -> int:
+    """Triangles of a block of a mesh with so many: a multiple of CHUNK."""
+    return min(max(-(-count // CHUNK), 1) * CHUNK, ROWS)
+
+
+def workspace(rows: int, columns: int, dtype: DTypeLike = np.float64) -> Array:
+    """(rows, columns) numbers that start on a cache line."""
     kind: np.dtype[Any] = np.dtype(dtype)
-    raw = np.empty(rows * ROWS * kind.itemsize + 64, np.uint8)
+    size = rows * columns * kind.itemsize
+    raw = np.empty(size + 64, np.uint8)
     first = -raw.ctypes.data % 64
-    return raw[first : first + rows * ROWS * kind.itemsize].view(kind).reshape(rows, ROWS)
+    return raw[first : first + size].view(kind).reshape(rows, columns)
 
 
-def block_space(dtype: DTypeLike = np.float64) -> Array:
-    """(4, 3 coordinates, ROWS): three corners of each triangle of a block, and as many rows to spare."""
-    return workspace(12, dtype).reshape(4, 3, ROWS)
+def block_space(triangles: Triangles, dtype: DTypeLike = np.float64) -> Array:
+    """(4, 3 coordinates, n): three corners of each triangle of a block, and as many rows to spare."""
+    n = rows_for(triangles.count)
+    return workspace(12, n, dtype).reshape(4, 3, n)
 
 
 def fill(space: Array, triangles: Triangles) -> Iterator[Array]:
     """Put one block after the other into the same space, which may be written to in between.
 
-    Returns:
-        (3 corners, 3 coordinates, ROWS) in units of the file, part of the space.
-
     Where triangles do not fill it the rest is one corner of the mesh three times over: a triangle that adds nothing to
     any sum, box or boundary.
+
+    Returns:
+        (3 corners, 3 coordinates, n) in units of the file, part of the space.
     """
     X = space[:3]
     as_given = X.transpose(2, 0, 1)
-    for block in triangles.blocks(ROWS):
+    for block in triangles.blocks(X.shape[-1]):
         as_given[: len(block)] = block
         X[:, :, len(block) :] = X[:1, :, :1]
         yield X

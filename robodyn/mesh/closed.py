@@ -54,7 +54,7 @@ def fingerprint(triangles: Triangles) -> Fingerprint:
     the exclusive or of |H|, which does not tell the two directions of an edge apart; edges from a corner to itself
     count for nothing in both.
     """
-    space = block_space()
+    space = block_space(triangles)
     edges = EdgeSums(space)
     for _ in fill(space, triangles):
         edges.add()
@@ -70,7 +70,7 @@ class EdgeSums:
             space: of `block_space`, float64, where the corners of each block will be, in units of the file.
         """
         X = space[:3]
-        pool = workspace(10, np.uint64)
+        pool = workspace(10, space.shape[-1], np.uint64)
         hashes, total, term = pool[:4], pool[4:7], pool[7:]
         self._result = np.empty(2, np.uint64)
         steps = _edge_steps(X.view(np.uint64), hashes, total, term, self._result)
@@ -91,7 +91,7 @@ class EdgeSums:
 
 
 def _edge_steps(bits: Words, hashes: Words, total: Words, term: Words, result: Words) -> list[Step]:
-    """The sum and the exclusive or of one block, into result, of the bits (3 corners, 3 coordinates, ROWS)."""
+    """The sum and the exclusive or of one block, into result, of the bits (3 corners, 3 coordinates, n)."""
     corner, following, size = hashes[:3], hashes[1:], term.view(np.int64)
     steps: list[Step] = [(np.multiply, (bits[:, 0], _FACTORS[0], corner))]
     for i in (1, 2):

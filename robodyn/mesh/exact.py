@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.mesh.residues import Residues
+from robodyn.mesh.blocks import block_space, fill
+from robodyn.mesh.kernel import symmetric
+from robodyn.mesh.residue_kernel import Field, residue_kernel
+from robodyn.mesh.residues import integer, moduli_for, residue
 from robodyn.mesh.triangles import Triangles
 from robodyn.spatial import Array, Scalar
 
 _LIMB = 26
 """Bits of the parts into which a coordinate is cut."""
 
-_RESIDUES, _MOST_ROWS, _LEAST_ROWS = 8192, 1024, 32
-"""Triangles times moduli that are worked on at a time, and limits of the triangles; see `MODULUS_BITS` for the most."""
-
 _LOWEST = -1074
+
+_PER_WIDTH = 24
+"""In a box of width 1 tetrahedra have 6 V <= 2, and three products of two sums of two coordinates add up to 12."""
 
 
 class Moments(NamedTuple):
@@ -32,8 +36,7 @@ class Moments(NamedTuple):
 def exact_moments(triangles: Triangles, reference: Array, lo: Array, hi: Array) -> Moments:
     """The moments of the volume within triangles whose coordinates are taken as exact.
 
-    The sums of `robodyn.mesh.kernel`, in integers: coordinates are multiples of a common power of two. The
-    integers are computed by their residues, because arrays of these are much faster than long integers.
+    The sums of `robodyn.mesh.kernel`, in integers, because coordinates are multiples of a common power of two.
 
     Args:
         reference: (3,) floats, in units of the file.
@@ -43,15 +46,31 @@ def exact_moments(triangles: Triangles, reference: Array, lo: Array, hi: Array) 
 
     grid = _Grid.of(triangles, reference)
     unit = Fraction(2) ** grid.lowest
-    longest = ceil(max(Fraction(b) - Fraction(a) for a, b in zip(lo.tolist(), hi.tolist(), strict=True)) / unit)
-    ring = Residues(300 * triangles.count * longest**5)
-    sums = _Sums(ring, grid, [int(Fraction(r) / unit) for r in reference.tolist()])
-    for block in triangles.blocks():
-        for start in range(0, len(block), sums.rows):
-            sums.add(block[start : start + sums.rows])
-    volume, *rest = (ring.integer(residues) for residues in sums.total.T.tolist())
-    table = np.array([Fraction(number) for number in rest]).reshape(3, 4)
-    return Moments(volume * unit**3 / 6, table[:, 3] * unit**4 / 48, table[:, :3] * unit**5 / 120)
+    width = ceil(max(Fraction(b) - Fraction(a) for a, b in zip(lo.tolist(), hi.tolist(), strict=True)) / unit)
+    moduli = moduli_for(_PER_WIDTH * triangles.count * width**5)
+    totals = _residues(triangles, grid, [int(Fraction(r) / unit) for r in reference.tolist()], moduli)
+    volume, *sums = (integer(residues, moduli) for residues in totals.T.tolist())
+    first, second = np.array([Fraction(x) for x in sums[:3]]), np.array([Fraction(x) for x in sums[3:]])
+    return Moments(volume * unit**3 / 6, first * unit**4 / 24, symmetric(second * unit**5 / 120))
+
+
+def _residues(triangles: Triangles, grid: _Grid, reference: list[int], moduli: list[int]) -> Array:
+    """(moduli, 10) of 6 V, 24 first and 120 S in the unit of the grid."""
+    space = block_space(triangles)
+    parts = np.empty((grid.limbs, *space[:3].shape))
+    field = Field(grid.limbs)
+    steps, result = residue_kernel(parts, field)
+    units = [[residue(1 << (_LIMB * k), m) for k in range(grid.limbs)] for m in moduli]
+    references = [[residue(r, m) for r in reference] for m in moduli]
+    totals = np.zeros((len(moduli), len(result)))
+    for X in fill(space, triangles):
+        grid.cut(X, parts)
+        for i, modulus in enumerate(moduli):
+            field.choose(modulus, units[i], references[i])
+            for function, arguments in steps:
+                function(*arguments)
+            totals[i] += result
+    return totals
 
 
 @dataclass(frozen=True)
@@ -63,20 +82,21 @@ class _Grid:
 
     @classmethod
     def of(cls, triangles: Triangles, reference: Array) -> _Grid:
-        bounds = [_exponents(block) for block in (reference, *triangles.blocks())]
+        bounds = [_exponents(block) for block in chain((reference,), triangles.blocks())]
         lowest = max(min(low for low, _ in bounds), _LOWEST)
         highest = max(high for _, high in bounds)
         return cls(lowest, max(-(-(highest - lowest) // _LIMB), 1))
 
-    def parts(self, numbers: Array) -> Array:
-        """(limbs, ...) integers c_k of at most 2^26 with numbers = 2^lowest sum c_k 2^(26 k)."""
-        parts = np.empty((self.limbs, *numbers.shape))
-        rest = numbers.astype(np.float64)
+    def cut(self, numbers: Array, parts: Array) -> None:
+        """Find integers c_k of at most 2^26 with numbers = 2^lowest sum c_k 2^(26 k).
+
+        Args:
+            numbers: lost; parts: (limbs, ...).
+        """
         for k in reversed(range(self.limbs)):
             place = self.lowest + _LIMB * k
-            np.rint(_scaled(rest, -place), parts[k])
-            rest -= _scaled(parts[k], place)
-        return parts
+            np.rint(_scaled(numbers, -place), parts[k])
+            numbers -= _scaled(parts[k], place)
 
 
 def _exponents(numbers: Array) -> tuple[int, int]:
@@ -93,37 +113,3 @@ def _scaled(numbers: Array, exponent: int) -> Array:
     half = exponent // 2
     scaled: Array = numbers * 2.0**half * 2.0 ** (exponent - half)
     return scaled
-
-
-class _Sums:
-    """Residues of 6 V and of the table [120 S, 48 first], in the unit of the grid; see `robodyn.mesh.kernel`."""
-
-    def __init__(self, ring: Residues, grid: _Grid, reference: list[int]) -> None:
-        self.ring = ring
-        self.rows = min(max(_RESIDUES // ring.count, _LEAST_ROWS), _MOST_ROWS)
-        self.total = np.zeros((ring.count, 13))
-        self._grid = grid
-        self._reference = np.stack([ring.of(r) for r in reference], axis=1)[:, :, None, None]
-        self._places = [ring.of(1 << (_LIMB * k))[:, None, None, None] for k in range(grid.limbs)]
-
-    def add(self, corners: Array) -> None:
-        """Add triangles (n, 3 corners, 3 coordinates), n <= rows."""
-        ring = self.ring
-        X = -self._reference
-        for part, place in zip(self._grid.parts(corners.transpose(2, 1, 0)), self._places, strict=True):
-            X = X + part * place
-        spare = np.empty_like(X)
-        ring.reduce(X, spare)
-        e, f = X[:, :, 1] - X[:, :, 0], X[:, :, 2] - X[:, :, 0]
-        normal = np.stack([e[:, i - 2] * f[:, i - 1] - e[:, i - 1] * f[:, i - 2] for i in range(3)], axis=1)
-        ring.reduce(normal, spare[:, :, 0])
-        D = (normal * X[:, :, 0]).sum(axis=1)
-        ring.reduce(D, spare[:, 0, 0])
-        u = np.ones((ring.count, 4, *X.shape[2:]))
-        np.add(X, X[:, :, [1, 2, 0]], u[:, :3])
-        weighted = u[:, :3] * D[:, None, None, :]
-        ring.reduce(weighted, spare)
-        table = weighted.reshape(ring.count, 3, -1) @ u.reshape(ring.count, 4, -1).transpose(0, 2, 1)
-        sums = np.concatenate([D.sum(axis=1, keepdims=True), table.reshape(ring.count, 12)], axis=1)
-        ring.reduce(sums, np.empty_like(sums))
-        self.total += sums

@@ -30,10 +30,10 @@ class Integrals:
         area: of the surface.
         lo, hi: (3,) corners of its box.
         count: triangles.
-        bound: of the arithmetic error of the volume, relative to it; infinite where the volume vanishes but for it.
+        bound: of the arithmetic error of the volume, relative to it; infinite where it is all there is.
         method: "float64", "long double" or "rational".
         bound_second: as `bound`, of each principal second moment about the centre.
-        unrounded: volume, first and S as fractions, where floats do not hold what is known of them.
+        unrounded: volume, first and S as fractions, before they were rounded to floats; not needed.
     """
 
     volume: float
@@ -62,7 +62,8 @@ def volume_bound(moments: Moments, perm: float, eps: float) -> float:
 
     Accuracy: a bound on closed surfaces, where rounding a corner in all its triangles alike moves V little.
     """
-    return 8 * eps * perm / abs(float(moments.volume)) + ROUNDING if moments.volume else inf
+    volume = abs(float(moments.volume))
+    return 8 * eps * perm / volume + ROUNDING if volume else inf
 
 
 def second_bound(moments: Moments, perm: float, reach: Array, eps: float) -> float:

@@ -14,9 +14,11 @@ because OpenBLAS would start threads for them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from robodyn.mesh.blocks import CHUNK, ROWS, Step, workspace
+from robodyn.mesh.blocks import CHUNK, Step, workspace
 from robodyn.spatial import Array
 
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -25,8 +27,6 @@ PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 Kernel = tuple[list[Step], Array]
 """Steps to be taken for every block, and the array that then has its sums."""
 
-_CHUNKS = ROWS // CHUNK
-
 
 def volume_kernel(space: Array) -> Kernel:
     """6 V, 24 first (3), 120 S (6: xx, xy, xz, yy, yz, zz), 6 perm, twice the area.
@@ -34,20 +34,19 @@ def volume_kernel(space: Array) -> Kernel:
     perm is V with all products of D taken as positive: it measures how much of them cancels.
 
     Args:
-        space: (4, 3, ROWS) of `block_space`, with corners from the point of reference; they are lost.
+        space: (4, 3, n) of `block_space`, with corners from the point of reference; they are lost.
     """
-    X, result = space[:3], np.empty(12, space.dtype)
-    early, normal, weights = workspace(12, space.dtype), workspace(3, space.dtype), workspace(3, space.dtype)
-    products = early[6:].reshape(2, 3, ROWS)
+    X, result, n = space[:3], np.empty(12, space.dtype), space.shape[-1]
+    early, normal, weights = (workspace(rows, n, space.dtype) for rows in (12, 3, 3))
+    products = early[6:].reshape(2, 3, n)
     size, terms, weight = early[:3], early[3:6], weights[0]
-    by_axis = np.empty((3, 1, 1), space.dtype)
+    perms = np.empty((2, 3, 1, 1), space.dtype)
     steps: list[Step] = [
         *_cross(X, early, normal),
         (np.absolute, (products, products)),
-        (np.add, (*products, products[0])),
         (np.absolute, (X[0], size)),
-        (np.matmul, (size[:, None, :], products[0][:, :, None], by_axis)),
-        (np.add.reduce, (by_axis, None, None, result[10, ...])),
+        (np.matmul, (size[:, None, :], products[..., None], perms)),
+        (np.add.reduce, (perms, None, None, result[10, ...])),
         (np.multiply, (normal, X[0], terms)),
         *_row_sum(terms, weight),
         *_lengths(normal),
@@ -59,8 +58,8 @@ def volume_kernel(space: Array) -> Kernel:
 
 def surface_kernel(space: Array) -> Kernel:
     """2 A, 6 first (3), 24 S (6), for the same space."""
-    result = np.empty(10, space.dtype)
-    early, normal, weights = workspace(12, space.dtype), workspace(3, space.dtype), workspace(3, space.dtype)
+    result, n = np.empty(10, space.dtype), space.shape[-1]
+    early, normal, weights = (workspace(rows, n, space.dtype) for rows in (12, 3, 3))
     steps: list[Step] = [
         *_cross(space[:3], early, normal),
         *_lengths(normal),
@@ -78,9 +77,26 @@ def symmetric(entries: Array) -> Array:
     return matrix
 
 
+def dots(rows: Array, columns: Array, pairs: Sequence[tuple[int, int]]) -> tuple[list[Step], Array]:
+    """Dot products of pairs of rows and columns, a chunk at a time.
+
+    Args:
+        rows, columns: (k, parts, n); a pair has an index of each.
+
+    Returns:
+        The steps, and where they put their results, (pairs, parts n / CHUNK).
+    """
+    chunks = rows.shape[-1] // CHUNK
+    results = np.empty((len(pairs), rows.shape[1], chunks, 1, 1), rows.dtype)
+    across = rows.reshape(*rows.shape[:2], chunks, 1, CHUNK)
+    down = columns.reshape(*columns.shape[:2], chunks, CHUNK, 1)
+    steps: list[Step] = [(np.matmul, (across[i], down[j], out)) for (i, j), out in zip(pairs, results, strict=True)]
+    return steps, results.reshape(len(pairs), -1)
+
+
 def _cross(X: Array, space: Array, normal: Array) -> list[Step]:
     """(b - a) x (c - a), and its products in the last six of twelve rows of space."""
-    edges, (plus, minus) = space[:6].reshape(2, 3, ROWS), space[6:].reshape(2, 3, ROWS)
+    edges, (plus, minus) = space.reshape(2, 2, 3, -1)
     (ex, ey, ez), (fx, fy, fz) = edges
     return [
         (np.subtract, (X[1], X[0], edges[0])),
@@ -108,24 +124,19 @@ def _lengths(normal: Array) -> list[Step]:
 def _moments(space: Array, weights: Array, early: Array, result: Array) -> list[Step]:
     """Sums of weight, weight (a + b + c) and weight u u^T; the first of the three rows of weights has them."""
     (a, b, c, third), weight = space, weights[0]
-    total, weighted, sums = early[9:], early[:9], space.reshape(12, ROWS)[3:]
-    first = np.empty((3, _CHUNKS, 1, 1), space.dtype)
-    second = np.empty((len(PAIRS), 3, _CHUNKS, 1, 1), space.dtype)
-    across = weighted.reshape(3, 3, _CHUNKS, 1, CHUNK)
-    down = sums.reshape(3, 3, _CHUNKS, CHUNK, 1)
-    dots: list[Step] = [
-        (np.matmul, (across[:, i], down[:, j], out)) for (i, j), out in zip(PAIRS, second, strict=True)
-    ]
+    total, weighted, sums = early[9:], early[:9], space[1:].reshape(9, -1)
+    dots_first, first = dots(total.reshape(3, 1, -1), weights[:1].reshape(1, 1, -1), [(i, 0) for i in range(3)])
+    dots_second, second = dots(weighted.reshape(3, 3, -1).swapaxes(0, 1), space[1:].swapaxes(0, 1), PAIRS)
     return [
         (np.add.reduce, (weight, None, None, result[0, ...])),
         (np.add, (a, b, third)),
         (np.add, (third, c, total)),
-        (np.matmul, (total.reshape(3, _CHUNKS, 1, CHUNK), weight.reshape(_CHUNKS, CHUNK, 1), first)),
-        (np.add.reduce, (first.reshape(3, -1), 1, None, result[1:4])),
+        *dots_first,
+        (np.add.reduce, (first, 1, None, result[1:4])),
         (np.add, (b, c, b)),
         (np.add, (c, a, c)),
         (np.copyto, (weights[1:], weight)),
         (np.multiply, (sums.reshape(3, -1), weights.reshape(-1), weighted.reshape(3, -1))),
-        *dots,
-        (np.add.reduce, (second.reshape(len(PAIRS), -1), 1, None, result[4:10])),
+        *dots_second,
+        (np.add.reduce, (second, 1, None, result[4:10])),
     ]

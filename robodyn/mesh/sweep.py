@@ -88,18 +88,20 @@ def swept(
     Raises:
         MeshError: there are no triangles.
     """
-    space = block_space(dtype)
+    space = block_space(triangles, dtype)
     return _swept(triangles, space, kernel(space), reference, None)
 
 
 def swept_with_edges(triangles: Triangles, kernel: Callable[[Array], Kernel]) -> tuple[Sweep, Fingerprint]:
     """`swept` in float64, and the fingerprint of the boundary, in one pass."""
-    space = block_space()
+    space = block_space(triangles)
     edges = EdgeSums(space)
     return _swept(triangles, space, kernel(space), None, edges), edges.total()
 
 
-def _swept(triangles: Triangles, space: Array, kernel: Kernel, reference: Floats | None, edges: EdgeSums | None) -> Sweep:
+def _swept(
+    triangles: Triangles, space: Array, kernel: Kernel, reference: Floats | None, edges: EdgeSums | None
+) -> Sweep:
     steps, result = kernel
     sums, lows, highs = [], [], []
     with np.errstate(all="ignore"):

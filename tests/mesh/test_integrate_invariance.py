@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from mesh_oracle import deviation, rational_moments, rotation
+from mesh_oracle import deviation, exact, rational_moments, rotation
 from mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus
 
 from robodyn.errors import MeshError
@@ -32,8 +32,8 @@ class Counted:
         return self._kept.blocks(rows)
 
 
-def integrals(array, exact=False):
-    return integrate(MemoryTriangles("body", array), exact)
+def integrals(array, exactly=False):
+    return integrate(MemoryTriangles("body", array), exactly)
 
 
 def same(found, expected, k=8):
@@ -113,6 +113,21 @@ def test_box_and_reference():
     assert found.area == 88.0
 
 
+def test_the_box_is_that_of_all_blocks():
+    array = np.concatenate([moved(box(), (x, 0, 0)) for x in np.linspace(-50, 50, ROWS // 4)])
+    found = integrals(np.concatenate([array, array[:, :, [1, 0, 2]]]))
+    assert (found.lo == (-50.5, -50.5, -0.5)).all()
+    assert (found.hi == (50.5, 50.5, 0.5)).all()
+
+
+@pytest.mark.parametrize("offset", [0, 0.3, 77, 1e4])
+def test_subtracting_the_reference_from_float32_is_exact(offset):
+    array = moved(BODY, (offset, -offset, 2 * offset), rotation(8)).astype(np.float32)
+    reference = integrals(array).reference
+    differences = array.astype(np.float64) - reference
+    assert (exact(differences) == exact(array) - exact(reference)).all()
+
+
 @pytest.mark.parametrize("offset", [1e-300, 1.0, 1e8, 1e300])
 def test_the_reference_lies_inside_the_box(offset):
     rng = np.random.default_rng(3)
@@ -121,6 +136,12 @@ def test_the_reference_lies_inside_the_box(offset):
         reference = reference_in(array.transpose(1, 2, 0))
         assert (array.min(axis=(0, 1)) <= reference).all()
         assert (reference <= array.max(axis=(0, 1))).all()
+
+
+def test_the_reference_has_few_bits_of_the_size():
+    found = integrals(BODY)
+    _, exponent = np.frexp(found.hi - found.lo)
+    assert (np.ldexp(found.reference, 3 - exponent) % 1 == 0).all()
 
 
 def test_a_mesh_is_read_once():
@@ -134,6 +155,25 @@ def test_finer_arithmetic_reads_it_again():
     plate = Counted(moved(box((1, 1, 1e-6)), R=rotation(3)))
     assert integrate(plate).method == "rational"
     assert plate.reads >= 3
+
+
+class Reused(Counted):
+    """Triangles whose blocks are all the same array."""
+
+    def blocks(self, rows=BLOCK):
+        buffer = np.empty((rows, 3, 3))
+        for block in super().blocks(rows):
+            buffer[: len(block)] = block
+            yield buffer[: len(block)]
+
+
+@pytest.mark.parametrize("exactly", [False, True])
+def test_blocks_need_not_outlive_the_next(exactly):
+    array = np.concatenate([BODY, np.tile(moved(box(), (2**20, 0, 0)), (ROWS // 12, 1, 1))])
+    found, expected = integrate(Reused(array), exactly), integrals(array, exactly)
+    assert found.volume == expected.volume
+    assert (found.S == expected.S).all()
+    assert (measure(Reused(array))[0].S == integrals(array).S).all()
 
 
 def test_measure_is_integrate_and_fingerprint():
@@ -158,11 +198,11 @@ def test_shells_that_cancel_have_exactly_no_volume():
     assert found.area == pytest.approx(2 * integrals(BODY).area, rel=4 * EPS)
 
 
-@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("exactly", [False, True])
 @pytest.mark.parametrize(("size", "how"), [(1e70, "large"), (1e200, "large"), (1e-70, "small"), (1e-200, "small")])
-def test_beyond_the_range_of_floats(size, how, exact):
+def test_beyond_the_range_of_floats(size, how, exactly):
     with pytest.raises(MeshError, match=re.escape(f"body: is too {how}, {size:.3g} wide: ")):
-        integrals(box((size, size, size)), exact)
+        integrals(box((size, size, size)), exactly)
 
 
 @pytest.mark.parametrize("size", [1e-60, 1e60])
@@ -171,6 +211,13 @@ def test_near_the_ends_of_the_range(size):
     assert found.volume == pytest.approx(size**3, rel=4 * EPS)
     assert found.S[0, 0] == pytest.approx(size**5 / 12, rel=8 * EPS)
     assert found.area == pytest.approx(6 * size**2, rel=4 * EPS)
+
+
+def test_a_sheet_too_thin_for_floats_is_no_error():
+    array = box()
+    for height in (3e-310, 5e-324):
+        array[..., 2] = np.where(array[..., 2] > 0, height, 0.0)
+        assert integrals(array).volume == height
 
 
 def test_no_triangles():

@@ -64,6 +64,17 @@ def test_mass_properties_keep_the_small_moments():
     assert body.principal.moments == pytest.approx(expected.moments, rel=1e-12)
 
 
+@pytest.mark.skipif(np.finfo(np.longdouble).nmant < 63, reason="long doubles have no more bits here")
+def test_long_double_is_tried_before_integers():
+    assert integrals(moved(box((1, 1, 0.03)), R=rotation(5))).method == "long double"
+    assert integrals(moved(box((1, 1, 1e-6)), R=rotation(5))).method == "rational"
+
+
+def test_where_long_doubles_are_no_wider_integers_follow(monkeypatch):
+    monkeypatch.setattr(np, "longdouble", np.float64)
+    assert integrals(moved(box((1, 1, 0.03)), R=rotation(5))).method == "rational"
+
+
 @settings(deadline=None, max_examples=80)
 @given(
     body=st.sampled_from(sorted(BODIES)),
