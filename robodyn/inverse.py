@@ -56,8 +56,7 @@ def inverse_dynamics(
         dtype: float64 or float32, of arrays and arithmetic.
 
     Returns:
-        (..., n) N m or N, in the order of `model.rates`. A matrix laid out as q is: with contiguous columns, which are
-        fastest, or contiguous rows.
+        (..., n) N m or N, in the order of `model.rates`. The columns of a matrix are contiguous, which is fastest.
 
     Raises:
         InputError: a shape, or a joint or link that the scene names, does not fit the model; no such executor.
@@ -72,7 +71,7 @@ def inverse_dynamics(
     samples = prod(shape)
     runner = torque_runner(plan(model, scene, still(sources)))
     if out is None:
-        out = np.empty((*shape, model.n), dtype, order="F" if _columnar(sources["q"]) and len(shape) == 1 else "C")
+        out = np.empty((*shape, model.n), dtype, order="F" if len(shape) == 1 else "C")
     if out.shape != (*shape, model.n) or out.dtype != dtype or not out.flags.writeable:
         found = f"shape {out.shape}, type {out.dtype}" + ("" if out.flags.writeable else ", read-only")
         raise InputError(f"out has {found}, not {(*shape, model.n)} and {np.dtype(dtype).name}")
@@ -208,10 +207,6 @@ def _has_zero(quaternions: Floats) -> bool:
     """Whether all four numbers of some row are zero."""
     zero = quaternions[:, 3] == 0.0
     return bool(zero.any()) and not quaternions[zero].any(axis=1).all()
-
-
-def _columnar(matrix: Floats) -> bool:
-    return matrix.strides[0] == matrix.itemsize and matrix.shape[1] > 1
 
 
 def _trailing(values: Floats, name: str, count: int, names: tuple[str, ...]) -> Floats:
