@@ -48,12 +48,12 @@ def main() -> None:
 
     Exit status: 0 fine, 1 findings or limits exceeded, 2 the input or the call is wrong, 130 interrupted.
     """
-    with reported():
+    with reported(), warnings.catch_warnings():
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
         if not sys.warnoptions:
             warnings.simplefilter("ignore")
             warnings.filterwarnings("default", module=r"robodyn\.execute\.runner")
-            warnings.formatwarning = lambda message, *_: f"warning: {message}\n"
+            warnings.showwarning = lambda message, *_, **__: click.echo(f"warning: {message}", err=True)
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")
         status = robodyn.main(prog_name="robodyn", standalone_mode=False)

@@ -16,7 +16,7 @@ def environment(**changes: object) -> dict[str, str]:
 def python(code: str, **changes: object) -> subprocess.CompletedProcess[str]:
     """Runs `code` with changes of the environment; it must end well."""
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=environment(**changes)
+        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=False, env=environment(**changes)
     )
     assert done.returncode == 0, done.stderr
     return done
