@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from array import array
 from collections.abc import Mapping
 from ctypes import c_int64, c_void_p
 from functools import cache, cached_property
 from itertools import chain
-from threading import Thread
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from robodyn.execute.llvm.kernel import kernel
 from robodyn.execute.llvm.machine import Function
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.trace.program import Program
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
 
 SCALARS = {"float64": "double", "float32": "float"}
 LANES = {"double": 8, "float": 16}
@@ -113,20 +116,12 @@ class CompiledBlocks:
         if threads < 2:
             return self._part(fields, flags, 0, samples) != 0
         each = -(-samples // (threads * BLOCK)) * BLOCK
-        found: list[int] = []
 
-        def work(start: int) -> None:
-            found.append(self._part(fields, flags, start, min(start + each, samples)))
+        def work(start: int) -> int:
+            return self._part(fields, flags, start, min(start + each, samples))
 
-        others = [Thread(target=work, args=(start,)) for start in range(each, samples, each)]
-        for thread in others:
-            thread.start()
-        work(0)
-        for thread in others:
-            thread.join()
-        if len(found) <= len(others):
-            raise MemoryError("a thread of the compiled executor ended early")
-        return any(found)
+        others = [_pool(os.getpid(), threads - 1).submit(work, start) for start in range(each, samples, each)]
+        return any([work(0), *(other.result() for other in others)])
 
     def _part(self, fields: list[Fields], flags: int, start: int, stop: int) -> int:
         """Runs over the samples from `start` to `stop`, a thread's share; not 0 if any is flagged."""
@@ -196,3 +191,11 @@ def _driver(scalar: str) -> Function:
         lambda: driver(scalar, LANES[scalar]),
         *(whole, pointer, whole, pointer, pointer, whole, pointer, whole, whole),
     )
+
+
+@cache
+def _pool(process: int, threads: int) -> ThreadPoolExecutor:
+    """Threads that wait for work, and so begin sooner than new ones; a fork, another process, has its own."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(threads, thread_name_prefix="robodyn")

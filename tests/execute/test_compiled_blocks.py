@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from threading import Thread
 
 import numpy as np
 import pytest
@@ -98,7 +97,7 @@ def test_single_precision(busy_threads):
 
 
 def test_many_threads_at_once():
-    """One object, many callers, each with threads of its own."""
+    """One object, and many callers that share its threads."""
     run = CompiledBlocks(PROGRAM, WIDTHS)
     tasks = [state(samples) for samples in range(60, 1200, 30)]
     with ThreadPoolExecutor(8) as pool:
@@ -111,17 +110,23 @@ def test_work_is_shared_among_threads(monkeypatch):
     """No more threads than asked for, and each has work enough."""
     started = []
 
-    class Noted(Thread):
-        def start(self):
-            started.append(self)
-            super().start()
+    class Noted(ThreadPoolExecutor):
+        def submit(self, *task):
+            started.append(task)
+            return super().submit(*task)
 
-    monkeypatch.setattr(compiled_blocks, "Thread", Noted)
+    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Noted(threads))
     for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
         started.clear()
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
         assert 1 + len(started) == threads
+
+
+def test_a_fork_has_threads_of_its_own():
+    here = compiled_blocks._pool(1, 1)
+    assert compiled_blocks._pool(1, 1) is here
+    assert compiled_blocks._pool(2, 1) is not here
 
 
 def test_a_robot_in_blocks_and_at_once():
