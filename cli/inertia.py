@@ -10,7 +10,8 @@ from robodyn.cli.files import check_names
 from robodyn.cli.options import VECTOR, Vector
 from robodyn.cli.screen import page, show
 from robodyn.inertia.urdf_text import inertial_element
-from robodyn.part import View, mass_properties
+from robodyn.inertia.view import View
+from robodyn.part import mass_properties
 from robodyn.report.json_inertia import inertia_json
 from robodyn.report.text_inertia import inertia_text
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, MeshError
 from robodyn.inertia.conversions import from_integrals, from_surface_integrals
-from robodyn.inertia.laws import rotation_law
 from robodyn.inertia.properties import MassProperties
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.integrate import measure
@@ -20,10 +18,8 @@ from robodyn.mesh.repair import Repaired, Step
 from robodyn.mesh.repair import repair as put_right
 from robodyn.mesh.surface import surface
 from robodyn.mesh.triangles import Triangles
-from robodyn.spatial import ZERO, rotation_from_rpy
 
 Floats = NDArray[np.float64]
-Vector = tuple[float, float, float]
 
 WATER = 1000.0
 """Density [kg/m^3] that is assumed where neither a density nor a mass is given."""
@@ -61,31 +57,6 @@ class Part:
     rounding: float
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class View:
-    """About which point, and in which axes, an inertia matrix is wanted.
-
-    Attributes:
-        about: "com", "origin" or a point of the mesh's frame [m].
-        rpy: fixed-axis roll, pitch and yaw of the axes in the mesh's [rad].
-    """
-
-    about: Literal["com", "origin"] | Vector = "com"
-    rpy: Vector = (0.0, 0.0, 0.0)
-
-    def inertia(self, body: MassProperties) -> tuple[Floats, Floats]:
-        """The point [m] in the mesh's frame and the inertia matrix about it, R^T I R, in the view's axes [kg m^2]."""
-        point = body.com if self.about == "com" else np.array(ZERO if self.about == "origin" else self.about)
-        R = rotation_from_rpy(*self.rpy)
-        return point, rotation_law(body.about(point), R.T)
-
-    @property
-    def words(self) -> str:
-        place = {"com": "the centre of mass", "origin": "the origin"}.get(str(self.about), f"{self.about} m")
-        turned = f", axes turned by roll, pitch, yaw {self.rpy} rad" if any(self.rpy) else ""
-        return f"about {place}{turned}"
 
 
 def mass_properties(

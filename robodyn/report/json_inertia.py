@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.part import Part, View
+from robodyn.inertia.view import View
+from robodyn.part import Part
 
 
 def inertia_json(parts: Sequence[Part], view: View) -> str:

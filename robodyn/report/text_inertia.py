@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robodyn.part import Part, View
+from robodyn.inertia.view import View
+from robodyn.part import Part
 from robodyn.report.table import PLAIN, Page, number, printable
 
 AXES = ("x", "y", "z")

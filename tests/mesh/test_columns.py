@@ -29,22 +29,23 @@ def test_every_column_leaves_the_body_as_often_as_it_enters(body, direction):
     ("body", "exact"), [(samples.box((1, 2, 3)), 6.0), (bracket(), 6.0), (samples.tetrahedron(), 10.0)]
 )
 def test_volume(body, exact, direction):
+    """Which columns meet the rim is chance: the error falls with their number, from 2.5e-3 at most to 2.3e-5 here."""
     assert volume(body, direction) == pytest.approx(exact, rel=4e-3)
     assert volume(body, direction, 400_000) == pytest.approx(exact, rel=1e-4)
 
 
 def test_overlapping_bodies_count_once_and_cavities_not_at_all():
     two = np.concatenate([samples.box((1, 1, 1)), samples.moved(samples.box((1, 1, 1)), (0.5, 0.2, 0.1))])
-    assert volume(two, OBLIQUE, 100_000) == pytest.approx(2 - 0.5 * 0.8 * 0.9, rel=1e-3)
+    assert volume(two, OBLIQUE, 100_000) == pytest.approx(2 - 0.5 * 0.8 * 0.9, rel=1e-6)
     hollow = np.concatenate([samples.box((2, 2, 2)), samples.flipped(samples.box())])
-    assert volume(hollow, OBLIQUE, 100_000) == pytest.approx(7, rel=1e-3)
+    assert volume(hollow, OBLIQUE, 100_000) == pytest.approx(7, rel=1e-6)
 
 
 def test_integral_is_exact_in_depth():
     """Two boxes that differ by far less than the distance of the columns."""
     lattice = Lattice.over(samples.box((1, 2, 3.001)), np.array(ALONG))
     hits = [lattice.hits(samples.box((1, 2, 3 + d))) for d in (0.0, 1e-9)]
-    assert differing_volume(*hits, lattice.cell) == pytest.approx(2e-9, rel=1e-2)
+    assert differing_volume(*hits, lattice.cell) == pytest.approx(2e-9, rel=1e-3)
     assert differing_volume(hits[0], hits[0], lattice.cell) == 0.0
 
 

@@ -14,29 +14,14 @@ from mesh_samples import (
     torus,
     uv_sphere,
 )
+from repaired_meshes import R, repaired, taken, volume
 
 from robodyn.errors import MeshError
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.integrate import integrate
 from robodyn.mesh.repair import repair
 from robodyn.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(np.float64).eps
 ANYWHERE = ((0.0, 0.0, 0.0), (1e3, -2e5, 3e4))
-R = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)]))[0]
-
-
-def repaired(*parts):
-    return repair(MemoryTriangles("part", np.concatenate(parts)))
-
-
-def taken(found):
-    return [(step.name, step.count) for step in found.steps]
-
-
-def volume(found):
-    assert fingerprint(found.triangles).closed
-    return integrate(found.triangles).volume
 
 
 def same_volume(found, expected, k=64):

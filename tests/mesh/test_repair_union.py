@@ -5,26 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mesh_samples import box, cylinder, flipped, moved, torus, uv_sphere
+from repaired_meshes import R, repaired, taken, volume
 
-from robodyn.mesh.closed import fingerprint
 from robodyn.mesh.integrate import integrate
-from robodyn.mesh.repair import repair
 from robodyn.mesh.triangles import MemoryTriangles
-
-R = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)]))[0]
-
-
-def repaired(*parts):
-    return repair(MemoryTriangles("part", np.concatenate(parts)))
-
-
-def taken(found):
-    return [(step.name, step.count) for step in found.steps]
-
-
-def volume(found):
-    assert fingerprint(found.triangles).closed
-    return integrate(found.triangles).volume
 
 
 @pytest.mark.parametrize("turn", [np.eye(3), R])

@@ -1,0 +1,29 @@
+"""Meshes after their repair, and what the tests ask of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.mesh.closed import fingerprint
+from robodyn.mesh.integrate import integrate
+from robodyn.mesh.repair import repair
+from robodyn.mesh.triangles import MemoryTriangles
+
+R = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)]))[0]
+"""A rotation about no axis in particular."""
+
+
+def repaired(*parts):
+    """The repair of these triangles (m, 3, 3) taken together."""
+    return repair(MemoryTriangles("part", np.concatenate(parts)))
+
+
+def taken(found):
+    """(name, count) of every step."""
+    return [(step.name, step.count) for step in found.steps]
+
+
+def volume(found):
+    """What a repaired surface encloses; it must be closed."""
+    assert fingerprint(found.triangles).closed
+    return integrate(found.triangles).volume
