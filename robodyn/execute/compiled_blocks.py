@@ -6,7 +6,7 @@ import os
 from array import array
 from collections.abc import Mapping
 from ctypes import c_int64, c_void_p
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.execute.llvm.build import built
-from robodyn.execute.llvm.driver import driver
+from robodyn.execute.llvm.driver import FIELDS, driver, waiting
 from robodyn.execute.llvm.kernel import kernel
 from robodyn.execute.llvm.machine import Function
 from robodyn.execute.numpy_blocks import NumpyBlocks
@@ -30,6 +30,10 @@ BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 PITCH = BLOCK + 8
 """Numbers from one gathered column to the next: no power of two, or columns would share sets of the cache."""
+PATIENCE = 50_000
+"""Looks for the end of other threads' shares, some 40 microseconds, before waiting as one who is to be woken."""
+SHARE = 8 * BLOCK
+"""Samples that a thread takes at a time."""
 MOST_STREAMS = 64
 """More columns than these, or more than 8 at distances of whole pages, are gathered even where they are contiguous."""
 THREAD_WORK = 1 << 21
@@ -111,35 +115,33 @@ class CompiledBlocks:
         return plain and not any(np.may_share_memory(out, given) for given in arrays)
 
     def _in_threads(self, fields: list[Fields], flags: int, samples: int, threads: int) -> bool:
-        """Runs over consecutive parts of the samples; whether any sample is flagged."""
+        """Runs over the samples; whether any is flagged."""
         threads = min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK)
-        if threads < 2:
-            return self._part(fields, flags, 0, samples) != 0
-        each = -(-samples // (threads * BLOCK)) * BLOCK
+        each = -(-samples // (max(threads, 1) * BLOCK)) * BLOCK
+        parts = range(0, samples, each)
+        common = array("q", (0, 0, *parts))
+        work = partial(self._work, array("q", chain.from_iterable(fields)), flags, common, each, samples)
+        others = [_pool(os.getpid(), len(parts) - 1).submit(work, k) for k in range(1, len(parts))]
+        work(0)
+        if others and not _wait()(common.buffer_info()[0], samples, PATIENCE):
+            for other in others:
+                other.result()
+        return bool(common[1])
 
-        def work(start: int) -> int:
-            return self._part(fields, flags, start, min(start + each, samples))
+    def _work(self, arrays: array[int], flags: int, common: array[int], each: int, samples: int, first: int) -> None:
+        """A thread's work: its own part of the samples, then what is left of the others'.
 
-        others = [_pool(os.getpid(), threads - 1).submit(work, start) for start in range(each, samples, each)]
-        return any([work(0), *(other.result() for other in others)])
-
-    def _part(self, fields: list[Fields], flags: int, start: int, stop: int) -> int:
-        """Runs over the samples from `start` to `stop`, a thread's share; not 0 if any is flagged."""
-        shifted = [(at + start * row, row, column, count, direct) for at, row, column, count, direct in fields]
-        arrays = array("q", chain.from_iterable(shifted))
+        Args:
+            common: of all threads: how many samples are done, whether any is flagged, and the next one of each part.
+        """
         table = array("q", bytes(8 * self.rows))
         work = np.empty((self.rows, PITCH), self.dtype)
-        return self._run(
-            self._kernel.address,
-            arrays.buffer_info()[0],
-            len(fields),
-            table.buffer_info()[0],
-            work.ctypes.data,
-            work.strides[0],
-            flags + start // 8,
-            stop - start,
-            BLOCK,
-        )
+        given = arrays.buffer_info()[0], len(arrays) // len(FIELDS)
+        room = table.buffer_info()[0], work.__array_interface__["data"][0], work.strides[0]
+        shared, parts = common.buffer_info()[0], len(common) - 2
+        for part in (*range(first, parts), *range(first)):
+            share = shared, shared + 8 * (2 + part), SHARE, min((part + 1) * each, samples)
+            self._run(self._kernel.address, *given, *room, flags, *share, BLOCK)
 
     def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flags: NDArray[np.uint8]) -> None:
         """Computes the flagged samples by NumPy."""
@@ -179,7 +181,7 @@ def _fields(given: Numbers, few: bool) -> Fields:
     columns = given.shape[1]
     apart = columns <= 8 or column_stride % 4096 != 0
     direct = few and apart and sample_stride == given.itemsize
-    return given.ctypes.data, sample_stride, column_stride, columns, direct
+    return given.__array_interface__["data"][0], sample_stride, column_stride, columns, direct
 
 
 @cache
@@ -189,8 +191,13 @@ def _driver(scalar: str) -> Function:
         "run",
         ("driver", scalar, LANES[scalar]),
         lambda: driver(scalar, LANES[scalar]),
-        *(whole, pointer, whole, pointer, pointer, whole, pointer, whole, whole),
+        *(pointer, pointer, whole, pointer, pointer, whole, pointer, pointer, pointer, whole, whole, whole),
     )
+
+
+@cache
+def _wait() -> Function:
+    return built("wait", "wait", waiting, c_void_p, c_int64, c_int64)
 
 
 @cache

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from array import array
+from concurrent.futures import Future, ThreadPoolExecutor
+from threading import Event
 
 import numpy as np
 import pytest
@@ -121,6 +123,40 @@ def test_work_is_shared_among_threads(monkeypatch):
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
         assert 1 + len(started) == threads
+
+
+@pytest.mark.parametrize("patience", [0, compiled_blocks.PATIENCE])
+def test_threads_that_begin_late(patience, busy_threads, monkeypatch):
+    """The others take over; their shares are waited for, however long."""
+    begin = Event()
+
+    class Late(ThreadPoolExecutor):
+        def submit(self, task, part):
+            return super().submit(lambda: (begin.wait(0.05 * part), task(part)))
+
+    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Late(threads))
+    monkeypatch.setattr(compiled_blocks, "PATIENCE", patience)
+    for samples in SAMPLES:
+        arrays = state(samples)
+        np.testing.assert_array_equal(bits(ready()(arrays, samples, None, 3)), bits(expected(arrays)))
+
+
+def test_a_thread_that_never_begins(busy_threads, monkeypatch):
+    class Idle:
+        def submit(self, *task):
+            return Future()
+
+    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Idle())
+    arrays = state(4097)
+    np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(expected(arrays)))
+
+
+def test_waiting_sees_the_end():
+    common = array("q", [41, 0])
+    waits = compiled_blocks._wait()
+    assert not waits(common.buffer_info()[0], 42, 100)
+    common[0] = 42
+    assert waits(common.buffer_info()[0], 42, 100)
 
 
 def test_a_fork_has_threads_of_its_own():

@@ -107,17 +107,27 @@ done:
   ret i64 %end
 }}
 
-define i64 @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, i64 %samples,
-    i64 %size) #0 {{
+define i64 @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, ptr %common,
+    ptr %taken, i64 %share, i64 %stop, i64 %size) #0 {{
 entry:
   %last = sub i64 %count, 1
   %last_at = mul i64 %last, {array_bytes}
   %result = getelementptr i8, ptr %arrays, i64 %last_at
+  br label %take
+take:
+  %first = atomicrmw add ptr %taken, i64 %share monotonic, align 8
+  %stop0 = add i64 %first, %share
+  %until = call i64 @llvm.smin.i64(i64 %stop0, i64 %stop)
+  %work_left = icmp slt i64 %first, %stop
+  br i1 %work_left, label %shared, label %done
+shared:
+  %taken_now = sub i64 %until, %first
+  %flagged = getelementptr i64, ptr %common, i64 1
   br label %block
 block:
-  %start = phi i64 [ 0, %entry ], [ %end, %used ]
-  %any = phi i64 [ 0, %entry ], [ %total, %used ]
-  %left = sub i64 %samples, %start
+  %start = phi i64 [ %first, %shared ], [ %end, %used ]
+  %any = phi i64 [ 0, %shared ], [ %total, %used ]
+  %left = sub i64 %until, %start
   %filled = call i64 @llvm.smin.i64(i64 %left, i64 %size)
   br label %array
 array:
@@ -143,20 +153,52 @@ ready:
   br label %used
 used:
   %end = add i64 %start, %size
-  %again = icmp slt i64 %end, %samples
-  br i1 %again, label %block, label %done
+  %again = icmp slt i64 %end, %until
+  br i1 %again, label %block, label %finished
+finished:
+  %was_flagged = atomicrmw or ptr %flagged, i64 %total monotonic, align 8
+  %was_done = atomicrmw add ptr %common, i64 %taken_now release, align 8
+  br label %take
 done:
-  ret i64 %total
+  ret i64 0
 }}
 declare i64 @llvm.smin.i64(i64, i64)
 attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
 
+WAIT = """\
+define i64 @wait(ptr %common, i64 %samples, i64 %looks) nounwind {
+entry:
+  br label %look
+look:
+  %k = phi i64 [ 0, %entry ], [ %k1, %next ]
+  %done = load atomic i64, ptr %common acquire, align 8
+  %all = icmp sge i64 %done, %samples
+  br i1 %all, label %end, label %next
+next:
+  fence syncscope("singlethread") seq_cst
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %looks
+  br i1 %more, label %look, label %end
+end:
+  %found = zext i1 %all to i64
+  ret i64 %found
+}
+"""
+
+
+def waiting() -> str:
+    """The LLVM IR of `i64 wait(common, samples, looks)`: 1 once so many samples are done, 0 after so many looks."""
+    return WAIT
+
 
 def driver(scalar: str, lanes: int) -> str:
-    """The LLVM IR of `i64 run(kernel, arrays, count, table, work, pitch, flags, samples, size)`.
+    """The LLVM IR of `i64 run(kernel, arrays, count, table, work, pitch, flags, common, taken, share, stop, size)`.
 
-    Runs a kernel of `robodyn.execute.llvm.kernel` over `samples` samples in blocks of `size`, a multiple of 16.
+    Runs a kernel of `robodyn.execute.llvm.kernel` over samples in blocks of `size`, a multiple of 16. It takes the next
+    `share` samples, a multiple of `size`, from `taken` on until those before `stop` are taken: threads that run it at
+    once share that count, and none waits for another that began late. At `common` is counted how many are done, and
+    after it stands a number that is not 0 if any is flagged. `table` and `work` are each thread's own.
     Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups;
     else they are gathered into rows of `work`, `pitch` bytes apart, and results are scattered from there.
 

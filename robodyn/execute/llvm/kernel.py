@@ -23,7 +23,11 @@ ONE: dict[str, Callable[[Code, str], str]] = {
 PART = 500
 """Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
 
+AHEAD = 512
+"""Bytes from the numbers in use to those called for: a processor follows some tens of columns, a robot has more."""
+
 FRAME = """\
+declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
 {declared}
 define i64 @kernel(ptr noalias readonly %rows, ptr noalias writeonly %flags, i64 %groups) #0 {{
 entry:
@@ -83,7 +87,8 @@ class _Writer:
         for k, (op, a, b) in enumerate(program.operations):
             self.values.append("" if k in products else self._value(k, op, a, b))
             for row in homes[k]:
-                code.do(f"store {code.vector} {self.values[k]}, ptr {self._address(row)}, align {BYTES[code.scalar]}")
+                address = self._address(row, 1)
+                code.do(f"store {code.vector} {self.values[k]}, ptr {address}, align {BYTES[code.scalar]}")
                 self._divide()
             self._divide()
         self._flags()
@@ -95,15 +100,19 @@ class _Writer:
             self.parts += 1
             lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
 
-    def _address(self, row: int) -> str:
+    def _address(self, row: int, writes: int) -> str:
+        """Where a column's numbers of this group lie; those that follow are called for."""
         place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {row}")
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
-        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
+        here = self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
+        ahead = self.code.new(f"getelementptr i8, ptr {here}, i64 {AHEAD}")
+        self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 3, i32 1)")
+        return here
 
     def _value(self, k: int, op: str, a: Any, b: Any) -> str:
         code = self.code
         if op is INPUT:
-            address = self._address(self.first_row[a] + b)
+            address = self._address(self.first_row[a] + b, 0)
             return code.new(f"load {code.vector}, ptr {address}, align {BYTES[code.scalar]}, !invariant.load !0")
         if op is CONSTANT:
             return code.constant(a)

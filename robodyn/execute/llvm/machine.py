@@ -80,12 +80,13 @@ def one_line(error: Exception) -> str:
 
 
 def _target_machine() -> Any:
+    """Code that reaches its constants by short distances: instructions take them from memory as they are."""
     import llvmlite.binding as llvm
 
     here = host()
     target = llvm.Target.from_triple(here.triple)
     return target.create_target_machine(
-        cpu=here.cpu, features=here.features, opt=1, codemodel="jitdefault", jit=True, reloc="default"
+        cpu=here.cpu, features=here.features, opt=1, codemodel="small", jit=True, reloc="default"
     )
 
 
@@ -104,7 +105,8 @@ class Function:
         import llvmlite.binding as llvm
 
         host()
-        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine())
+        # llvmlite's own memory manager keeps code and constants within these short distances.
+        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine(), use_lmm=True)
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
         self.address = int(self._engine.get_function_address(name))
