@@ -34,7 +34,7 @@ class CsvFormat:
     def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
         values = _joined(time, columns)
         self._cells += values.size
-        stream.write(lines_fast(values) if self._cells > LARGE else lines_plain(values))
+        stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
 
     def end(self, stream: BinaryIO) -> None:
         """All is written."""
