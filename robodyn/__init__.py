@@ -48,7 +48,8 @@ __all__ = [name for names in _HOMES.values() for name in names]
 def __getattr__(name: str) -> Any:
     for home, names in _HOMES.items():
         if name in names:
-            return getattr(import_module(f"robodyn.{home}"), name)
+            found = globals()[name] = getattr(import_module(f"robodyn.{home}"), name)
+            return found
     raise AttributeError(f"module 'robodyn' has no attribute {name!r}")
 
 

@@ -77,7 +77,7 @@ def inverse_dynamics(
         raise InputError(f"out has {found}, not {(*shape, model.n)} and {np.dtype(dtype).name}")
     flat = out.reshape(samples, model.n)
     runner(sources, samples, flat, executor=executor, threads=threads, dtype=dtype)
-    if not np.shares_memory(flat, out):
+    if not np.may_share_memory(flat, out):
         out[...] = flat.reshape(out.shape)
     return out
 
