@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +17,18 @@ from robodyn.inertia.properties import MassProperties
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.integrate import measure
 from robodyn.mesh.load import from_array, load_triangles
-from robodyn.mesh.repair import Repaired, Step
-from robodyn.mesh.repair import repair as put_right
+from robodyn.mesh.scaled import scaled
+from robodyn.mesh.shape import Shape, shape
+from robodyn.mesh.sound import is_sound
 from robodyn.mesh.surface import surface
+from robodyn.mesh.symmetry import symmetrized
+from robodyn.mesh.symmetry_kinds import Symmetry
+from robodyn.mesh.tessellation import Tessellation
 from robodyn.mesh.triangles import Triangles
+
+if TYPE_CHECKING:
+    from robodyn.mesh.quadrature import Quadrature
+    from robodyn.mesh.repair import Repaired, Step
 
 Floats = NDArray[np.float64]
 
@@ -39,9 +50,14 @@ class Part:
         closed: whether the surface has no boundary, so that the integral does not depend on the origin.
         repairs: what was changed before the mesh was integrated, with signed volumes in m^3.
         method: the arithmetic that was needed: "float64", "long double" or "rational".
+        union: relative error bar for overlaps and holes, None if there are none: of the volume, and where that was not
+            integrated by triangles also of the second moments about the centre.
         arithmetic, rounding: relative errors of the volume: a bound of that of computing, and what the file's rounding
             of coordinates can make of it.
-        warnings: what is doubtful; notes: what was assumed when the file was read.
+        symmetry: planes and axes of the mesh, in metres; None where they were not sought.
+        tessellation: how far the numbers may be from those of the smooth body that facets stand for, and corrected:
+            that body; None where it was not asked.
+        warnings: what is doubtful; notes: what was assumed when the file was read, and what was not sought.
     """
 
     name: str
@@ -55,6 +71,10 @@ class Part:
     method: str
     arithmetic: float
     rounding: float
+    union: float | None
+    symmetry: Symmetry | None
+    tessellation: Tessellation | None
+    corrected: MassProperties | None
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -70,6 +90,10 @@ def mass_properties(
     repair: bool = True,
     strict: bool = False,
     shell: float | None = None,
+    scale: Sequence[float] = (1.0, 1.0, 1.0),
+    symmetry: bool | None = False,
+    symmetrize: bool = False,
+    tessellation: bool | None = False,
 ) -> Part:
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
@@ -87,6 +111,10 @@ def mass_properties(
             overlap then count twice.
         strict: refuse a mesh that needs repair.
         shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
+        scale: factors along the mesh's axes, as URDF's <mesh> has them; negative ones give a mirror image.
+        symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
+            where triangles are few (see `robodyn.mesh.shape`).
+        symmetrize: average the body over the planes and axes of symmetry that hold (see `symmetrized`).
 
     Raises:
         InputError: density, mass or thickness is not positive, or both of the first two are given.
@@ -101,26 +129,39 @@ def mass_properties(
         triangles = load_triangles(source, file_type=file_type, unit=unit)
     else:
         triangles = from_array(source, unit=unit or "m")
-    fixed = _repaired(triangles, strict) if repair and shell is None else None
-    if fixed is not None:
-        triangles = fixed.triangles
+    triangles = scaled(triangles, scale)
     integrals, edges = measure(triangles, exact)
+    fixed = None
+    if repair and shell is None and not is_sound(triangles, integrals, edges):
+        fixed = _repaired(triangles, strict)
+        if fixed.triangles is not triangles:
+            triangles = fixed.triangles
+            integrals, edges = measure(triangles, exact)
     warnings = _doubts((integrals.hi - integrals.lo) * triangles.scale)
     weight = WATER if density is None else density
+    region = None if fixed is None else fixed.quadrature
     if shell is not None:
         body = _sheet(triangles, weight, shell)
     else:
-        body = _solid(integrals, triangles, weight)
-        if not edges.closed:
+        body = _solid(integrals, triangles, weight) if region is None else _region(region, triangles, weight)
+        if not edges.closed and region is None:
             warnings += ("the surface is not closed: its integral depends on where the origin is",)
     if fixed is not None:
         warnings += fixed.remarks
-    if mass is not None:
-        body = body.scaled_to_mass(mass)
+    found = shape(
+        triangles,
+        integrals,
+        even=symmetrize or symmetry,
+        smooth=tessellation,
+        defined=shell is None and region is None and edges.closed,
+        fixed_mass=mass is not None,
+    )
+    finished = partial(_finished, mass=mass, found=found, symmetrize=symmetrize)
+    tess = found.tessellation
     return Part(
         name=triangles.name,
         triangles=integrals.count,
-        body=replace(body, area=integrals.area * triangles.scale**2),
+        body=replace(finished(body), area=integrals.area * triangles.scale**2),
         assumed=density is None and mass is None,
         lo=integrals.lo * triangles.scale,
         hi=integrals.hi * triangles.scale,
@@ -129,8 +170,12 @@ def mass_properties(
         method=integrals.method,
         arithmetic=integrals.bound,
         rounding=_rounding(integrals, triangles),
+        union=None if fixed is None else _union(fixed, integrals),
+        symmetry=found.symmetry,
+        tessellation=tess,
+        corrected=None if tess is None else finished(_solid(tess.corrected, triangles, weight)),
         warnings=warnings,
-        notes=triangles.notes,
+        notes=triangles.notes + found.notes + _averaged(found, symmetrize),
     )
 
 
@@ -142,13 +187,36 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
             raise InputError(f"a {name} of {value:g} {unit} is not positive and finite")
 
 
+def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize: bool) -> MassProperties:
+    """The body at its mass, and averaged."""
+    if mass is not None:
+        body = body.scaled_to_mass(mass)
+    if not symmetrize:
+        return body
+    if found.symmetry is None:
+        raise MeshError("has no symmetry to average over", remedy="; ".join(found.notes))
+    return symmetrized(body, found.symmetry)
+
+
+def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:
+    """What `symmetrize` did."""
+    if not symmetrize or found.symmetry is None:
+        return ()
+    planes, axes = found.symmetry.accepted
+    if not planes and not axes:
+        return ("symmetrize: no plane and no axis holds, nothing was changed",)
+    return (f"symmetrize: averaged over planes ({planes}) and axes ({axes}) of symmetry",)
+
+
 def _repaired(triangles: Triangles, strict: bool) -> Repaired:
     """The surface put right and closed."""
-    fixed = put_right(triangles)
+    from robodyn.mesh.repair import repair
+
+    fixed = repair(triangles)
     if strict and fixed.steps:
         remedy = "--strict refuses what needs repair"
         raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)
-    if not fixed.closed:
+    if not fixed.closed and fixed.quadrature is None:
         why = f" ({'; '.join(fixed.remarks)})" if fixed.remarks else ""
         raise MeshError(
             f"the surface is not closed{why}, so it encloses no definite volume",
@@ -172,6 +240,18 @@ def _solid(integrals: Integrals, triangles: Triangles, density: float) -> MassPr
         reference=integrals.reference,
         scale=triangles.scale,
     )
+
+
+def _region(found: Quadrature, triangles: Triangles, density: float) -> MassProperties:
+    return from_integrals(
+        found.volume, found.first, found.S, density=density, reference=found.reference, scale=triangles.scale
+    )
+
+
+def _union(fixed: Repaired, integrals: Integrals) -> float | None:
+    if fixed.quadrature is not None:
+        return fixed.quadrature.bar
+    return fixed.doubt / abs(integrals.volume) if fixed.doubt else None
 
 
 def _sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mesh_samples as samples
 import numpy as np
 
+from robodyn.mesh.asymmetry import CentredBody
 from robodyn.mesh.integrate import integrate
 from robodyn.mesh.load import from_array
 from robodyn.mesh.symmetry import symmetry
@@ -12,7 +13,7 @@ from robodyn.mesh.symmetry import symmetry
 
 def found(corners, **options):
     triangles = from_array(corners)
-    return symmetry(triangles, integrate(triangles), **options)
+    return symmetry(CentredBody.of(triangles, integrate(triangles)), **options)
 
 
 def verdicts(things):

@@ -11,10 +11,10 @@ import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.mesh.columns import COLUMNS, Floats, Lattice, differing_volume, frame_along
-from robodyn.mesh.facets import facet_volume
 from robodyn.mesh.higher_moments import CentralMoments, central_moments
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.same_triangles import TriangleSet
+from robodyn.mesh.tessellation_lines import LineMasses, line_masses
 from robodyn.mesh.triangles import Triangles
 from robodyn.spatial import IDENTITY, Array, rotation_about
 
@@ -27,6 +27,8 @@ _SAME = 1e-6
 """Moments of the same triangles differ by less."""
 
 _TINY = 1e-8
+
+_CLEAR = 1.5
 
 _OBLIQUE = np.array((0.48, 0.6, 0.64))
 
@@ -63,13 +65,22 @@ class CentredBody:
         return central_moments(self.corners, self.S, self.volume)
 
     @cached_property
+    def line_masses(self) -> LineMasses:
+        """What facets leave out, about the centre."""
+        return line_masses(self.corners)
+
+    @property
     def facets(self) -> float:
-        """What facets may leave out, as a part of the volume."""
-        return facet_volume(self.corners) / self.volume
+        """The volume between facets and the surface they may stand for, as a part of the volume."""
+        return self.line_masses.size / self.volume
 
     @cached_property
     def _set(self) -> TriangleSet:
         return TriangleSet(self.corners, self.moments.reach)
+
+    def same(self, Q: Array) -> bool:
+        """Whether an orthogonal map takes the triangles to each other."""
+        return self.least(Q) <= _SAME and self._set.invariant(Q)
 
     def least(self, Q: Array) -> float:
         """A lower bound of the asymmetry under an orthogonal map, by moments."""
@@ -113,14 +124,19 @@ class CentredBody:
         return worst
 
     def _asymmetry(self, Q: Array, least: float, by_columns: Callable[[int], float]) -> float:
-        """The moments' bound for the same set of triangles; else by few columns if they find little or much."""
-        if least <= _SAME and self._set.invariant(Q):
+        """The moments' bound for the same set of triangles; else by columns.
+
+        By few if they find nothing or much, by many unless the difference is clearly one that facets make.
+        """
+        if self.same(Q):
             return least
         rough = by_columns(COLUMNS // 4) / (2 * self.volume)
         if rough > COARSE:
             return max(least, rough)
         fine = by_columns(COLUMNS) / (2 * self.volume)
-        return max(least, fine if not _TINY < fine < COARSE / 2 else by_columns(4 * COLUMNS) / (2 * self.volume))
+        if _TINY < fine < COARSE / 2 and not _CLEAR * fine < self.facets:
+            fine = by_columns(4 * COLUMNS) / (2 * self.volume)
+        return max(least, fine)
 
     def product_bound(self, normal: Array) -> float:
         """|integral of x n dV| / (V max|x| max|n|), which the asymmetry is not below, for the worst direction x.
@@ -130,7 +146,7 @@ class CentredBody:
         product = self.S @ normal
         product = product - normal * (normal @ product)
         size = float(np.linalg.norm(product))
-        if size <= 1e-14 * float(np.trace(self.S)):
+        if size <= 1e-14 * abs(float(np.trace(self.S))):
             return 0.0
         reach = np.abs(self.corners @ np.stack([product / size, normal], axis=1)).max(axis=(0, 1))
         return size / (self.volume * float(reach[0] * reach[1]))

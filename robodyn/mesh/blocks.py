@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from robodyn.mesh.triangles import Triangles
+from robodyn.mesh.stl_binary import StlTriangles
+from robodyn.mesh.triangles import Corners, Triangles
 from robodyn.spatial import Array
 
 CHUNK = 256
@@ -43,21 +44,30 @@ def block_space(triangles: Triangles, dtype: DTypeLike = np.float64) -> Array:
     return workspace(12, n, dtype).reshape(4, 3, n)
 
 
-def fill(space: Array, triangles: Triangles) -> Iterator[Array]:
+def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[Array]:
     """Put one block after the other into the same space, which may be written to in between.
 
     Where triangles do not fill it the rest is one corner of the mesh three times over: a triangle that adds nothing to
     any sum, box or boundary.
+
+    Args:
+        checked: False where the caller sees for itself that corners are finite, which saves time with a streamed file.
 
     Returns:
         (3 corners, 3 coordinates, n) in units of the file, part of the space.
     """
     X = space[:3]
     as_given = X.transpose(2, 0, 1)
-    for block in triangles.blocks(X.shape[-1]):
+    rows = X.shape[-1]
+    for block in triangles.blocks(rows) if checked else _raw(triangles, rows):
         as_given[: len(block)] = block
         X[:, :, len(block) :] = X[:1, :, :1]
         yield X
+
+
+def _raw(triangles: Triangles, rows: int) -> Iterator[Corners]:
+    """The blocks as they come fastest, perhaps with corners that are not finite."""
+    return triangles.records(rows) if isinstance(triangles, StlTriangles) else triangles.blocks(rows)
 
 
 def reference_in(X: Array) -> Array:

@@ -62,7 +62,12 @@ def fingerprint(triangles: Triangles) -> Fingerprint:
 
 
 class EdgeSums:
-    """The fingerprint of the blocks added so far."""
+    """The fingerprint of the blocks added so far.
+
+    Attributes:
+        sides: (3, n) |H| of each side of each triangle of the latest block: 63 bits, the same both ways along an edge,
+            zero from a corner to itself.
+    """
 
     def __init__(self, space: Array) -> None:
         """
@@ -72,6 +77,7 @@ class EdgeSums:
         X = space[:3]
         pool = workspace(10, space.shape[-1], np.uint64)
         hashes, total, term = pool[:4], pool[4:7], pool[7:]
+        self.sides = term
         self._result = np.empty(2, np.uint64)
         steps = _edge_steps(X.view(np.uint64), hashes, total, term, self._result)
         self._steps: list[Step] = [(np.add, (X, 0.0, X)), *steps]

@@ -79,6 +79,12 @@ class Lattice:
         """The area that each column stands for."""
         return self.step**2
 
+    def places(self, column: Integers) -> tuple[Floats, Floats]:
+        """Coordinates of columns along and across the rows."""
+        line, place = np.divmod(column, self.across)
+        shift = np.modf(_GOLDEN * line)[0]
+        return self.corner[0] + (place + 1 - shift) * self.step, self.corner[1] + (line + 0.5) * self.step
+
     def hits(self, corners: Floats) -> Hits:
         """Where the columns meet triangles (m, 3, 3).
 
@@ -121,7 +127,7 @@ class Lattice:
 
 def inside_volume(hits: Hits, cell: float) -> float:
     """The volume where the winding number is positive."""
-    order = _order(hits.column, hits.depth)
+    order = in_order(hits.column, hits.depth)
     inside = np.cumsum(hits.sign[order]) > 0
     return cell * float(np.diff(hits.depth[order])[inside[:-1]].sum())
 
@@ -133,7 +139,7 @@ def differing_volume(one: Hits, other: Hits, cell: float) -> float:
     a sum over the columns.
     """
     column, depth = np.concatenate([one.column, other.column]), np.concatenate([one.depth, other.depth])
-    order = _order(column, depth)
+    order = in_order(column, depth)
     of_one = np.concatenate([one.sign, np.zeros_like(other.sign)])[order]
     of_other = np.concatenate([np.zeros_like(one.sign), other.sign])[order]
     differ = (np.cumsum(of_one) > 0) != (np.cumsum(of_other) > 0)
@@ -150,7 +156,7 @@ def frame_along(direction: Array) -> Floats:
     return np.array([c * across + s * other, c * other - s * across, direction])
 
 
-def _order(column: Integers, depth: Floats) -> Integers:
+def in_order(column: Integers, depth: Floats) -> Integers:
     """By column, and in each by depth, but for depths that differ by less than 1e-11 of their range."""
     if not len(depth):
         return column

@@ -116,10 +116,30 @@ class Edges:
 
 
 def components(count: int, a: Numbers, b: Numbers) -> Numbers:
-    """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i]."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
+    """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i].
 
-    links = coo_array((np.ones(len(a), np.int8), (a, b)), shape=(count, count))
-    label: Numbers = connected_components(links, directed=False)[1].astype(np.int64)
-    return label
+    Components are numbered as their first nodes are. Every node with links to lower ones is hooked to one of them and
+    then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction).
+    """
+    label = np.arange(count)
+    nodes = count
+    while True:
+        apart = a != b
+        a, b = a[apart], b[apart]
+        if not a.size:
+            return label
+        parent = np.arange(nodes)
+        parent[np.maximum(a, b)] = np.minimum(a, b)
+        number = np.cumsum(parent == np.arange(nodes)) - 1
+        step = number[_roots(parent)]
+        label, a, b = step[label], step[a], step[b]
+        nodes = int(number[-1]) + 1
+
+
+def _roots(parent: Numbers) -> Numbers:
+    """Where following parents, none of which has a higher number, ends."""
+    while True:
+        further = parent[parent]
+        if np.array_equal(further, parent):
+            return parent
+        parent = further

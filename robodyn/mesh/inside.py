@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.mesh.indexed import Mask
+from robodyn.mesh.indexed import Indexed, Mask
 from robodyn.mesh.triangles import Floats
+from robodyn.mesh.winding import winding_numbers
 
 _DIRECTIONS = ((0.3183098861, 0.5772156649), (-0.4142135623, 0.2236067977), (0.1414213562, -0.6931471805))
 """Slopes of rays, generic so that they meet neither corners nor edges of parts drawn along the axes."""
@@ -29,6 +30,17 @@ class Interior:
             if winding is not None:
                 return winding != 0
         return None
+
+
+class OpenInterior:
+    """The inside of an open surface, wound either way: where its winding number is above 1/2."""
+
+    def __init__(self, mesh: Indexed) -> None:
+        self._mesh = mesh
+
+    def has(self, point: Floats) -> bool:
+        """Whether it has this point (3,)."""
+        return bool(abs(winding_numbers(point[None], self._mesh)[0]) > 0.5)
 
 
 class _Sheared:

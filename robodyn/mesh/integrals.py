@@ -32,6 +32,7 @@ class Integrals:
         count: triangles.
         bound: of the arithmetic error of the volume, relative to it; infinite where it is all there is.
         method: "float64", "long double" or "rational".
+        least: area of the smallest triangle.
         bound_second: as `bound`, of each principal second moment about the centre.
         unrounded: volume, first and S as fractions, before they were rounded to floats; not needed.
     """
@@ -46,6 +47,7 @@ class Integrals:
     count: int
     bound: float
     method: str
+    least: float = 0.0
     bound_second: float = 0.0
     unrounded: Moments | None = None
 

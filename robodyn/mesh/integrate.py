@@ -20,7 +20,7 @@ __all__ = ["Integrals", "integrate", "measure"]
 LIMIT = 1e-12
 """Bounds of the error above this call for the next finer arithmetic."""
 
-_PERM, _AREA = 10, 11
+_MOMENTS, _AREA, _SQUARES = slice(10), 10, slice(11, 17)
 """Places among the sums of `volume_kernel`."""
 
 _SMALL = 1e-60
@@ -75,9 +75,9 @@ def _worst_bound(found: Integrals) -> float:
 
 def _estimated(triangles: Triangles, first: Sweep, sweep: Sweep, method: str) -> Integrals:
     """The integrals that a sweep found, with their bounds; the area is that of the first."""
-    sums = sweep.totals()
+    sums = sweep.totals(_MOMENTS)
     moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
-    perm, eps = float(sums[_PERM] / 6), float(np.finfo(sweep.sums.dtype).eps)
+    perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
     bounds = volume_bound(moments, perm, eps), second_bound(moments, perm, sweep.reach, eps)
     return _integrals(triangles, first, moments, method, bounds)
 
@@ -103,6 +103,7 @@ def _integrals(
         bound=bounds[0],
         bound_second=bounds[1],
         method=method,
+        least=first.least / 2,
         unrounded=moments,
     )
 

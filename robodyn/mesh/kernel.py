@@ -15,6 +15,7 @@ because OpenBLAS would start threads for them.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,49 +25,48 @@ from robodyn.spatial import Array
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 """The entries of a symmetric matrix in the order of its sums."""
 
-Kernel = tuple[list[Step], Array]
-"""Steps to be taken for every block, and the array that then has its sums."""
+
+class Kernel(NamedTuple):
+    """Steps to be taken for every block, and the arrays that then have its sums and twice the area of each triangle."""
+
+    steps: list[Step]
+    result: Array
+    sizes: Array
 
 
 def volume_kernel(space: Array) -> Kernel:
-    """6 V, 24 first (3), 120 S (6: xx, xy, xz, yy, yz, zz), 6 perm, twice the area.
-
-    perm is V with all products of D taken as positive: it measures how much of them cancels.
+    """6 V, 24 first (3), 120 S (6: xx, xy, xz, yy, yz, zz), twice the area, and the sums of the squares of the
+    coordinates of b - a (3) and c - a (3).
 
     Args:
         space: (4, 3, n) of `block_space`, with corners from the point of reference; they are lost.
     """
-    X, result, n = space[:3], np.empty(12, space.dtype), space.shape[-1]
-    early, normal, weights = (workspace(rows, n, space.dtype) for rows in (12, 3, 3))
-    products = early[6:].reshape(2, 3, n)
-    size, terms, weight = early[:3], early[3:6], weights[0]
-    perms = np.empty((2, 3, 1, 1), space.dtype)
+    X, result, n = space[:3], np.empty(17, space.dtype), space.shape[-1]
+    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (12, 3, 1))
+    edges, terms = early[:6], early[6:9]
     steps: list[Step] = [
         *_cross(X, early, normal),
-        (np.absolute, (products, products)),
-        (np.absolute, (X[0], size)),
-        (np.matmul, (size[:, None, :], products[..., None], perms)),
-        (np.add.reduce, (perms, None, None, result[10, ...])),
+        (np.matmul, (edges[:, None, :], edges[..., None], result[11:, None, None])),
         (np.multiply, (normal, X[0], terms)),
-        *_row_sum(terms, weight),
+        *_row_sum(terms, weight[0]),
         *_lengths(normal),
-        (np.add.reduce, (normal[0], None, None, result[11, ...])),
-        *_moments(space, weights, early, result[:10]),
+        (np.add.reduce, (normal[0], None, None, result[10, ...])),
+        *_moments(space, weight, early, result[:10]),
     ]
-    return steps, result
+    return Kernel(steps, result, normal[0])
 
 
 def surface_kernel(space: Array) -> Kernel:
     """2 A, 6 first (3), 24 S (6), for the same space."""
     result, n = np.empty(10, space.dtype), space.shape[-1]
-    early, normal, weights = (workspace(rows, n, space.dtype) for rows in (12, 3, 3))
+    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (12, 3, 1))
     steps: list[Step] = [
         *_cross(space[:3], early, normal),
         *_lengths(normal),
-        (np.copyto, (weights[0], normal[0])),
-        *_moments(space, weights, early, result),
+        (np.copyto, (weight[0], normal[0])),
+        *_moments(space, weight, early, result),
     ]
-    return steps, result
+    return Kernel(steps, result, normal[0])
 
 
 def symmetric(entries: Array) -> Array:
@@ -121,22 +121,21 @@ def _lengths(normal: Array) -> list[Step]:
     return [(np.multiply, (normal, normal, normal)), *_row_sum(normal, first), (np.sqrt, (first, first))]
 
 
-def _moments(space: Array, weights: Array, early: Array, result: Array) -> list[Step]:
-    """Sums of weight, weight (a + b + c) and weight u u^T; the first of the three rows of weights has them."""
-    (a, b, c, third), weight = space, weights[0]
-    total, weighted, sums = early[9:], early[:9], space[1:].reshape(9, -1)
-    dots_first, first = dots(total.reshape(3, 1, -1), weights[:1].reshape(1, 1, -1), [(i, 0) for i in range(3)])
-    dots_second, second = dots(weighted.reshape(3, 3, -1).swapaxes(0, 1), space[1:].swapaxes(0, 1), PAIRS)
+def _moments(space: Array, weight: Array, early: Array, result: Array) -> list[Step]:
+    """Sums of weight, weight (a + b + c) and weight u u^T, for a row of weights."""
+    (a, b, c, third), sums = space, space[1:]
+    total, weighted = early[9:], early[:9].reshape(3, 3, -1)
+    dots_first, first = dots(total[None], weight[None], [(0, 0)])
+    dots_second, second = dots(weighted.swapaxes(0, 1), sums.swapaxes(0, 1), PAIRS)
     return [
-        (np.add.reduce, (weight, None, None, result[0, ...])),
+        (np.add.reduce, (weight[0], None, None, result[0, ...])),
         (np.add, (a, b, third)),
         (np.add, (third, c, total)),
         *dots_first,
-        (np.add.reduce, (first, 1, None, result[1:4])),
+        (np.add.reduce, (first.reshape(3, -1), 1, None, result[1:4])),
         (np.add, (b, c, b)),
         (np.add, (c, a, c)),
-        (np.copyto, (weights[1:], weight)),
-        (np.multiply, (sums.reshape(3, -1), weights.reshape(-1), weighted.reshape(3, -1))),
+        (np.multiply, (sums, weight, weighted)),
         *dots_second,
         (np.add.reduce, (second, 1, None, result[4:10])),
     ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.mesh.indexed import Mask, Numbers, triple
-from robodyn.mesh.inside import Interior
+from robodyn.mesh.inside import Interior, OpenInterior
 from robodyn.mesh.shells import Shells
 from robodyn.mesh.triangles import Floats
 
@@ -36,15 +36,20 @@ class Nesting:
     cavities: int
 
 
-def nested(shells: Shells) -> Nesting:
+def nested(shells: Shells, caps: int = 0) -> Nesting:
     """Turn closed shells so that outermost ones are positive, those within them cavities, bodies in cavities positive.
 
-    A shell is in another if its box is and none of a few of its points is outside, but one is inside.
+    A shell is in another if its box is and none of a few of its points is outside, but one is inside. Open shells taken
+    together count as one, wound outwards by its volume with caps, and around others by its winding number.
+
+    Args:
+        caps: so many of the last faces are none of the surface; with them it is closed.
     """
     volumes, flat = _volumes(shells)
-    parent, depth = _parents(shells, np.abs(volumes), shells.closed & ~flat)
-    inward = depth % 2 == 1
+    parent, depth = _parents(shells, np.abs(volumes), shells.closed & ~flat, _open(shells, caps))
+    inward = shells.closed & (depth % 2 == 1)
     wrong = shells.closed & ~flat & ((volumes < 0) != inward)
+    wrong |= ~shells.closed & ((volumes * ~shells.closed).sum() < 0) & ~flat[~shells.closed].all()
     after = replace(shells, mesh=shells.mesh.turned(wrong[shells.label]))
     return Nesting(after, depth, parent, int((wrong & ~inward).sum()), int((wrong & inward).sum()))
 
@@ -59,7 +64,14 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
     return volumes, flat
 
 
-def _parents(shells: Shells, sizes: Floats, proper: Mask) -> tuple[Numbers, Numbers]:
+def _open(shells: Shells, caps: int) -> OpenInterior | None:
+    """What open shells enclose, if there are some."""
+    chosen = ~shells.closed[shells.label]
+    chosen[len(chosen) - caps :] = False
+    return OpenInterior(shells.mesh.keep(chosen)) if chosen.any() else None
+
+
+def _parents(shells: Shells, sizes: Floats, proper: Mask, patches: OpenInterior | None) -> tuple[Numbers, Numbers]:
     """The smallest shell around each and how deep each lies, from the largest shell down."""
     order = np.argsort(shells.label, kind="stable")
     starts = np.searchsorted(shells.label[order], np.arange(shells.count))
@@ -72,19 +84,20 @@ def _parents(shells: Shells, sizes: Floats, proper: Mask) -> tuple[Numbers, Numb
     for shell in np.argsort(-sizes, kind="stable"):
         if not proper[shell]:
             continue
-        depth[shell] = 0
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
-        points = _points(corners[starts[shell] : stops[shell]]) if around.any() else []
+        points = _points(corners[starts[shell] : stops[shell]]) if around.any() or patches else []
         for other in sorted(np.flatnonzero(around).tolist(), key=lambda k: depth[k], reverse=True):
             if other not in interiors:
                 interiors[other] = Interior(corners[starts[other] : stops[other]])
             if _holds(interiors[other], points):
                 parent[shell], depth[shell] = other, depth[other] + 1
                 break
+        else:
+            depth[shell] = int(patches is not None and _holds(patches, points))
     return parent, depth
 
 
-def _holds(interior: Interior, points: list[Floats]) -> bool:
+def _holds(interior: Interior | OpenInterior, points: list[Floats]) -> bool:
     found = False
     for point in points:
         answer = interior.has(point)

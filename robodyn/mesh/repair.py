@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from robodyn.errors import MeshError
 from robodyn.mesh.clean import without_degenerate, without_duplicates
 from robodyn.mesh.holes import Filling, filled
 from robodyn.mesh.indexed import Indexed, merged
 from robodyn.mesh.nesting import Nesting, nested
+from robodyn.mesh.quadrature import Quadrature, by_columns, by_winding_numbers
 from robodyn.mesh.shells import wound
 from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
 from robodyn.mesh.union import United, united
+
+_BY_REGION = ("overlaps", "winding numbers")
+"""Steps that leave the surface as it is."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,8 @@ class Step:
     """One kind of repair.
 
     Attributes:
-        name: "degenerate", "duplicate", "winding", "holes", "orientation" or "union".
+        name: "degenerate", "duplicate", "winding", "holes", "orientation", "union", "overlaps" or "winding numbers";
+            the last two leave the surface as it is.
         count: of the faces, gaps, shells or bodies it was done to.
         what: in words.
         volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
@@ -46,9 +51,9 @@ class Repaired:
         steps: what was done, in order.
         shells: connected parts, before any union.
         closed: whether no boundary is left, so that the volume is well defined.
+        doubt: volume that may be missing or too much where holes were filled.
         missing: estimated share of the surface of the open parts that is missing, 0 if closed.
-        untested: bodies that may overlap, as their boxes do and not all are manifolds; no union was made of them.
-        folded: shells that may overlap themselves, as they have edges of more than two faces.
+        quadrature: integrals over the region that the surface encloses, where they are not those of its triangles.
         remarks: what was found and left as it is.
     """
 
@@ -56,17 +61,18 @@ class Repaired:
     steps: tuple[Step, ...]
     shells: int
     closed: bool
+    doubt: float
     missing: float
-    untested: int
-    folded: int
+    quadrature: Quadrature | None
     remarks: tuple[str, ...]
 
 
 def repair(triangles: Triangles) -> Repaired:
     """The surface with bad faces dropped, small holes filled, shells wound as their nesting asks, and bodies united.
 
-    Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole
-    stay as they are. Nothing is replaced by its hull.
+    Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole,
+    and those that overlap but are no manifolds, stay as they are: the region where the winding number is positive is
+    integrated by columns. Nothing is replaced by its hull.
 
     Args:
         triangles: at least one.
@@ -85,21 +91,36 @@ def repair(triangles: Triangles) -> Repaired:
     filling = filled(shells)
     count = filling.holes + filling.seams
     steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
-    nesting = nested(filling.shells)
+    nesting = nested(filling.capped, filling.caps)
     count = nesting.bodies + nesting.cavities
-    steps.taken(filling.shells.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
-    union = united(nesting)
+    steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
+    union = united(nesting, filling.caps)
     steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
+    mesh, region = _region(union, filling, steps)
     return Repaired(
-        triangles=_replaced(triangles, union.mesh) if steps.all else triangles,
+        triangles=_replaced(triangles, mesh) if any(step.name not in _BY_REGION for step in steps.all) else triangles,
         steps=tuple(steps.all),
         shells=nesting.shells.count,
-        closed=bool(nesting.shells.closed.all()),
+        closed=not filling.left,
+        doubt=filling.doubt,
         missing=filling.missing,
-        untested=union.untested,
-        folded=union.folded,
-        remarks=_remarks(filling, union),
+        quadrature=region,
+        remarks=_remarks(filling, region),
     )
+
+
+def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Quadrature | None]:
+    """The mesh without caps, and the region that it encloses if its winding number has to tell."""
+    count = len(union.mesh.faces) - filling.caps
+    mesh, caps = replace(union.mesh, faces=union.mesh.faces[:count]), union.mesh.faces[count:]
+    if not filling.left:
+        region = by_columns(mesh) if union.untested or union.folded else None
+        steps.measured(mesh, region, union.untested + union.folded, "overlaps", _overlaps(union))
+        return mesh, region
+    region = by_winding_numbers(mesh, caps)
+    what = f"{_many(filling.left, 'gap')} too large to be filled, left to winding numbers"
+    steps.measured(mesh, region, filling.left, "winding numbers", what)
+    return mesh, region
 
 
 class _Steps:
@@ -108,6 +129,11 @@ class _Steps:
     def __init__(self, reference: Floats) -> None:
         self.all: list[Step] = []
         self._reference = reference
+
+    def measured(self, before: Indexed, region: Quadrature | None, count: int, name: str, what: str) -> None:
+        """Keep in mind that a region was measured."""
+        if region is not None:
+            self.all.append(Step(name, count, what, before.volume(self._reference), region.volume))
 
     def taken(self, before: Indexed, after: Indexed, count: int, name: str, what: str) -> Indexed:
         """The mesh after a step, which is kept in mind if it was done to anything."""
@@ -133,17 +159,19 @@ def _nesting(found: Nesting) -> str:
     return ", ".join(f"{_many(count, 'shell')} {how}" for count, how in kinds if count)
 
 
-def _remarks(found: Filling, union: United) -> tuple[str, ...]:
+def _overlaps(found: United) -> str:
+    bodies = [f"{found.untested} bodies"] if found.untested else []
+    shells = [_many(found.folded, "folded shell")] if found.folded else []
+    return f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
+
+
+def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
     remarks = []
-    if found.left:
+    if found.left and region is None:
         share = f"{100 * found.missing:.2g} % of their surface"
         remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
     if found.shells.twisted:
         remarks.append(f"{_many(found.shells.twisted, 'face')} in patches with one side only, which have no winding")
-    if union.untested:
-        remarks.append(f"{union.untested} bodies may overlap, but not all are manifolds: no union was made of them")
-    if union.folded:
-        remarks.append(f"{_many(union.folded, 'shell')} with edges of more than two faces, which may overlap in itself")
     return tuple(remarks)
 
 

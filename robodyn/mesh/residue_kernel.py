@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from robodyn.mesh.blocks import Step, workspace
-from robodyn.mesh.kernel import PAIRS, Kernel, dots
+from robodyn.mesh.kernel import PAIRS, dots
 from robodyn.spatial import Array
 
 
@@ -40,8 +40,8 @@ class Field:
         ]
 
 
-def residue_kernel(parts: Array, field: Field) -> Kernel:
-    """Integers with the residues of 6 V, 24 first (3) and 120 S (6) of the present block.
+def residue_kernel(parts: Array, field: Field) -> tuple[list[Step], Array]:
+    """Steps, and where they put integers with the residues of 6 V, 24 first (3) and 120 S (6) of the present block.
 
     Args:
         parts: (limbs, 3 corners, 3 coordinates, n) integers up to 2^26 with 3 n <= 2^14: coordinates are sums of parts

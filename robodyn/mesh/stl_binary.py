@@ -42,6 +42,14 @@ class StlTriangles:
         return self.source.name
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
+        first = 0
+        for block in map(_columns, self.records(rows)):
+            check_finite(block, first, self.name)
+            first += len(block)
+            yield block
+
+    def records(self, rows: int) -> Iterator[Corners]:
+        """As `blocks`, but in the memory of the next, and perhaps not finite."""
         data = bytearray(RECORD * min(rows, self.count))
         with self.source.opened() as stream:
             for first in range(0, self.count, rows):
@@ -49,9 +57,7 @@ class StlTriangles:
                 stream.seek(START + RECORD * first)
                 if stream.readinto(memoryview(data)[:wanted]) != wanted:  # type: ignore[attr-defined]
                     raise self.source.error("was cut short while it was read", remedy="run again")
-                block = _columns(np.frombuffer(data, _TYPE, wanted // RECORD)["corners"])
-                check_finite(block, first, self.name)
-                yield block
+                yield np.frombuffer(data, _TYPE, wanted // RECORD)["corners"]
 
     def array(self) -> Floats:
         found = np.empty((self.count, 3, 3))

@@ -14,7 +14,7 @@ from robodyn.inertia.exact import exact
 from robodyn.mesh.blocks import block_space, fill, reference_in
 from robodyn.mesh.closed import EdgeSums, Fingerprint
 from robodyn.mesh.kernel import Kernel
-from robodyn.mesh.triangles import Triangles
+from robodyn.mesh.triangles import Triangles, check_all_finite
 from robodyn.spatial import Array
 
 Floats = NDArray[np.float64]
@@ -30,19 +30,48 @@ class Sweep:
     Attributes:
         sums: (blocks, k) the sums of each block, in the floats of the pass.
         reference: (3,) the point about which they are.
-        lo, hi: (3,) corners of the box.
+        lows, highs: (blocks, 3) corners of the box of each block.
+        least: twice the area of the smallest triangle.
     """
 
     sums: Array
     reference: Floats
-    lo: Floats
-    hi: Floats
+    lows: Floats
+    highs: Floats
+    least: float
+
+    @property
+    def lo(self) -> Floats:
+        """(3,) the least coordinates."""
+        lo: Floats = self.lows.min(axis=0)
+        return lo
+
+    @property
+    def hi(self) -> Floats:
+        """(3,) the largest coordinates."""
+        hi: Floats = self.highs.max(axis=0)
+        return hi
 
     @property
     def reach(self) -> Floats:
         """(3,) how far the box reaches from the reference."""
+        return self._reach(self.lo, self.hi)
+
+    def _reach(self, lo: Floats, hi: Floats) -> Floats:
         with np.errstate(over="ignore"):
-            return np.maximum(self.hi - self.reference, self.reference - self.lo)
+            return np.maximum(hi - self.reference, self.reference - lo)
+
+    def perm(self, squares: Array) -> float:
+        """At least the sum over the triangles of a . |(b - a) x (c - a)| with all its products taken as positive.
+
+        In each block by its reach and Schwarz's inequality, sum |x y|^2 <= sum x^2 sum y^2.
+
+        Args:
+            squares: (blocks, 6) sums of the squares of the coordinates of b - a and c - a.
+        """
+        e, f = np.sqrt(squares.astype(np.float64)).reshape(-1, 2, 3).swapaxes(0, 1)
+        products = [e[:, i - 2] * f[:, i - 1] + e[:, i - 1] * f[:, i - 2] for i in range(3)]
+        return float((self._reach(self.lows, self.highs) * np.stack(products, axis=1)).sum())
 
     @property
     def safe(self) -> bool:
@@ -50,14 +79,14 @@ class Sweep:
         reach = self.reach
         return bool((reach < _SAFE[1]).all() and (reach[reach > 0] > _SAFE[0]).all())
 
-    def totals(self) -> Array:
-        """(k,) the sums of all blocks, as fractions.
+    def totals(self, columns: slice = slice(None)) -> Array:
+        """(k,) these sums over all blocks, as fractions.
 
         Accuracy: of float64, the correctly rounded sum; of wider floats, the exact one.
         """
         if self.sums.dtype == np.float64:
-            return exact([fsum(column) for column in self.sums.T.tolist()])
-        total: Array = exact(self.sums).sum(axis=0)
+            return exact([fsum(column) for column in self.sums[:, columns].T.tolist()])
+        total: Array = exact(self.sums[:, columns]).sum(axis=0)
         return total
 
     def beyond(self, triangles: Triangles, how: str) -> MeshError:
@@ -102,10 +131,10 @@ def swept_with_edges(triangles: Triangles, kernel: Callable[[Array], Kernel]) ->
 def _swept(
     triangles: Triangles, space: Array, kernel: Kernel, reference: Floats | None, edges: EdgeSums | None
 ) -> Sweep:
-    steps, result = kernel
-    sums, lows, highs = [], [], []
+    sums, lows, highs, least = [], [], [], [np.inf]
+    left = triangles.count
     with np.errstate(all="ignore"):
-        for X in fill(space, triangles):
+        for X in fill(space, triangles, checked=False):
             if edges is not None:
                 edges.add()
             if reference is None:
@@ -113,10 +142,14 @@ def _swept(
             lows.append(np.minimum.reduce(X, 2))
             highs.append(np.maximum.reduce(X, 2))
             np.subtract(X, reference[:, None], X)
-            for function, arguments in steps:
+            for function, arguments in kernel.steps:
                 function(*arguments)
-            sums.append(result.copy())
+            sums.append(kernel.result.copy())
+            least.append(np.minimum.reduce(kernel.sizes[:left]))
+            left -= len(kernel.sizes)
     if reference is None:
         raise MeshError("has no triangles", remedy="give a mesh with at least one", file=triangles.name)
-    lo, hi = np.min(lows, axis=(0, 1)).astype(np.float64), np.max(highs, axis=(0, 1)).astype(np.float64)
-    return Sweep(np.array(sums), reference, lo, hi)
+    ends = np.min(lows, axis=1).astype(np.float64), np.max(highs, axis=1).astype(np.float64)
+    if not np.isfinite(ends).all():
+        check_all_finite(triangles)
+    return Sweep(np.array(sums), reference, *ends, float(min(least)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from robodyn.mesh.columns import Floats
@@ -59,13 +59,32 @@ class Product:
     zero: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Symmetry:
-    """What was found, the most symmetric first, and the products xy, xz, yz."""
+    """What was found, the most symmetric first, and the products xy, xz, yz.
+
+    Attributes:
+        invariants: (k, 3, 3) orthonormal basis of the second moments that the planes and axes that hold leave possible.
+    """
 
     planes: tuple[Plane, ...]
     axes: tuple[Axis, ...]
     products: tuple[Product, ...]
+    invariants: Floats
+
+    @property
+    def accepted(self) -> tuple[int, int]:
+        """How many planes and axes hold."""
+        return sum(plane.holds for plane in self.planes), sum(axis.holds for axis in self.axes)
+
+    def scaled(self, scale: float) -> Symmetry:
+        """The same in another unit, of which there are so many in the present one."""
+        return replace(
+            self,
+            planes=tuple(replace(plane, offset=plane.offset * scale) for plane in self.planes),
+            axes=tuple(replace(axis, point=axis.point * scale) for axis in self.axes),
+            products=tuple(replace(product, residual=product.residual * scale**5) for product in self.products),
+        )
 
 
 def verdict_of(asymmetry: float, tolerance: float, facets: float) -> Verdict:

@@ -20,6 +20,9 @@ from robodyn.spatial import Array, rotation_about
 _APART = 1e-3
 """Angle between planes that are told apart."""
 
+_ASKEW = 1e-4
+"""A normal that is closer to a coordinate axis is tried along it: facets and rounding turn it by less."""
+
 _SOLID_FOLDS = (5.0, 4.0, 3.0, 2.0)
 """Of the axes of the regular bodies."""
 
@@ -52,7 +55,7 @@ class Search:
 
     def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
         """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
-        others = [self._plane(normal) for normal in self._further_normals(axes) if self._promising(mirror(normal))]
+        others = [self._plane(normal) for normal in self._wanted_normals(tuple(axes))]
         listed = [*self._always.values(), *(plane for plane in others if plane.verdict != "none")]
         kept: list[Plane] = []
         for plane in sorted(listed, key=lambda plane: plane.asymmetry):
@@ -127,6 +130,17 @@ class Search:
             near += [axis] if axis.verdict == "near" else []
         return sorted(near, key=lambda axis: axis.asymmetry)[:1]
 
+    def _wanted_normals(self, axes: tuple[Axis, ...]) -> list[Floats]:
+        """Further normals; of planes that an axis of revolution implies those with the same triangles, or else two."""
+        found = [normal for normal in self._further_normals(axes) if self._promising(mirror(normal))]
+        directions = [axis.direction for axis in axes if axis.fold == inf and axis.holds]
+        for direction in directions:
+            implied = [normal for normal in found if self._ball or abs(normal @ direction) <= _APART]
+            others = [normal for normal in found if not (self._ball or abs(normal @ direction) <= _APART)]
+            exact = [normal for normal in implied if self.body.same(mirror(normal))]
+            found = others + (exact or [row for row in self.principal if abs(row @ direction) <= _APART])
+        return found
+
     def _further_normals(self, axes: Iterable[Axis]) -> Floats:
         """Normals of planes through lone axes, special ones, and of what even fourth moments do not show."""
         normals = [self.special]
@@ -154,6 +168,11 @@ class Search:
         return self.body.corners.reshape(-1, 3)
 
     def _plane(self, normal: Array) -> Plane:
+        nearest = np.eye(3)[np.argmax(np.abs(normal))]
+        if 0 < np.linalg.norm(np.cross(normal, nearest)) <= _ASKEW:
+            along = self._plane(nearest)
+            if along.holds:
+                return along
         asymmetry = self.body.mirrored(normal)
         return Plane(normal, float(normal @ self.body.centre), asymmetry, self._verdict(asymmetry))
 

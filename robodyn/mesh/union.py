@@ -22,7 +22,7 @@ class United:
     Attributes:
         mesh: with the union in their place.
         bodies: that were united, none if no two share any volume.
-        untested: bodies whose boxes overlap that of another, where one of them is no manifold: they may overlap.
+        untested: bodies whose boxes overlap that of another, where one is no manifold or has caps: they may overlap.
         folded: shells with edges of more than two faces: they may overlap themselves.
     """
 
@@ -32,22 +32,24 @@ class United:
     folded: int = 0
 
 
-def united(nesting: Nesting) -> United:
+def united(nesting: Nesting, caps: int = 0) -> United:
     """The union of bodies that share volume, by `manifold3d` (a robust boolean of triangle meshes).
 
     A body is a shell at an even depth with the cavities right within it. Only bodies with boxes that overlap are tried.
+
+    Args:
+        caps: so many of the last faces are none of the surface; they stay the last.
     """
     body = _bodies(nesting)
     clusters = _clusters(nesting.shells.mesh.corners, body)
     mesh = nesting.shells.mesh
-    found, stays, extra = (
-        United(mesh, folded=_folded(mesh, nesting.shells.label)),
-        np.ones(len(mesh.faces), np.bool_),
-        [],
-    )
+    found = United(mesh, folded=_folded(mesh, nesting.shells.label))
+    stays, extra = np.ones(len(mesh.faces), np.bool_), []
+    capped = set(body[len(body) - caps :].tolist())
     for cluster in clusters:
-        solids = [manifold(*_apart(mesh, nesting.shells.label, body == name)) for name in cluster]
-        if None in solids:
+        parts = [] if capped.intersection(cluster) else [body == name for name in cluster]
+        solids = [manifold(*_apart(mesh, nesting.shells.label, part)) for part in parts]
+        if not solids or None in solids:
             found = replace(found, untested=found.untested + len(cluster))
             continue
         union = _union(solids)
@@ -55,7 +57,7 @@ def united(nesting: Nesting) -> United:
             found = replace(found, bodies=found.bodies + len(cluster))
             stays &= ~np.isin(body, cluster)
             extra.append(union)
-    return replace(found, mesh=_joined([mesh.keep(stays), *extra])) if extra else found
+    return replace(found, mesh=_joined([*extra, mesh.keep(stays)])) if extra else found
 
 
 def _bodies(nesting: Nesting) -> Numbers:

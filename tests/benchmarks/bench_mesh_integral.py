@@ -20,6 +20,7 @@ from robodyn.mesh.closed import fingerprint
 from robodyn.mesh.integrate import integrate, measure
 from robodyn.mesh.kernel import volume_kernel
 from robodyn.mesh.load import load_triangles
+from robodyn.mesh.one_shell import is_one_shell
 from robodyn.mesh.sweep import swept
 
 OURS = "integral"
@@ -36,6 +37,7 @@ def ways(corners: np.ndarray, data: bytes) -> dict[str, Callable[[], object]]:
         OURS: lambda: integrate(triangles),
         "integral and proof of closedness": lambda: measure(triangles),
         "proof alone": lambda: fingerprint(triangles),
+        "proof that it is one shell": lambda: is_one_shell(triangles),
         "reading alone": lambda: sum(len(block) for block in triangles.blocks()),
         "integral in long double": lambda: swept(triangles, volume_kernel, dtype=np.longdouble),
         "integral in exact integers": lambda: integrate(triangles, exact=True),

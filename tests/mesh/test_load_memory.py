@@ -1,4 +1,4 @@
-"""Five million triangles of a binary STL go through a new process in less than 100 MB."""
+"""Five million triangles of a binary STL go through a new process in less than 100 MB, and are measured in that."""
 
 from __future__ import annotations
 
@@ -18,6 +18,13 @@ print(sum(len(block) for _ in range(2) for block in read.blocks()))
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """
 
+MEASURE = """
+import sys
+from robodyn.part import mass_properties
+print(mass_properties(sys.argv[1]).triangles)
+print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
+"""
+
 
 @pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="the system does not tell the peak of a process")
@@ -34,4 +41,15 @@ def test_peak_resident_memory(tmp_path, from_stdin):
         done = subprocess.run(call, stdin=stream, capture_output=True, text=True, check=True)
     count, peak = map(int, done.stdout.split())
     assert count == 2 * COUNT
+    assert peak < 100 * 1024
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.exists("/proc/self/status"), reason="the system does not tell the peak of a process")
+def test_peak_resident_memory_of_a_measured_shell(tmp_path):
+    path = tmp_path / "torus.stl"
+    path.write_bytes(binary_stl(torus(rings=2500, sectors=1000)))
+    done = subprocess.run([sys.executable, "-c", MEASURE, str(path)], capture_output=True, text=True, check=True)
+    count, peak = map(int, done.stdout.split())
+    assert count == COUNT
     assert peak < 100 * 1024

@@ -144,7 +144,7 @@ def test_a_body_on_top_of_another_is_no_cavity():
 def test_bodies_that_share_an_edge():
     found = repaired(box(), moved(flipped(box()), (1, 1, 0)))
     assert found.shells == 2
-    assert found.folded == 0
+    assert found.quadrature is None
     assert taken(found) == [("orientation", 1)]
     same_volume(found, 2)
 

@@ -94,13 +94,16 @@ def test_both_sides_of_a_sheet_leave_a_sheet():
     assert found.triangles.count == 2
 
 
-def test_faces_of_bodies_that_are_flush_stay_and_are_said_to_be_doubtful():
-    low, high = box((1, 1, 1)), box((1, 1, 3))
-    found = repaired(moved(low, (0.5, 0.5, 0.5)), moved(high, (0.5, 0.5, 1.5)))
-    assert found.steps == ()
+def test_faces_of_bodies_that_are_flush_stay_and_their_overlap_counts_once():
+    given = MemoryTriangles(
+        "part", np.concatenate([moved(box(), (0.5, 0.5, 0.5)), moved(box((1, 1, 3)), (0.5, 0.5, 1.5))])
+    )
+    found = repair(given)
+    assert found.triangles is given
     assert found.closed
-    assert found.folded == 1
-    assert found.remarks == ("1 shell with edges of more than two faces, which may overlap in itself",)
+    assert taken(found) == [("overlaps", 1)]
+    assert found.steps[0].what == "overlaps of 1 folded shell counted once, by columns"
+    assert (found.steps[0].volume_before, found.steps[0].volume_after) == pytest.approx((4, 3), rel=1e-5)
 
 
 def test_walls_within_a_block_of_eight_boxes_cancel():

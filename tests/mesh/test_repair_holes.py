@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
+from repaired_meshes import R
 
 from robodyn.mesh.closed import fingerprint
 from robodyn.mesh.integrate import integrate
@@ -137,10 +138,18 @@ def test_a_stray_sheet_beside_a_body_weighs_nothing():
 
 
 def test_only_the_large_hole_stays_open():
-    found = repaired(box()[2:], moved(uv_sphere()[1:], (9, 0, 0)))
+    found = repaired(box((2, 2, 2))[2:], moved(uv_sphere(0.5)[1:], (9, 0, 0)))
     assert taken(found) == [("holes", 1)]
     assert not found.closed
     assert found.remarks == ("1 gap too large to be filled: 17 % of their surface is missing",)
+
+
+def test_what_may_have_been_where_a_hole_is():
+    """A sphere without its ends: what lies beyond the caps is less than the doubt, but not by orders of magnitude."""
+    whole = uv_sphere(rings=48, sectors=96)
+    for height in (0.95, 0.9, 0.82):
+        found = repaired(moved(whole[(whole[:, :, 2] < height).all(axis=1)], R=R))
+        assert volume(whole) - closed_volume(found) < found.doubt < 20 * (volume(whole) - closed_volume(found))
 
 
 def test_a_tetrahedron_without_a_face_is_half_open():

@@ -20,7 +20,7 @@ def test_two_boxes(turn, offset):
     assert found.steps[0].what == "2 overlapping bodies united"
     assert found.steps[0].change == pytest.approx(-1 * 1.5 * 1.75, rel=1e-6)
     assert volume(found) == pytest.approx(16 - 1 * 1.5 * 1.75, rel=1e-12)
-    assert found.untested == 0
+    assert found.quadrature is None
 
 
 def test_a_cross_of_three_bars():
@@ -59,7 +59,7 @@ def test_linked_rings_do_not_overlap():
     turn = np.array([(1.0, 0, 0), (0, 0, -1), (0, 1, 0)])
     found = repaired(torus(), moved(torus(), (2, 0, 0), turn))
     assert found.steps == ()
-    assert found.untested == 0
+    assert found.quadrature is None
 
 
 def test_a_pin_in_its_bore_only_touches():
@@ -68,12 +68,22 @@ def test_a_pin_in_its_bore_only_touches():
     assert found.steps == ()
 
 
-def test_no_union_is_made_where_one_body_is_no_manifold(monkeypatch):
+def test_columns_where_one_body_is_no_manifold(monkeypatch):
     monkeypatch.setattr("robodyn.mesh.union.manifold", lambda vertices, faces: None)
-    found = repaired(box((2, 2, 2)), moved(box((2, 2, 2)), (1, 0.5, 0.25)), moved(box(), (9, 0, 0)))
+    parts = box((2, 2, 2)), moved(box((2, 2, 2)), (1, 0.5, 0.25)), moved(box(), (9, 0, 0))
+    found = repaired(*parts)
+    assert taken(found) == [("overlaps", 2)]
+    assert found.steps[0].what == "overlaps of 2 bodies counted once, by columns"
+    assert found.quadrature.method == "columns"
+    assert found.quadrature.volume == found.steps[0].volume_after == pytest.approx(17 - 1 * 1.5 * 1.75, rel=1e-4)
+    np.testing.assert_array_equal(found.triangles.array(), np.concatenate(parts))
+
+
+def test_bodies_of_which_only_the_boxes_overlap(monkeypatch):
+    monkeypatch.setattr("robodyn.mesh.union.manifold", lambda vertices, faces: None)
+    found = repaired(moved(box((4, 1, 1)), R=R), moved(box((4, 1, 1)), R @ (0, 1.5, 0), R))
     assert found.steps == ()
-    assert found.untested == 2
-    assert found.remarks == ("2 bodies may overlap, but not all are manifolds: no union was made of them",)
+    assert found.quadrature is None
 
 
 def test_a_wall_of_one_sheet_within_a_body():
@@ -82,4 +92,4 @@ def test_a_wall_of_one_sheet_within_a_body():
     found = repaired(low, high[~wall], moved(box(), (0.5, 0, 0)))
     assert taken(found) == [("holes", 1), ("union", 2)]
     assert volume(found) == pytest.approx(10.5, rel=1e-12)
-    assert found.folded == 1
+    assert found.quadrature is None

@@ -1,0 +1,100 @@
+"""Edges at which facets meet at small angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import radians, tan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.mesh.tessellation_pairs import Integers, paired_edges
+from robodyn.spatial import Array
+
+Floats = NDArray[np.float64]
+
+SHARPEST = radians(40)
+"""Facets that meet at a larger angle are meant so."""
+
+BENT = 1e-3
+"""Below this many radians an angle may be a rounding error."""
+
+_FLAT = 1e-5
+_BLOCK = 1 << 14
+
+
+@dataclass(frozen=True, eq=False)
+class BentEdges:
+    """Edges of two triangles that meet at an angle below 40 degrees which is not zero.
+
+    Attributes:
+        start, end: (3, k).
+        angle: (k,) between the normals [rad], positive where the surface is convex.
+        length: (k,).
+        heights: (2, k) of the two triangles over the edge.
+        triangles: (2, k) their numbers.
+        flat: (m,) whether a triangle lies in one plane with another one.
+    """
+
+    start: Floats
+    end: Floats
+    angle: Floats
+    length: Floats
+    heights: Floats
+    triangles: Integers
+    flat: NDArray[np.bool_]
+
+    def among(self, chosen: NDArray[np.bool_]) -> BentEdges:
+        """Some of them."""
+        if chosen.all():
+            return self
+        columns = {name: getattr(self, name)[..., chosen] for name in _COLUMNS}
+        return replace(self, **columns)
+
+
+_COLUMNS = ("start", "end", "angle", "length", "heights", "triangles")
+
+
+def bent_edges(corners: Array) -> BentEdges:
+    """The bent edges of triangles (m, 3, 3), wound outwards, that have the same bits in both triangles of an edge."""
+    X = np.ascontiguousarray(corners.transpose(1, 2, 0))
+    points = np.ascontiguousarray(X.transpose(0, 2, 1)).reshape(-1, 3)
+    normals = _normals(X)
+    one, other = paired_edges(X)
+    flat = np.zeros(X.shape[2], dtype=np.bool_)
+    blocks = (slice(k, k + _BLOCK) for k in range(0, max(len(one), 1), _BLOCK))
+    parts = [_bent(points, normals, one[block], other[block], flat) for block in blocks]
+    columns: dict[str, Any] = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in _COLUMNS}
+    return BentEdges(**columns, flat=flat)
+
+
+def _bent(points: Floats, normals: Floats, one: Integers, other: Integers, flat: NDArray[np.bool_]) -> dict[str, Array]:
+    """The columns of `BentEdges` of some edges; flat is filled in.
+
+    Args:
+        points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
+    """
+    count = len(normals)
+    triangles = np.stack([one, other]) % count
+    first, second = np.ascontiguousarray(normals.take(triangles, axis=0).transpose(0, 2, 1))
+    cosine = first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
+    cross = np.stack([first[i - 2] * second[i - 1] - first[i - 1] * second[i - 2] for i in range(3)])
+    sine = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
+    flat[triangles[:, (sine <= BENT * cosine) & (cosine > 0)]] = True
+    (kept,) = np.nonzero((sine > _FLAT * cosine) & (sine < tan(SHARPEST) * cosine))
+    one = one[kept]
+    start, end = points.take(one, axis=0).T, points.take((one + count) % len(points), axis=0).T
+    along = end - start
+    length = np.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
+    angle = np.copysign(np.arctan2(sine[kept], cosine[kept]), (cross[:, kept] * along).sum(axis=0))
+    heights = np.sqrt([(side[:, kept] ** 2).sum(axis=0) for side in (first, second)]) / length
+    return dict(zip(_COLUMNS, (start, end, angle, length, heights, triangles[:, kept]), strict=True))
+
+
+def _normals(X: Floats) -> Floats:
+    u, v = X[1] - X[0], X[2] - X[0]
+    normals = np.empty((X.shape[2], 3))
+    for i in range(3):
+        normals[:, i] = u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2]
+    return normals
