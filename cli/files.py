@@ -6,25 +6,37 @@ import os
 import sys
 from contextlib import suppress
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from robodyn.assemble import load
 from robodyn.cli.options import Vector
 from robodyn.errors import InputError
-from robodyn.model import Model
-from robodyn.scene import DEFAULT, Scene
-from robodyn.scene_file import load_scene, parse_scene
-from robodyn.scene_fit import check_scene
+
+if TYPE_CHECKING:
+    from robodyn.model import Model
+    from robodyn.scene import Scene
+    from robodyn.urdf.description import Description
 
 STANDARD_INPUT = "-"
 
 
 def robot_in_scene(urdf: str, scene_file: str | None, gravity: Vector | None) -> tuple[Model, Scene]:
     """The robot of a URDF file and the scene it is in; without a file the default scene, and `gravity` wins over it."""
+    from robodyn.assemble import load
+    from robodyn.scene import DEFAULT
+    from robodyn.scene_fit import check_scene
+
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene if gravity is None else replace(scene, gravity=gravity)
     model = load(_bytes() if urdf == STANDARD_INPUT else urdf, moving_base=scene.moving_base)
     check_scene(scene, model, scene_file)
     return model, scene
+
+
+def described(urdf: str) -> Description:
+    """The description in a URDF file."""
+    from robodyn.urdf.description import load_description
+
+    return load_description(_bytes() if urdf == STANDARD_INPUT else urdf)
 
 
 def check_names(inputs: list[str | None], output: str | None) -> None:
@@ -40,6 +52,8 @@ def check_names(inputs: list[str | None], output: str | None) -> None:
 
 
 def _scene(path: str) -> Scene:
+    from robodyn.scene_file import load_scene, parse_scene
+
     return parse_scene(_bytes(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
 
 

@@ -1,4 +1,4 @@
-"""`robodyn inertia`: what meshes weigh, and how that mass is spread."""
+"""`robodyn inertia`: what meshes, links and robots weigh, and how that mass is spread."""
 
 from __future__ import annotations
 
@@ -7,49 +7,39 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names
-from robodyn.cli.options import VECTOR, Vector
-from robodyn.cli.screen import page, show
-from robodyn.inertia.urdf_text import inertial_element
+from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
+from robodyn.cli.options import Vector
 from robodyn.inertia.view import View
-from robodyn.part import mass_properties
-from robodyn.report.json_inertia import inertia_json
-from robodyn.report.text_inertia import inertia_text
-
-
-class Point(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """com, origin, or three numbers between commas."""
-
-    name = "point"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return value if value in ("com", "origin") else VECTOR.convert(value, param, ctx)
 
 
 @click.command("inertia")
-@click.argument("meshes", nargs=-1, required=True, metavar="MESH...")
-@click.option("--density", type=float, metavar="RHO", help="kg/m^3; default 1000, and said.")
-@click.option("--mass", type=float, metavar="M", help="kg, in place of a density.")
-@click.option("--unit", type=click.Choice(["m", "mm", "cm", "in"]), help="Of the file; default what it says, or m.")
-@click.option("--type", "file_type", metavar="TYPE", help="stl, obj, ply and so on; default by the suffix.")
-@click.option("--about", type=Point(), default="com", metavar="POINT", help="com (default), origin or X,Y,Z in m.")
-@click.option("--rpy", type=VECTOR, default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad.")
-@click.option("--shell", type=float, metavar="THICKNESS", help="Take the surface as a sheet of so many metres.")
-@click.option("--exact", is_flag=True, help="Integrate in exact arithmetic.")
-@click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair.")
-@click.option("--repair/--no-repair", default=True, help="--no-repair: the signed integral of the surface as it is.")
-@click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text.")
-def command(meshes: tuple[str, ...], about: Any, rpy: Vector, form: str, **how: Any) -> None:
-    """Mass, centre of mass and inertia of what each mesh encloses.
+@click.argument("files", nargs=-1, required=True, metavar="MESH...|URDF")
+@WEIGHT
+@MESH
+@COMBINE
+@ROBOT
+@VIEW
+def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, **how: Any) -> None:
+    """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input.
 
     \b
-    Example:
+    Examples:
       robodyn inertia link.stl --unit mm --density 2700 --format urdf
+      robodyn inertia a.stl b.stl --combine --place 0,0,0 --place 0,0,0.1,0,0,1.57
+      robodyn inertia robot.urdf --at 0.1,-0.5,0.3
+      robodyn inertia robot.urdf --at elbow=0.3 --about origin
+      robodyn inertia robot.urdf --link forearm
+      robodyn inertia robot.urdf --link forearm --geometry collision --density 2700 --format urdf
+      robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
-    check_names([*meshes], None)
-    view = View(about, rpy)
-    parts = [mass_properties(mesh, **how) for mesh in meshes]
-    if form == "urdf":
-        show("\n".join(inertial_element(part.body, "") for part in parts) + "\n")
+    check_names([*files], None)
+    view, ctx = View(about, rpy), click.get_current_context()
+    if how["file_type"] == "urdf" or any(name.lower().endswith(".urdf") for name in files):
+        from robodyn.cli.inertia_robot import robot
+
+        robot(files, view, form, ctx)
     else:
-        show(inertia_json(parts, view) if form == "json" else inertia_text(parts, view, page()))
+        from robodyn.cli.inertia_meshes import meshes
+
+        meshes(files, view, form, ctx, **how)

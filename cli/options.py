@@ -14,18 +14,23 @@ Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
 
 
+def finite_numbers(text: str) -> list[float]:
+    """The numbers between commas; none if one of them is no finite number."""
+    try:
+        numbers = [] if "_" in text else [float(part) for part in text.split(",")]
+    except ValueError:
+        return []
+    return numbers if all(map(math.isfinite, numbers)) else []
+
+
 class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     """Three numbers between commas."""
 
     name = "vector"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Vector:
-        parts = str(value).split(",")
-        try:
-            numbers = [] if "_" in str(value) else [float(part) for part in parts]
-        except ValueError:
-            numbers = []
-        if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        numbers = finite_numbers(str(value))
+        if len(numbers) != 3:
             self.fail(f"{value!r} is not three finite numbers between commas, such as 0,0,-9.81", param, ctx)
         x, y, z = numbers
         return x, y, z

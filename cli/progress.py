@@ -1,16 +1,20 @@
-"""A progress bar on standard error, for long work on a terminal only."""
+"""Progress bars on standard error, for long work on a terminal only."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from robodyn.trajectory.reader import TrajectoryReader
+if TYPE_CHECKING:
+    from robodyn.trajectory.reader import TrajectoryReader
 
 LONG = 20_000_000
 """Bytes of trajectory from which a bar is worth its lines."""
+LONG_MESHES = 2_000_000
+"""Bytes of meshes from which it is."""
 
 
 @contextmanager
@@ -30,3 +34,25 @@ def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
             bar.update(task, completed=reader.position_bytes)
 
         yield tick
+
+
+@contextmanager
+def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
+    """A function to call after each of some files; it moves the bar if there is one. The bar of one file swings."""
+    if sum(_size(path) for path in files) < LONG_MESHES or not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("measuring"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("measuring", total=len(files) if len(files) > 1 else None)
+        yield lambda: bar.advance(task)
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except (OSError, ValueError):
+        return 0

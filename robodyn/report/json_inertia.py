@@ -8,38 +8,34 @@ from typing import Any
 
 from robodyn.inertia.view import View
 from robodyn.part import Part
+from robodyn.report.json_body import COM, body_data, finite
+from robodyn.report.json_shape import symmetry_data, tessellation_data
 
 
 def inertia_json(parts: Sequence[Part], view: View) -> str:
     """The document: {"meshes": [...]}. Units are SI; matrices are lists of rows; principal axes are rows."""
     import json
 
-    return json.dumps({"meshes": [_part(part, view) for part in parts]}, indent=2, allow_nan=False) + "\n"
+    return json.dumps({"meshes": [part_data(part, view) for part in parts]}, indent=2, allow_nan=False) + "\n"
 
 
-def _part(part: Part, view: View) -> dict[str, Any]:
-    body = part.body
-    point, matrix = view.inertia(body)
+def part_data(part: Part, view: View = COM) -> dict[str, Any]:
+    """What the document says of one mesh."""
     return {
         "name": part.name,
         "triangles": part.triangles,
-        "mass": body.mass,
-        "volume": body.volume,
-        "area": body.area,
-        "density": body.density,
-        "com": body.com.tolist(),
-        "inertia": body.inertia.tolist(),
-        "inertia_about": {"point": point.tolist(), "matrix": matrix.tolist()},
-        "principal": {"moments": body.principal.moments.tolist(), "axes": body.principal.axes.tolist()},
+        **body_data(part.body, view),
+        "symmetry": symmetry_data(part),
         "box": {"lo": part.lo.tolist(), "hi": part.hi.tolist()},
         "closed": part.closed,
         "repairs": [asdict(step) for step in part.repairs],
-        "error": {"arithmetic": _finite(part.arithmetic), "rounding": _finite(part.rounding)},
+        "error": {
+            "arithmetic": finite(part.arithmetic),
+            "rounding": finite(part.rounding),
+            "tessellation": tessellation_data(part),
+            "union": part.union,
+        },
         "arithmetic": part.method,
         "notes": list(part.notes),
         "warnings": list(part.warnings),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if value < float("inf") else None

@@ -9,8 +9,8 @@ import numpy as np
 from robodyn.inertia.view import View
 from robodyn.part import Part
 from robodyn.report.table import PLAIN, Page, number, printable
-
-AXES = ("x", "y", "z")
+from robodyn.report.text_body import inertia_table, point_text, principal_table
+from robodyn.report.text_shape import symmetry_text, tessellation_text
 
 
 def inertia_text(parts: Sequence[Part], view: View, page: Page = PLAIN) -> str:
@@ -26,9 +26,9 @@ def _part(part: Part, view: View, page: Page) -> str:
         (
             f"{printable(part.name)}: {count}, {state}, {size} m\n",
             _amounts(part),
-            _inertia(part, view, page),
-            _principal(part, page),
-            _trust(part),
+            inertia_table(part.body, view, page),
+            principal_table(part.body, page),
+            symmetry_text(part, page) + _trust(part),
         )
     )
 
@@ -43,23 +43,7 @@ def _amounts(part: Part) -> str:
     if body.density is not None:
         lines.append(f"density         {number(body.density)} kg/m^3")
     reach = float(np.abs((part.lo, part.hi)).max())
-    centre = ", ".join(number(x, reach) for x in body.com)
-    return "\n".join([*lines, f"centre of mass  ({centre}) m", ""])
-
-
-def _inertia(part: Part, view: View, page: Page) -> str:
-    _, matrix = view.inertia(part.body)
-    scale = float(np.abs(matrix).max())
-    rows = [(AXES[i], *(number(x, scale) for x in matrix[i])) for i in range(3)]
-    return f"Inertia {view.words} [kg m^2]\n{page.table((('', *AXES), rows))}"
-
-
-def _principal(part: Part, page: Page) -> str:
-    principal = part.body.principal
-    rows = [(str(k + 1), number(principal.moments[k]), *(f"{x:.6f}" for x in principal.axes[k])) for k in range(3)]
-    head = ("", "moment [kg m^2]", *(f"axis {name}" for name in AXES))
-    remark = f"{principal.remark}\n" if principal.remark else ""
-    return f"Principal moments about the centre of mass\n{page.table((head, rows))}{remark}"
+    return "\n".join([*lines, f"centre of mass  {point_text(body.com, reach)} m", ""])
 
 
 def _trust(part: Part) -> str:
@@ -69,6 +53,8 @@ def _trust(part: Part) -> str:
         f"repaired: {step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3\n"
         for step in part.repairs
     ]
-    lines += [f"{printable(note)}\n" for note in part.notes]
+    if part.union is not None:
+        lines.append(f"holes and overlaps: relative error at most {part.union:.0e}\n")
+    lines += [tessellation_text(part)] + [f"{printable(note)}\n" for note in part.notes]
     lines += [f"warning: {printable(line)}\n" for line in part.warnings]
     return "".join(lines)

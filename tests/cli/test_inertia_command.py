@@ -46,7 +46,7 @@ def test_json_of_a_published_tetrahedron(wedge):
 def test_keys(wedge):
     found = mesh(run("inertia", wedge, "--format", "json"))
     expected = (
-        "name triangles mass volume area density com inertia inertia_about principal box closed repairs error "
+        "name triangles mass volume area density com inertia inertia_about principal symmetry box closed repairs error "
         "arithmetic notes warnings"
     )
     assert list(found) == expected.split()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
+from terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 ESCAPE = "\x1b"
@@ -106,38 +107,6 @@ def test_plain_text_unless_on_a_terminal() -> None:
     outcome = spawn("torques", *SCARA, FORCE_COLOR="1", TERM="xterm-256color")
     assert outcome.status == 0
     assert ESCAPE not in outcome.out + outcome.err
-
-
-def on_terminal(call: list[str], stdout: bool, stderr: bool, columns: int = 300, **environment: str) -> tuple[str, str]:
-    """What the terminal shows and what goes to pipes, of a command with these streams on a terminal."""
-    pty = pytest.importorskip("pty")
-    import fcntl
-    import struct
-    import termios
-
-    master, slave = pty.openpty()
-    fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
-    with subprocess.Popen(
-        call,
-        stdin=subprocess.DEVNULL,
-        stdout=slave if stdout else subprocess.PIPE,
-        stderr=slave if stderr else subprocess.PIPE,
-        env={**os.environ, "TERM": "xterm-256color", **environment},
-    ) as child:
-        os.close(slave)
-        shown = b""
-        while True:
-            try:
-                data = os.read(master, 65536)
-            except OSError:
-                break
-            if not data:
-                break
-            shown += data
-        piped = b"".join(stream.read() for stream in (child.stdout, child.stderr) if stream)
-    os.close(master)
-    assert child.returncode == 0
-    return shown.decode().replace("\r\n", "\n"), piped.decode()
 
 
 def test_bold_headers_on_a_terminal() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 import yourdfpy
 from robot_files import FOLDER, NAMES, REFERENCE, element, model
 
@@ -21,7 +22,7 @@ SAME_PARAMETERS = {
 
 def test_every_system_of_the_chapter_is_there():
     assert set(NAMES) == {
-        *("composite", "cylindrical", "gripper", "puma", "puma560", "rigid_body", "satellite", "scara"),
+        *("composite", "cylindrical", "gripper", "meshed_arm", "puma", "puma560", "rigid_body", "satellite", "scara"),
         *("two_link_planar", "two_link_spatial"),
     }
 
@@ -83,6 +84,12 @@ def _covers(shape, point):
         return bool(np.all([x, y, z] <= np.asarray(solid.box.size) / 2))
     if solid.cylinder is not None:
         return np.hypot(x, y) <= solid.cylinder.radius and z <= solid.cylinder.length / 2
+    if solid.mesh is not None:
+        corners = trimesh.load(FOLDER / solid.mesh.filename).bounds * (
+            1.0 if solid.mesh.scale is None else solid.mesh.scale
+        )
+        offset = place[:3, :3].T @ (point - place[:3, 3])
+        return bool(np.all((corners.min(axis=0) <= offset) & (offset <= corners.max(axis=0))))
     return np.linalg.norm([x, y, z]) <= solid.sphere.radius
 
 

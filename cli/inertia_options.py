@@ -1,0 +1,161 @@
+"""The options of `robodyn inertia`, what their values look like, and which of them go together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any, TypeVar
+
+import click
+import numpy as np
+from click.core import ParameterSource
+
+from robodyn.cli.options import VECTOR, finite_numbers
+from robodyn.errors import InputError
+from robodyn.inertia.composite import Pose
+from robodyn.spatial import rotation_from_rpy
+
+Callback = Callable[..., Any]
+T = TypeVar("T")
+
+
+class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """com, origin, or three numbers between commas."""
+
+    name = "point"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return value if value in ("com", "origin") else VECTOR.convert(value, param, ctx)
+
+
+class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """Three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
+
+    name = "place"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Pose:
+        numbers = finite_numbers(str(value))
+        if len(numbers) not in (3, 6):
+            self.fail(f"{value!r} is not three or six finite numbers between commas, such as 0,0,0.1", param, ctx)
+        roll, pitch, yaw = numbers[3:] or (0.0, 0.0, 0.0)
+        return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
+
+
+class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """Numbers between commas, or NAME=NUMBER between commas."""
+
+    name = "at"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        text = str(value)
+        if "=" not in text:
+            numbers = finite_numbers(text)
+            if numbers:
+                return numbers
+        else:
+            pairs = [part.rpartition("=") for part in text.split(",")]
+            values = finite_numbers(",".join(number for _, _, number in pairs))
+            names = [name.strip() for name, _, _ in pairs]
+            if len(values) == len(pairs) and all(names) and len(set(names)) == len(names):
+                return dict(zip(names, values, strict=True))
+        return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
+
+
+def _both(*options: Callback) -> Callback:
+    return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
+
+
+_POINT = click.option(
+    "--about", type=PointType(), default="com", metavar="POINT", help="com (default), origin or X,Y,Z."
+)
+_AXES = click.option("--rpy", type=VECTOR, default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad.")
+_FORM = click.option(
+    "--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."
+)
+VIEW = _both(_POINT, _AXES, _FORM)
+WEIGHT = _both(
+    click.option(
+        "--density", type=float, multiple=True, metavar="RHO", help="kg/m^3, once or for each mesh; default 1000."
+    ),
+    click.option(
+        "--mass",
+        type=float,
+        multiple=True,
+        metavar="M",
+        help="kg, once (with --combine: of the whole) or for each mesh.",
+    ),
+)
+MESH = _both(
+    click.option(
+        "--unit",
+        type=click.Choice(["m", "mm", "cm", "in"]),
+        multiple=True,
+        help="Of the file, once or for each; default what it says, or m.",
+    ),
+    click.option("--type", "file_type", metavar="TYPE", help="stl, obj, ply, urdf and so on; default by the suffix."),
+    click.option("--shell", type=float, metavar="THICKNESS", help="Take the surface as a sheet of so many metres."),
+    click.option("--exact", is_flag=True, help="Integrate in exact arithmetic."),
+    click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair."),
+    click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
+    click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
+    click.option("--tessellation/--no-tessellation", default=None, help="What facets leave out; default for few."),
+    click.option(
+        "--repair/--no-repair", default=True, help="--no-repair: the signed integral of the surface as it is."
+    ),
+)
+COMBINE = _both(
+    click.option("--combine", is_flag=True, help="All meshes as one rigid body."),
+    click.option(
+        "--place", type=PlaceType(), multiple=True, metavar="X,Y,Z[,R,P,Y]", help="For each mesh in turn, in m and rad."
+    ),
+)
+ROBOT = _both(
+    click.option("--link", metavar="NAME", help="One link, in its own frame."),
+    click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
+    click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
+    click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
+    click.option(
+        "--package-path",
+        type=click.Path(exists=True, file_okay=False),
+        multiple=True,
+        metavar="DIR",
+        help="Where package:// meshes are; repeatable.",
+    ),
+)
+
+OF_ROBOTS = {"link", "at", "compare", "geometry", "package_path"}
+_VIEW = {"about", "rpy", "form", "file_type"}
+_READING = {"geometry", "package_path", "exact", "strict", "repair"}
+_ALLOWED = {
+    "a whole robot": {*_VIEW, "at"},
+    "a link as declared": {*_VIEW, "link"},
+    "a link's shapes": {*_VIEW, *_READING, "link", "density", "mass"},
+    "--compare": {*_READING, "compare", "form", "file_type"},
+}
+
+
+def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
+    """The values of an option for each file, given once for all or once for each."""
+    if len(values) in (0, 1):
+        return [values[0] if values else None] * len(files)
+    if len(values) != len(files):
+        what = f"{option} is given {len(values)} times for {len(files)} mesh{'' if len(files) == 1 else 'es'}"
+        raise InputError(what, remedy="give it once, or once for each mesh")
+    return list(values)
+
+
+def check_use(use: str, ctx: click.Context) -> None:
+    """Refuse the options that mean nothing in this use of the command."""
+    for option in ctx.command.params:
+        name = option.name or ""
+        given = isinstance(option, click.Option) and ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if given and not (name in _ALLOWED[use] if use in _ALLOWED else _of_meshes(use, name)):
+            raise click.UsageError(f"{_written(option, ctx)} is not for {use}", ctx)
+
+
+def _of_meshes(use: str, name: str) -> bool:
+    return name not in OF_ROBOTS and (name != "place" or use == "--combine")
+
+
+def _written(option: click.Parameter, ctx: click.Context) -> str:
+    return (option.secondary_opts if ctx.params[option.name or ""] is False else option.opts)[0]

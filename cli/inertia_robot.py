@@ -1,0 +1,93 @@
+"""`robodyn inertia` of a URDF: a link, the whole robot, or declared inertias against shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from robodyn.cli.files import described
+from robodyn.cli.inertia_options import check_use, one_each
+from robodyn.cli.progress import counted
+from robodyn.cli.screen import page, show
+from robodyn.inertia.urdf_text import inertial_element
+from robodyn.inertia.view import View
+from robodyn.report.json_comparison import comparison_json
+from robodyn.report.json_composite import link_json, link_shapes_json, robot_json
+from robodyn.report.text_comparison import comparison_text
+from robodyn.report.text_composite import link_shapes_text, link_text, robot_text
+from robodyn.robot_inertia.compare import compare
+from robodyn.robot_inertia.declared import link_inertia, robot_inertia
+from robodyn.robot_inertia.from_shapes import link_from_shapes
+from robodyn.robot_inertia.measured import How, Reading
+from robodyn.urdf.description import Description
+from robodyn.urdf.geometry import Kind
+
+
+def robot(files: Sequence[str], view: View, form: str, ctx: click.Context) -> None:
+    """Show what the options ask of one description."""
+    given = ctx.params
+    shapes = given["geometry"] is not None
+    use = "--compare" if given["compare"] else "a whole robot"
+    if given["link"] is not None and not given["compare"]:
+        use = "a link's shapes" if shapes else "a link as declared"
+    check_use(use, ctx)
+    if len(files) > 1:
+        raise click.UsageError("a URDF stands alone: one robot at a time, and no meshes beside it", ctx)
+    if given["compare"] and form == "urdf":
+        raise click.UsageError("--format urdf is not for --compare; --link NAME --geometry visual prints one", ctx)
+    description = described(files[0])
+    {
+        "--compare": _compared,
+        "a whole robot": _whole,
+        "a link's shapes": _from_shapes,
+        "a link as declared": _declared,
+    }[use](description, view, form, ctx)
+
+
+def _reading(ctx: click.Context) -> Reading:
+    how: How = {"exact": ctx.params["exact"], "repair": ctx.params["repair"], "strict": ctx.params["strict"]}
+    return Reading(how, watch=counted)
+
+
+def _compared(description: Description, view: View, form: str, ctx: click.Context) -> None:
+    kind: Kind = ctx.params["geometry"] or "visual"
+    found = compare(description, kind, ctx.params["package_path"], _reading(ctx))
+    show(comparison_json(found) if form == "json" else comparison_text(found, page()))
+
+
+def _whole(description: Description, view: View, form: str, ctx: click.Context) -> None:
+    found = robot_inertia(description, ctx.params["at"] or ())
+    if form == "urdf":
+        show(inertial_element(found.body, "") + "\n")
+    else:
+        show(robot_json(found, view) if form == "json" else robot_text(found, view, page()))
+
+
+def _declared(description: Description, view: View, form: str, ctx: click.Context) -> None:
+    found = link_inertia(description, ctx.params["link"])
+    if form == "urdf":
+        show(inertial_element(found.body, "") + "\n")
+    elif form == "json":
+        show(link_json(description.name, found, view))
+    else:
+        show(link_text(description.file, found, view, page()))
+
+
+def _from_shapes(description: Description, view: View, form: str, ctx: click.Context) -> None:
+    given = ctx.params
+    found = link_from_shapes(
+        description,
+        given["link"],
+        given["geometry"],
+        density=one_each(given["density"], [description.file], "--density")[0],
+        mass=one_each(given["mass"], [description.file], "--mass")[0],
+        package_paths=given["package_path"],
+        reading=_reading(ctx),
+    )
+    if form == "urdf":
+        show(inertial_element(found.body, "") + "\n")
+    elif form == "json":
+        show(link_shapes_json(description.name, found, view))
+    else:
+        show(link_shapes_text(description.file, found, view, page()))

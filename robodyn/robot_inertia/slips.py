@@ -1,0 +1,42 @@
+"""Slips of export by which a declared inertia matrix differs from the right one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.inertia.exact import Floats
+from robodyn.inertia.properties import MassProperties
+from robodyn.spatial import ZERO
+
+_MUCH = 0.1
+_AGREES = 0.05
+
+
+def relative(I: Floats, right: Floats) -> float:
+    """|I - right| / |right| in Frobenius' norm."""
+    return float(np.linalg.norm(I - right) / np.linalg.norm(right))
+
+
+def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
+    """The slip that explains a declared inertia matrix [kg m^2], in words, if one does: at most one.
+
+    A slip explains it if it leaves a difference of at most 5 %, and a tenth of that without it. Known are products of
+    inertia with the opposite sign, a matrix about the origin of the link's frame in place of the centre of mass, and a
+    factor of a power of ten, as a wrong unit leaves.
+    """
+    own, size = right.inertia, float(np.linalg.norm(given))
+    apart = relative(given, own)
+    if apart <= _AGREES:
+        return ()
+    mirrored = 2 * np.diag(np.diagonal(own)) - own
+    power = 10.0 ** round(np.log10(size / np.linalg.norm(own))) if size else 1.0
+    slips = (
+        ("the products of inertia had the opposite sign", mirrored),
+        ("it were meant about the origin of the link's frame", right.about(ZERO)),
+        (f"it were divided by {power:g}", power * own),
+    )
+    found = [(relative(given, wrong), what) for what, wrong in slips]
+    rest, what = min(found)
+    if rest > min(_AGREES, _MUCH * apart):
+        return ()
+    return (f"the declared inertia would agree within {max(100 * rest, 0.1):.1f} % if {what}",)

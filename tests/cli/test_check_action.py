@@ -1,0 +1,101 @@
+"""The GitHub action and the pre-commit hooks: their files against what reads them, and the action's script run."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from clean_arm import FAMILIES, IDENTITY, arm
+from command_line import command
+from jsonschema import Draft7Validator
+from schemas import ACTION, SARIF, json_schema
+
+ROOT = Path(__file__).parent.parent.parent
+FOLDER = ROOT / ".github" / "actions" / "check"
+
+
+@pytest.fixture
+def runner(tmp_path: Path) -> Any:
+    """The script in a folder with three robots, with `robodyn` on its path."""
+    (tmp_path / "bin").mkdir()
+    start = tmp_path / "bin" / "robodyn"
+    interpreter, option, code = command()
+    start.write_text(f"#!/bin/sh\nexec '{interpreter}' {option} '{code}' \"$@\"\n")
+    start.chmod(0o755)
+    work = tmp_path / "work"
+    (work / "more robots").mkdir(parents=True)
+    (work / "clean.urdf").write_text(arm())
+    (work / "warned.urdf").write_text(arm(upper=IDENTITY))
+    (work / "more robots" / "bad.urdf").write_text(arm(shoulder="0 0 0"))
+
+    def run(**variables: str) -> tuple[int, list[str], dict[str, str]]:
+        written = {name: str(tmp_path / name) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY", "ROBODYN_SARIF")}
+        path = f"{start.parent}{os.pathsep}{os.environ['PATH']}"
+        environment = {**os.environ, **written, **variables, "PATH": path}
+        script = ["bash", str(FOLDER / "check.sh")]
+        done = subprocess.run(script, cwd=work, env=environment, capture_output=True, text=True, check=False)
+        texts = {name: Path(file).read_text() for name, file in written.items() if os.path.exists(file)}
+        return done.returncode, done.stdout.splitlines(), texts
+
+    return run
+
+
+def test_everything_below_the_folder(runner: Any) -> None:
+    status, lines, written = runner(ROBODYN_OPTIONS=f"--select {','.join(FAMILIES)}")
+    assert status == 1
+    assert [line.split(",")[0] for line in lines] == [
+        "::error file=more robots/bad.urdf",
+        "::warning file=warned.urdf",
+    ]
+    assert written["GITHUB_OUTPUT"] == "status=1\n"
+    assert "RD501" in written["GITHUB_STEP_SUMMARY"]
+    document = json.loads(written["ROBODYN_SARIF"])
+    Draft7Validator(json_schema(SARIF)).validate(document)
+    assert len(document["runs"][0]["results"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("files", "options", "status"),
+    [
+        ("clean.urdf", "--strict", 0),
+        ("clean.urdf\nwarned.urdf\n", "--strict", 1),
+        ("*.urdf\n\n  \n", "--strict --ignore RD208", 0),
+        ("more robots/*.urdf", "", 1),
+        ("clean.urdf", "--sctrict", 2),
+    ],
+)
+def test_files_and_options(runner: Any, files: str, options: str, status: int) -> None:
+    found, _, written = runner(ROBODYN_FILES=files, ROBODYN_OPTIONS=options)
+    assert found == status
+    assert written["GITHUB_OUTPUT"] == f"status={status}\n"
+    assert ("ROBODYN_SARIF" in written) == (status < 2)
+
+
+def test_inputs_are_data_and_not_commands(runner: Any, tmp_path: Path) -> None:
+    status, _, _ = runner(ROBODYN_FILES="$(touch pwned)\n`touch pwned`; touch pwned", ROBODYN_OPTIONS="; touch pwned")
+    assert status == 2
+    assert not (tmp_path / "work" / "pwned").exists()
+
+
+def test_the_action_is_one() -> None:
+    action = yaml.safe_load((FOLDER / "action.yml").read_text())
+    Draft7Validator(json_schema(ACTION)).validate(action)
+    variables = [key for step in action["runs"]["steps"] for key in step["env"]]
+    script = (FOLDER / "check.sh").read_text() + str(action)
+    assert all(f"${{{name}" in script for name in variables)
+    assert "${{" not in "".join(step["run"] for step in action["runs"]["steps"])
+
+
+def test_the_hooks_start_commands_that_exist() -> None:
+    hooks = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
+    assert [hook["id"] for hook in hooks] == ["robodyn-check", "robodyn-fix"]
+    for hook in hooks:
+        words = hook["entry"].split()
+        assert words[0] == "robodyn"
+        done = subprocess.run(command(*words[1:], "--help"), capture_output=True, check=False)
+        assert (done.returncode, done.stderr) == (0, b"")
