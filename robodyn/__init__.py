@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robodyn.assemble import load as load
+    from robodyn.checks.run import check as check
     from robodyn.errors import RobodynError as RobodynError
+    from robodyn.forward import forward_dynamics as forward_dynamics
     from robodyn.inverse import bias_forces as bias_forces
     from robodyn.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.inverse import mass_matrix as mass_matrix
@@ -33,7 +35,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "assemble": ("load",),
+    "checks.run": ("check",),
     "errors": ("RobodynError",),
+    "forward": ("forward_dynamics",),
     "inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "loads": ("torques",),
     "model": ("Model",),

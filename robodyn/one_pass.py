@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.arrays import still
 from robodyn.effects.effect import Still
 from robodyn.energy_ledger import EnergyLedger
 from robodyn.execute.choice import Choice
 from robodyn.execute.runner import Runner
-from robodyn.inverse import mass_matrix, runner_of, still
+from robodyn.inverse import mass_matrix, runner_of
 from robodyn.model import Model
 from robodyn.motion_input import sources_of
 from robodyn.overflow import check_figures, check_loads

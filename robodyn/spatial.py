@@ -29,12 +29,12 @@ def _elementary(name: str, of_float: Callable[[float], float]) -> Callable[[Scal
     def function(x: Scalar) -> Scalar:
         if isinstance(x, (float, int)):
             return of_float(x)
+        context = getattr(x, "context", None)  # mpmath's numbers carry their precision here, and an `exp` that is none
+        if context is not None:
+            return getattr(context, name)(x)
         own = getattr(x, name, None)
         if own is not None:
             return own()
-        context = getattr(x, "context", None)  # mpmath's numbers carry their precision here
-        if context is not None:
-            return getattr(context, name)(x)
         import sympy
 
         return getattr(sympy, name)(x)

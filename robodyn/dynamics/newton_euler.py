@@ -40,6 +40,22 @@ def newton_euler(
 
     Accuracy: 1e-14 of the largest wrench for chains of up to 100 bodies.
     """
+    each = inertial_wrenches(parents, motions, inertias, gravity)
+    f, n = [wrench.f for wrench in each], [wrench.n for wrench in each]
+    for i, wrench in wrenches:
+        f[i], n[i] = f[i] - wrench.f, n[i] - wrench.n
+    for i in reversed(range(len(parents))):
+        if (j := parents[i]) >= 0:
+            R, p = motions[i].R, motions[i].p
+            f_in = R @ f[i]
+            f[j], n[j] = f[j] + f_in, n[j] + R @ n[i] + cross(p, f_in)
+    return [Wrench(*pair) for pair in zip(f, n, strict=True)]
+
+
+def inertial_wrenches(
+    parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia], gravity: Array = ZERO
+) -> list[Wrench]:
+    """The wrench that moves each body by itself: the outward half of `newton_euler`, with the same arguments."""
     w: list[Array] = []
     wd: list[Array] = []
     a: list[Array] = []
@@ -55,11 +71,4 @@ def newton_euler(
         U.append(skew(wd[-1]) + skew(w[-1]) @ skew(w[-1]))
         f.append(body.m * a[-1] + U[-1] @ body.mc)
         n.append(cross(body.mc, a[-1]) + euler(body.I, w[-1], wd[-1]))
-    for i, wrench in wrenches:
-        f[i], n[i] = f[i] - wrench.f, n[i] - wrench.n
-    for i in reversed(range(len(parents))):
-        if (j := parents[i]) >= 0:
-            R, p = motions[i].R, motions[i].p
-            f_in = R @ f[i]
-            f[j], n[j] = f[j] + f_in, n[j] + R @ n[i] + cross(p, f_in)
     return [Wrench(*pair) for pair in zip(f, n, strict=True)]

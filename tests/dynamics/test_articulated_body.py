@@ -1,0 +1,349 @@
+"""The articulated-body algorithm: closed forms, any scalar, shared coordinates, free bodies, and what it refuses."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from dataclasses import replace
+from types import MappingProxyType
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from busy_robot import BUSY_SCENE, busy_robot
+from oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
+from program_values import evaluated
+from small_robots import body_numbers, built, joint, link, numbers, random_tree
+
+from robodyn.dynamics.aligned import aligned
+from robodyn.dynamics.articulated_body import articulated_body
+from robodyn.dynamics.dual import Dual
+from robodyn.dynamics.kinematics import REST, joint_motion
+from robodyn.dynamics.newton_euler import inertial_wrenches
+from robodyn.effects.catalogue import EFFECTS
+from robodyn.effects.effect import Sample
+from robodyn.effects.rotor_inertia import reflected
+from robodyn.errors import InputError
+from robodyn.forward import forward_by_factorisation, forward_dynamics
+from robodyn.inertia.moments import MASSLESS, Inertia
+from robodyn.inverse import inverse_dynamics, mass_matrix
+from robodyn.model import Body, Joint, Model
+from robodyn.plan import Plan, accelerations, applied, loads
+from robodyn.scene import Rotor, Scene
+from robodyn.spatial import vector
+
+MODELS = reference("golden_inverse_dynamics")["models"]
+
+
+def _qdd(model, q, qd, tau, scene, columns=None):
+    """The accelerations of one sample in whatever scalar it is made of, all effects on."""
+    model = aligned(model)
+    sample = Sample(model, tuple(q), tuple(qd), (0.0,) * model.n, columns or {})
+    terms = applied(EFFECTS, sample, scene)
+    if isinstance(tau[0], mpmath.mpf):
+        terms = replace(terms, inertias=tuple(Inertia(*(x * mpmath.mpf(1) for x in body)) for body in terms.inertias))
+    return accelerations(sample, terms, list(tau), reflected(model, scene))
+
+
+def _tau(model, q, qd, qdd, scene, columns=None):
+    sample = Sample(model, tuple(q), tuple(qd), tuple(qdd), columns or {})
+    return loads(sample, applied(EFFECTS, sample, scene)).tau
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_golden_torques_give_golden_accelerations(name):
+    model = golden_model(name)
+    for case in MODELS[name]["cases"]:
+        scene = Scene(gravity=tuple(case["gravity"]))
+        qdd = _qdd(model, case["q"], case["qd"], case["tau"], scene)
+        assert all(isinstance(x, float) for x in qdd)
+        assert worst(qdd, case["qdd"], np.abs(case["qdd"]).max() or 1.0) <= 4 * EPS * np.linalg.cond(case["M"])
+
+
+@pytest.mark.parametrize(
+    ("name", "free"),
+    [*((name, False) for name in ("scara", "cylindrical", "gripper", "two_link_planar")), ("satellite", True)],
+)
+def test_fifty_digits(name, free):
+    """Robots whose axes are coordinate axes: torques of the accelerations are the torques, to 45 digits."""
+    model = robot(name, moving_base=free)
+    scene = Scene((0.3, -2.0, -9.0), rotor={model.joint_names[-1]: Rotor(0.01)})
+    state = random_state(model, np.random.default_rng(1), 1)
+    with mpmath.workdps(50):
+        q, qd, tau = ([mpmath.mpf(float(x)) for x in row[0]] for row in state)
+        found = _tau(model, q, qd, _qdd(model, q, qd, tau, scene), scene)
+        assert max(abs(a - b) for a, b in zip(found, tau, strict=True)) <= mpmath.mpf(10) ** -45
+
+
+def test_every_effect_in_doubles_and_fifty_digits():
+    for free in (False, True):
+        model, rng = busy_robot(free), np.random.default_rng(2)
+        q, qd, tau = (row[0].tolist() for row in random_state(model, rng, 1))
+        columns = dict.fromkeys(BUSY_SCENE.columns, 0.7)
+        plain = _qdd(model, q, qd, tau, BUSY_SCENE, columns)
+        M = mass_matrix(model, q, scene=BUSY_SCENE)
+        called_for = (np.abs(M) @ np.abs(plain)).max()
+        assert worst(_tau(model, q, qd, plain, BUSY_SCENE, columns), tau, called_for) <= 1e-14
+        with mpmath.workdps(50):
+            exact = [[mpmath.mpf(x) for x in row] for row in (q, qd, tau)]
+            found = [float(x) for x in _qdd(model, *exact, BUSY_SCENE, columns)]
+        assert worst(plain, found) <= 8 * EPS * np.linalg.cond(M)
+
+
+def _chain_of_two(kinds, places):
+    """A model of two bodies on a base, for inertias that are not numbers."""
+    hinges = [
+        Joint(f"j{k}", kind, np.eye(3), np.array(place), np.array([0.0, 0.0, 1.0]), k, k)
+        for k, (kind, place) in enumerate(zip(kinds, places, strict=True))
+    ]
+    base = Joint("base", "fixed", np.eye(3), np.zeros(3), np.zeros(3))
+    bodies = [Body(f"l{k}", k - 1, one, MASSLESS) for k, one in enumerate((base, *hinges))]
+    return Model("two", "", tuple(bodies), MappingProxyType({}))
+
+
+def test_symbols():
+    """Point masses at the ends of two links: the solution of Craig's closed form, lengths and masses being symbols."""
+    l1, l2, m1, m2, g = sympy.symbols("l1 l2 m1 m2 g", positive=True)
+    q1, q2, w1, w2, t1, t2 = sympy.symbols("q1 q2 w1 w2 t1 t2", real=True)
+    model = _chain_of_two(("revolute", "revolute"), ([0, 0, 0], [1, 0, 0]))
+    hinges = [
+        joint_motion(body.joint, [q], [w], [sympy.Integer(0)])
+        for body, q, w in zip(model.bodies[1:], (q1, q2), (w1, w2), strict=True)
+    ]
+    hinges[1] = hinges[1]._replace(p=vector(l1, 0, 0))
+    masses = [Inertia(m, m * vector(r, 0, 0), m * r**2 * np.diag([0, 1, 1])) for m, r in ((m1, l1), (m2, l2))]
+    joints, inertias = (REST, *hinges), (MASSLESS, *masses)
+    biases = inertial_wrenches(model.parents, joints, inertias, vector(0, -g, 0))
+    found = articulated_body(model, joints, inertias, biases, [t1, t2], [0.0, 0.0])
+    s2, c2 = sympy.sin(q2), sympy.cos(q2)
+    M12 = l2**2 * m2 + l1 * l2 * m2 * c2
+    M = sympy.Matrix([[M12 + l1 * l2 * m2 * c2 + l1**2 * (m1 + m2), M12], [M12, l2**2 * m2]])
+    weight = m2 * l2 * g * sympy.cos(q1 + q2)
+    b1 = -m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2) + weight + (m1 + m2) * l1 * g * sympy.cos(q1)
+    b2 = m2 * l1 * l2 * s2 * w1**2 + weight
+    expected = M.LUsolve(sympy.Matrix([t1 - b1, t2 - b2]))
+    symbols = l1, l2, m1, m2, g, q1, q2, w1, w2, t1, t2
+    for k in range(3):
+        at = {symbol: sympy.Rational(7 + 3 * i + k, 11 + i) for i, symbol in enumerate(symbols)}
+        for a, b in zip(found, expected, strict=True):
+            assert abs(a.subs(at).evalf(40) - b.subs(at).evalf(40)) <= 1e-12
+
+
+def test_a_model_of_symbols():
+    model = robot("two_link_planar")
+    q, qd, tau = ([sympy.Symbol(f"{name}{k}") for k in (1, 2)] for name in ("q", "w", "t"))
+    qdd = _qdd(model, q, qd, tau, frictionless(model))
+    state = random_state(model, np.random.default_rng(1), 1)
+    at = dict(zip([*q, *qd, *tau], np.concatenate(state, axis=1)[0].tolist(), strict=True))
+    found = [float(x.evalf(30, subs=at)) for x in qdd]
+    assert worst(found, forward_dynamics(model, *state, scene=frictionless(model))[0]) <= 64 * EPS
+
+
+@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "scara_rrp"])
+def test_traced_scalars(name):
+    model = golden_model(name)
+    program = Plan(model, Scene()).accelerations()
+    for q, qd, tau in zip(*random_state(model, np.random.default_rng(3), 5), strict=True):
+        found = evaluated(program, {"q": q, "qd": qd, "tau": tau})
+        cond = np.linalg.cond(mass_matrix(model, q))
+        assert worst(found, _qdd(model, q.tolist(), qd.tolist(), tau.tolist(), Scene())) <= 4 * EPS * cond
+
+
+def test_dual_scalars():
+    """d qdd/dt along q + t qd, qd + t qdd at constant tau makes d tau/dt = 0."""
+    model = golden_model("puma560_corke")
+    q, qd, tau = (row[0].tolist() for row in random_state(model, np.random.default_rng(4), 1))
+    qdd = _qdd(model, q, qd, tau, Scene())
+    moving = [Dual(x, rate) for x, rate in zip(q, qd, strict=True)], [Dual(x, a) for x, a in zip(qd, qdd, strict=True)]
+    jerk = _qdd(model, *moving, tau, Scene())
+    assert worst([x.value for x in jerk], qdd) <= 1e-13
+    rates = _tau(model, *moving, jerk, Scene())
+    assert worst([x.value for x in rates], tau) <= 1e-13
+    parts = _tau(model, *moving, qdd, Scene())
+    assert np.abs([x.rate for x in rates]).max() <= 1e-13 * np.abs([x.rate for x in parts]).max()
+
+
+def test_a_pendulum():
+    arm = link("arm", 2, (0.5, 0, 0), (0, 0, 0, 0.1, 0, 0.1))
+    model = built(link("base"), arm, joint("j", "base", "arm", axis=(0, 1, 0)))
+    q = np.linspace(-3, 3, 20)[:, None]
+    expected = (0.7 + 2 * 9.81 * 0.5 * np.cos(q)) / (0.1 + 2 * 0.25)
+    assert worst(forward_dynamics(model, q, 0.0, 0.7 + 0 * q), expected) <= 4 * EPS
+
+
+def test_a_free_rigid_body():
+    """Euler's equations: I wd = tau - w x I w, and the origin falls with what a force adds."""
+    model = built(link("body", 2.0, (0, 0, 0), (1, 0, 0, 2, 0, 3)), moving_base=True)
+    q, qd, tau = random_state(model, np.random.default_rng(5), 50)
+    I, w = np.array([1.0, 2.0, 3.0]), qd[:, :3]
+    expected = np.hstack(((tau[:, :3] - np.cross(w, I * w)) / I, tau[:, 3:] / 2.0 + [0, 0, -9.81]))
+    assert worst(forward_dynamics(model, q, qd, tau), expected) <= 8 * EPS
+
+
+def test_a_body_that_falls_free_of_a_moving_one():
+    """A floating joint in the middle of a tree passes on the force on it and nothing else."""
+    rng = np.random.default_rng(6)
+    parts = [link(f"l{k}", *body_numbers(rng), rng.uniform(-3, 3, 3)) for k in range(4)]
+    rows = rng.normal(size=(3, 3, 3))
+    placed = [{"axis": axis, "xyz": xyz, "rpy": rpy} for axis, xyz, rpy in rows]
+    kinds = ("revolute", "floating", "prismatic")
+    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", kind, **placed[k]) for k, kind in enumerate(kinds)]
+    for free in (False, True):
+        _agrees(built(*parts, *joints, moving_base=free), 7)
+
+
+def test_planar_joints():
+    rng = np.random.default_rng(8)
+    parts = [link(f"l{k}", *body_numbers(rng), rng.uniform(-3, 3, 3)) for k in range(3)]
+    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", "planar", (0.6, 0, 0.8), (0.1, 0.2, 0.3)) for k in range(2)]
+    _agrees(built(*parts, *joints), 9)
+
+
+def _agrees(model, seed, scene=None):
+    """Torques of the accelerations, and the mass matrix factorised, agree with what was asked."""
+    scene = scene or Scene()
+    q, qd, tau = random_state(model, np.random.default_rng(seed), 20)
+    qdd = forward_dynamics(model, q, qd, tau, scene=scene, executor="numpy")
+    M = mass_matrix(model, q, scene=scene)
+    called_for = (np.abs(M) @ np.abs(qdd)[..., None]).max()
+    assert worst(inverse_dynamics(model, q, qd, qdd, scene=scene), tau, max(called_for, np.abs(tau).max())) <= 1e-14
+    assert worst(qdd, forward_by_factorisation(model, q, qd, tau, scene=scene)) <= 16 * EPS * np.linalg.cond(M).max()
+
+
+MIMICS = {
+    "siblings": {4: (3, -1.5)},
+    "a follower beyond its master": {3: (1, 2.0)},
+    "a follower before its master": {2: (5, -0.7)},
+    "three on one branch": {2: (1, 0.5), 5: (1, -2.0)},
+    "branches that meet at the base": {4: (1, 1.0), 6: (1, -1.0), 7: (6, 3.0)},
+    "pairs across each other": {3: (1, 0.8), 5: (2, -1.2), 7: (4, 2.0)},
+    "pairs within each other": {6: (1, 0.9), 5: (2, 1.1), 4: (3, -1.3)},
+}
+
+
+def _mimicking(followers, moving_base=False):
+    """A tree of skew joints: 1-2-5 and 1-3, 1-4 on one side, 6-7 on the other."""
+    rng = np.random.default_rng(10)
+    parents = {1: 0, 2: 1, 3: 1, 4: 1, 5: 2, 6: 0, 7: 6}
+    parts = [link(f"l{k}", *body_numbers(rng), rng.uniform(-3, 3, 3)) for k in range(8)]
+    for k, parent in parents.items():
+        more = '<dynamics damping="0.3" friction="0.2"/>'
+        if k in followers:
+            master, ratio = followers[k]
+            more += f'<mimic joint="j{master}" multiplier="{numbers([ratio])}" offset="0.1"/>'
+        placed = {"axis": rng.normal(size=3), "xyz": rng.uniform(-1, 1, 3), "rpy": rng.uniform(-3, 3, 3)}
+        parts.append(joint(f"j{k}", f"l{parent}", f"l{k}", ("revolute", "prismatic")[k % 2], **placed, more=more))
+    return built(*parts, moving_base=moving_base)
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("name", MIMICS)
+def test_shared_coordinates(name, free):
+    model = _mimicking(MIMICS[name], free)
+    assert model.n == 7 - len(MIMICS[name]) + 6 * free
+    _agrees(model, 11, Scene(rotor={"j4": Rotor(0.3), "j1": Rotor(0.2, 2.0), "j2": Rotor(0.1)} if free else {}))
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("free", [False, True])
+def test_random_trees(seed, free):
+    _agrees(random_tree(seed, 9, moving_base=free), seed)
+
+
+def test_a_rotor_far_heavier_than_the_links():
+    model = random_tree(3, 6, kinds=("revolute",))
+    _agrees(model, 13, Scene(rotor=dict.fromkeys(model.joint_names, Rotor(1e9))))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-15, 1e-12, 1e-9, 2e-6, 1e-3, np.pi - 1e-9, np.pi])
+def test_axes_that_are_nearly_parallel(angle):
+    rng = np.random.default_rng(14)
+    for axis in ((0, 0, 1), (0.48, 0.6, 0.64)):
+        parts = [link(f"l{k}", *body_numbers(rng), rng.uniform(-3, 3, 3)) for k in range(4)]
+        parts += [
+            joint(f"j{k}", f"l{k}", f"l{k + 1}", axis=axis, xyz=(0.3, 0.2, 0.1), rpy=(angle, 0.7 * k, 0))
+            for k in range(3)
+        ]
+        _agrees(built(*parts), 15)
+
+
+def test_aligned_models_are_the_same_robot():
+    for model in (busy_robot(False), busy_robot(True), golden_model("tree15_bf2_skew0.3"), robot("puma560")):
+        q, qd, qdd = random_state(model, np.random.default_rng(16), 20)
+        turned = aligned(model)
+        for body in turned.bodies:
+            assert body.joint.kind in ("fixed", "floating") or body.joint.axis.tolist() == [0.0, 0.0, 1.0]
+            assert worst(body.joint.R @ body.joint.R.T, np.eye(3)) <= 8 * EPS
+        tau = inverse_dynamics(model, q, qd, qdd, scene=(scene := Scene()))
+        assert worst(inverse_dynamics(turned, q, qd, qdd, scene=scene), tau) <= 16 * EPS
+
+
+BASE, HINGE = link("l0"), joint("j1", "l0", "l1")
+SINGULAR = {
+    "a massless leaf": ([BASE, link("l1"), HINGE], "j1"),
+    "a massless slide": (
+        [BASE, link("l1", 1, (0.1, 0, 0)), link("l2"), HINGE, joint("j2", "l1", "l2", "prismatic")],
+        "j2",
+    ),
+    "a point on the axis": ([BASE, link("l1", 2, (0.3, 0.6, 0.9)), joint("j1", "l0", "l1", axis=(1, 2, 3))], "j1"),
+    "a massless finger of two": (
+        [
+            *(link(f"l{k}") for k in range(3)),
+            joint("j1", "l0", "l1"),
+            joint("j2", "l0", "l2", more='<mimic joint="j1" multiplier="2"/>'),
+        ],
+        "j1",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SINGULAR)
+def test_names_the_joint_that_nothing_resists(name):
+    parts, culprit = SINGULAR[name]
+    model = built(*parts)
+    for q in (0.3, np.full((5, model.n), 0.4)):
+        with pytest.raises(InputError) as caught:
+            forward_dynamics(model, q, 0.1, 0.2)
+        assert str(caught.value) == (
+            f'joint "{culprit}" moves nothing that has inertia, so its acceleration is not defined '
+            "(give a link that it carries mass and inertia, or the joint a rotor)"
+        )
+    assert np.isfinite(forward_dynamics(model, 0.3, 0.1, 0.2, scene=Scene(rotor={culprit: Rotor(0.1)}))).all()
+    if name == "a point on the axis":
+        return  # the axis is (1, 2, 3) to 16 digits only
+    with mpmath.workdps(30), pytest.raises(InputError, match=culprit):
+        _qdd(model, [mpmath.mpf(1)] * model.n, [mpmath.mpf(0)] * model.n, [mpmath.mpf(1)] * model.n, Scene())
+
+
+def test_a_point_that_two_axes_meet_is_refused_where_they_meet():
+    """Two coaxial turns of a point mass resist at most one acceleration."""
+    parts = [link(f"l{k}") for k in range(3)] + [link("l3", 1.0, (0.5, 0, 0))]
+    parts += [joint("j1", "l0", "l1"), joint("j2", "l1", "l2", axis=(0, 1, 0)), joint("j3", "l2", "l3")]
+    model = built(*parts)
+    q = np.tile([0.3, 1.0, 0.2], (5, 1))
+    assert np.isfinite(forward_dynamics(model, q, 0.0, 1.0)).all()
+    q[3, 1] = 0.0
+    with pytest.raises(InputError, match=r"sample 3 has no finite accelerations: hardly anything resists \"j[13]\""):
+        forward_dynamics(model, q, 0.0, 1.0)
+
+
+def test_massless_links_between_joints_are_no_trouble():
+    parts = [link(f"l{k}") for k in range(3)] + [link("l3", 1, (0, 0.5, 0), (1, 0, 0, 1, 0, 1))]
+    axes = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
+    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", axis=axis) for k, axis in enumerate(axes)]
+    _agrees(built(*parts, *joints), 17)
+
+
+def test_unphysical_inertia_is_computed():
+    model = built(link("base"), link("arm", 2, (0.5, 0, 0), (0.1, 0, 0, 0.1, 0, -0.7)), joint("j", "base", "arm"))
+    assert worst(forward_dynamics(model, 0.0, 0.0, 1.0), [1 / (0.5 - 0.7)]) <= 4 * EPS
+
+
+def test_is_as_short_as_the_textbook_and_asks_for_no_effect():
+    source = inspect.getsource(articulated_body)
+    tree = ast.parse(source).body[0]
+    code = source.splitlines()[tree.body[1].lineno - 1 :]
+    assert len([line for line in code if line.strip()]) <= 30
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    assert not names & {"isinstance", "type", "hasattr", "Traced", "Dual"}

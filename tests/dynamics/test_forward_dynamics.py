@@ -1,0 +1,171 @@
+"""The Python interface of forward dynamics: shapes, errors, executors, and what a sample costs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from busy_robot import BUSY_SCENE, busy_robot
+from compiled_programs import bits, needs_compiler
+from example_robots import real
+from oracles import EPS, frictionless, golden_model, random_state, robot, worst
+
+import robodyn
+from robodyn.errors import InputError
+from robodyn.execute.multiprecision import Multiprecision
+from robodyn.forward import forward_by_factorisation, forward_dynamics
+from robodyn.inverse import inverse_dynamics, mass_matrix
+from robodyn.plan import Plan
+from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+
+MODEL = golden_model("puma560_corke")
+STATE = random_state(MODEL, np.random.default_rng(5), 3000)
+
+
+@pytest.mark.parametrize("moving_base", [False, True])
+def test_it_undoes_inverse_dynamics_with_every_effect(moving_base):
+    model, rng = busy_robot(moving_base), np.random.default_rng(1)
+    q, qd, qdd = random_state(model, rng, 20)
+    more = {"scene": BUSY_SCENE, "columns": {name: rng.normal(size=20) for name in BUSY_SCENE.columns}}
+    tau = inverse_dynamics(model, q, qd, qdd, **more)
+    cond = np.linalg.cond(mass_matrix(model, q, scene=BUSY_SCENE)).max()
+    assert worst(robodyn.forward_dynamics(model, q, qd, tau, **more), qdd) <= 16 * EPS * cond
+    assert worst(forward_by_factorisation(model, q, qd, tau, **more), qdd) <= 16 * EPS * cond
+    assert worst(inverse_dynamics(model, q, qd, forward_dynamics(model, q, qd, tau, **more), **more), tau) <= 1e-14
+
+
+def test_shapes():
+    q = np.full((2, 3, 4, 6), 0.3)
+    assert forward_dynamics(MODEL, q, 0, 0).shape == (2, 3, 4, 6)
+    assert forward_dynamics(MODEL, q[0, 0, 0], 0, 0).shape == (6,)
+    assert forward_dynamics(MODEL, q[0], q, q[0, 0, 0]).shape == (2, 3, 4, 6)
+    assert forward_dynamics(MODEL, q[:0], 0, 0).shape == (0, 3, 4, 6)
+    assert forward_by_factorisation(MODEL, q[0], 0, q).shape == (2, 3, 4, 6)
+
+
+WRONG = {
+    "q has 5 columns, the robot has 6": ([0] * 5, 0, 0),
+    "qd has 7 columns, the robot has 6": (0, [0] * 7, 0),
+    "tau has 1 columns, the robot has 6": (0, 0, [0]),
+    "the shapes do not go together": (np.zeros((2, 6)), np.zeros((3, 6)), 0),
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_wrong_shapes(message):
+    with pytest.raises(InputError, match=message):
+        forward_dynamics(MODEL, *WRONG[message])
+
+
+def test_wrong_arguments():
+    with pytest.raises(InputError, match="out has shape"):
+        forward_dynamics(MODEL, *STATE, out=np.empty((2, 6)))
+    with pytest.raises(InputError, match="there is no executor 'gpu'"):
+        forward_dynamics(MODEL, *STATE, executor="gpu")
+    with pytest.raises(InputError, match="dtype int64 is not offered"):
+        forward_dynamics(MODEL, *STATE, dtype=np.int64)
+    with pytest.raises(InputError, match="the quaternion of base is zero"):
+        forward_dynamics(busy_robot(True), 0, 0, 0)
+
+
+def test_numbers_that_are_not_finite_pass_through():
+    """As in inverse dynamics, they spoil their own sample and no other."""
+    q, qd, tau = (x[:9].copy() for x in STATE)
+    right = forward_dynamics(MODEL, q, qd, tau)
+    tau[4, 2] = np.nan
+    found = forward_dynamics(MODEL, q, qd, tau)
+    assert np.isnan(found[4]).any()
+    np.testing.assert_array_equal(np.delete(found, 4, axis=0), np.delete(right, 4, axis=0))
+
+
+def test_a_singular_mass_matrix_is_refused_by_the_factorisation_too():
+    from small_robots import built, joint, link
+
+    model = built(link("l0"), link("l1"), joint("j1", "l0", "l1"))
+    with pytest.raises(InputError, match='the mass matrix is singular: hardly anything resists "j1"'):
+        forward_by_factorisation(model, 0.0, 0.0, 1.0)
+
+
+@needs_compiler
+def test_neither_threads_nor_layout_nor_company_change_a_bit():
+    right = forward_dynamics(MODEL, *STATE, executor="compiled", threads=1)
+    cond = np.linalg.cond(mass_matrix(MODEL, STATE[0])).max()
+    assert worst(right, forward_dynamics(MODEL, *STATE, executor="numpy")) <= EPS * cond
+    out = np.empty_like(right, order="C")
+    assert forward_dynamics(MODEL, *STATE, executor="compiled", threads=3, out=out) is out
+    np.testing.assert_array_equal(bits(out), bits(right))
+    part = forward_dynamics(MODEL, *(np.asfortranarray(x[1000:1009]) for x in STATE), executor="compiled")
+    np.testing.assert_array_equal(bits(part), bits(right[1000:1009]))
+
+
+def test_the_multiprecision_executor():
+    plan = Plan(MODEL, Scene())
+    sources = dict(zip(("q", "qd", "tau"), (x[:3] for x in STATE), strict=True))
+    found = Multiprecision(plan.accelerations(), digits=40)(sources, 3).astype(float)
+    assert (
+        worst(found, forward_dynamics(MODEL, *sources.values()))
+        <= 4 * EPS * np.linalg.cond(mass_matrix(MODEL, STATE[0][:3])).max()
+    )
+
+
+BOUNDS = {"ur5_robot": (691, 1174), "panda": (1607, 2417), "anymal": (1674, 3896), "talos_reduced": (7506, 9804)}
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_upper_bounds_of_operations(name):
+    """With a fixed base and a free one."""
+    for free, bound in zip((False, True), BOUNDS[name], strict=True):
+        model = real(name, free)
+        assert Plan(model, frictionless(model)).accelerations().size <= bound
+
+
+ABSENT = {
+    "viscous and Coulomb friction": {"friction": {"elbow": Friction(0.1, 0.2, -0.3)}},
+    "rotor": {"rotor": {"elbow": Rotor(0.1)}},
+    "spring": {"spring": {"elbow": Spring(2.0, 0.1)}},
+    "external wrench": {"wrenches": (ExternalWrench("flange", (1.0, 2.0, 3.0)),)},
+    "fluid": {"immersed": (Immersed("flange", 0.1, (0, 0, 0), (1, 1, 1)),), "fluid_density": 1000.0},
+}
+NOTHING = {
+    "viscous and Coulomb friction": {"friction": {"elbow": Friction()}},
+    "rotor": {"rotor": {"elbow": Rotor(0.0, -50.0)}},
+    "spring": {"spring": {"elbow": Spring(0.0, 0.7)}},
+    "external wrench": {"wrenches": (ExternalWrench("flange", point=(1, 2, 3)),)},
+    "fluid": {"immersed": (Immersed("flange", 0.0, (1, 2, 3)),), "fluid_density": 1000.0},
+}
+
+
+def _size(model, still=frozenset(), **scene):
+    bare = frictionless(model)
+    friction = {**bare.friction, **scene.pop("friction", {})}
+    return Plan(model, Scene(friction=friction, **scene), still).accelerations().size
+
+
+@pytest.mark.parametrize("name", ABSENT)
+def test_an_absent_effect_costs_no_operation(name):
+    model = robot("puma560")
+    assert _size(model, **NOTHING[name]) == _size(model) < _size(model, **ABSENT[name])
+
+
+def test_a_payload_costs_what_its_link_would_cost_with_its_mass():
+    model = robot("puma560")
+    heavier = _size(model, payloads=(Payload("flange", 1.0, (0.1, 0.2, 0.3), (1, 0.1, 0.1, 1, 0.1, 1)),))
+    assert _size(model, payloads=(Payload("flange", 0.0, (0.3, 0.2, 0.1)),)) == _size(model) < heavier
+
+
+def test_rest_weightlessness_and_no_torque_are_cheaper():
+    model = robot("puma560")
+    names = {source: frozenset((source, i) for i in range(6)) for source in ("qd", "tau")}
+    weightless = {"gravity": (0.0, 0.0, 0.0)}
+    assert _size(model, names["qd"]) < _size(model)
+    assert _size(model, names["tau"]) < _size(model)
+    assert _size(model, **weightless) < _size(model)
+    assert _size(model, names["qd"] | names["tau"], **weightless) == 0
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_zero_coefficients_leave_every_bit(name):
+    model = robot("puma560")
+    state = random_state(model, np.random.default_rng(1), 100)
+    scene = {**NOTHING[name], "friction": frictionless(model).friction}
+    found = forward_dynamics(model, *state, scene=Scene(**scene))
+    np.testing.assert_array_equal(found, forward_dynamics(model, *state, scene=frictionless(model)))
