@@ -13,7 +13,7 @@ import click
 from robodyn.cli.failures import reported
 from robodyn.wording import alternatives
 
-COMMANDS = ("torques", "inertia", "bench")
+COMMANDS = ("torques", "inertia", "check", "rule", "bench")
 
 
 class Commands(click.Group):

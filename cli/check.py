@@ -1,0 +1,60 @@
+"""`robodyn check`: what is wrong with robot descriptions."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import click
+
+from robodyn.checks.asked import Asked
+from robodyn.checks.baseline import compared, write_baseline
+from robodyn.checks.project import check_tasks, tasks_for
+from robodyn.checks.rule import Severity
+from robodyn.checks.run import Checked, Options
+from robodyn.cli.check_fix import fix_files
+from robodyn.cli.check_options import OPTIONS, check_flags
+from robodyn.cli.check_report import report
+from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.screen import show
+
+
+@click.command("check")
+@click.argument("urdfs", nargs=-1, required=True, metavar="URDF...")
+@OPTIONS
+def command(urdfs: tuple[str, ...], **flags: Any) -> int:
+    """Find what is wrong with robot descriptions, down to the attribute.
+    A file named - is standard input; a folder means every .urdf below it; a .xacro file is expanded first.
+    The exit status is 1 if an error is found. `robodyn rule CODE` explains a finding.
+
+    \b
+    Example:
+      robodyn check robots/ --ignore RD110
+    """
+    check_names([*urdfs], None)
+    check_flags(flags, STANDARD_INPUT in urdfs)
+    asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"])
+    given = Options(flags["select"] or (), flags["ignore"] or (), package_path=flags["packages"], asked=asked)
+    sources = [sys.stdin.buffer.read() if urdf == STANDARD_INPUT else urdf for urdf in urdfs]
+    tasks = tasks_for(sources, given, flags["config"])
+    if (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"]):
+        return 1
+    checked = check_tasks(tasks)
+    if flags["write_baseline"]:
+        count = write_baseline(checked.findings, flags["baseline"])
+        click.echo(f"written: {flags['baseline']}, {count} findings", err=True)
+        return 0
+    if flags["baseline"]:
+        checked = _new(checked, flags["baseline"])
+    if not flags["diff"]:
+        show(report(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
+    fatal = (Severity.E, Severity.W) if flags["strict"] else (Severity.E,)
+    return int(any(checked.count(severity) for severity in fatal))
+
+
+def _new(checked: Checked, baseline: str) -> Checked:
+    """What the baseline does not have."""
+    found = compared(checked.findings, baseline)
+    gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
+    click.echo(f"{baseline}: {found.known} findings passed over{gone}", err=True)
+    return Checked(checked.files, found.new)

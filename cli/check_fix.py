@@ -1,0 +1,26 @@
+"""Editing the files of `robodyn check --fix`, or showing the edits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from robodyn.checks.project import Task, fix_task
+from robodyn.checks.whole import write_whole
+from robodyn.cli.screen import show
+from robodyn.report.fixes_check import check_diff, fix_lines
+
+
+def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
+    """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
+    files = [fix_task(task, unsafe) for task in tasks]
+    changed = [one for one in files if one.after != one.before]
+    for one in changed:
+        if diff:
+            show(check_diff(one))
+        else:
+            write_whole(one.file, one.after)
+    for line in fix_lines(files, "would fix" if diff else "fixed"):
+        click.echo(line, err=True)
+    return diff and bool(changed)

@@ -1,0 +1,36 @@
+"""The findings of `robodyn check` in the form that was asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from robodyn.checks.catalogue import RULES
+from robodyn.checks.project import Task
+from robodyn.checks.run import Checked
+from robodyn.checks.xacro import EXPANDED
+from robodyn.cli.screen import page
+from robodyn.report.github_check import check_github
+from robodyn.report.json_check import check_json
+from robodyn.report.junit_check import check_junit
+from robodyn.report.sarif_check import check_sarif
+from robodyn.report.statistics_check import check_statistics
+from robodyn.report.text_check import check_text
+
+
+def report(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:
+    """The text for standard output; what lines of expanded files mean is said on standard error."""
+    for name in checked.files:
+        if name.endswith(EXPANDED):
+            click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)
+    if statistics:
+        return check_statistics(checked.findings, page())
+    if form == "sarif":
+        readings = {task.name: task.reading for task in tasks}
+        return check_sarif(checked.findings, RULES, lambda name: readings[name]())
+    if form == "junit":
+        return check_junit(checked, strict)
+    if form == "github":
+        return check_github(checked.findings)
+    return check_json(checked) if form == "json" else check_text(checked)

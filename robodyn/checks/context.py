@@ -1,0 +1,126 @@
+"""What a check is given: one file, read as far as it can be, and everything derived from it at most once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from robodyn.checks.asked import NOTHING, Asked
+from robodyn.checks.reading import Reading
+from robodyn.checks.tree import Tree, build_tree
+from robodyn.checks.view import View
+from robodyn.errors import DescriptionError
+from robodyn.urdf.description import Description, read_description
+
+if TYPE_CHECKING:
+    from robodyn.model import Model
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """The numbers that a project may set for itself; SI units."""
+
+    axis_length: float = 1e-3
+    """RD502: how far the length of an axis may be from 1."""
+    positive_definite: float = 1e-9
+    """RD206: least principal moment over the largest."""
+    triangle: float = 1e-6
+    """RD207: slack of the triangle inequality over the largest principal moment."""
+    least_mass: float = 1e-4
+    """RD209: mass of a moving rigid group."""
+    least_gyration: float = 1e-4
+    """RD209: radius of gyration of a moving rigid group."""
+    mass_ratio: float = 1000.0
+    """RD210: masses of the rigid groups on both sides of a joint."""
+    most_effort: float = 1e5
+    """RD506: a greater effort is a sentinel."""
+    most_velocity: float = 1e4
+    """RD506: a greater velocity is a sentinel."""
+    most_range: float = 1e4
+    """RD504: a greater position limit is a sentinel."""
+    mimic_range: float = 1e-3
+    """RD512: how far a follower may be driven beyond its limits [rad or m]."""
+
+
+DEFAULT = Thresholds()
+THRESHOLDS = tuple(one.name for one in fields(Thresholds))
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """One file under check.
+
+    Attributes:
+        reading: the file as XML.
+        thresholds: what the rules measure against.
+        package_path: folders in which `package://` names are looked up first.
+        asked: what is asked beyond the file itself.
+    """
+
+    reading: Reading
+    thresholds: Thresholds = DEFAULT
+    package_path: tuple[str, ...] = ()
+    asked: Asked = NOTHING
+    _kept: dict[Callable[..., Any], Any] = field(default_factory=dict, repr=False)
+
+    def once(self, function: Callable[[Context], T]) -> T:
+        """`function(self)`, computed when it is first asked for."""
+        if function not in self._kept:
+            self._kept[function] = function(self)
+        value: T = self._kept[function]
+        return value
+
+    @cached_property
+    def view(self) -> View:
+        """Links, joints and numbers, as far as they can be read. From stage DOCUMENT on."""
+        return View.of(self.reading.root)
+
+    @cached_property
+    def tree(self) -> Tree:
+        """The tree of links and its rigid groups. From stage TREE on."""
+        tree = self.tree_or_none
+        assert tree is not None, "the stage TREE has been reached"
+        return tree
+
+    @cached_property
+    def tree_or_none(self) -> Tree | None:
+        """For rules of stage DOCUMENT that say more where there is a tree."""
+        return build_tree(self.view)
+
+    @cached_property
+    def description(self) -> Description:
+        """The strict reading. From stage MODEL on."""
+        description = self.description_or_none
+        assert description is not None, "the stage MODEL has been reached"
+        return description
+
+    @cached_property
+    def description_or_none(self) -> Description | None:
+        if self.reading.document is None:
+            return None
+        try:
+            return read_description(self.reading.document)
+        except DescriptionError:
+            return None
+
+    @cached_property
+    def model(self) -> Model:
+        """The assembled robot. From stage MODEL on."""
+        model = self.model_or_none
+        assert model is not None, "the stage MODEL has been reached"
+        return model
+
+    @cached_property
+    def model_or_none(self) -> Model | None:
+        from robodyn.assemble import assemble
+
+        if self.description_or_none is None:
+            return None
+        try:
+            return assemble(self.description_or_none)
+        except DescriptionError:
+            return None

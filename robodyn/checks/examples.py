@@ -1,0 +1,51 @@
+"""Small descriptions that the documentation of the rules is written in."""
+
+from __future__ import annotations
+
+INERTIA = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/>'
+LIMIT = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
+
+
+def one_link(inertial: str = f'<mass value="2"/>{INERTIA}') -> str:
+    """A robot of one link with the inertial given."""
+    return f"""<robot name="part">
+  <link name="part">
+    <inertial>
+      {inertial}
+    </inertial>
+  </link>
+</robot>
+"""
+
+
+def arm(joint: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute", more: str = "") -> str:
+    """An arm of one joint of some kind, with what is in the joint, and more elements of the robot."""
+    return f"""<robot name="arm">
+  <link name="base"/>
+  <link name="upper">
+    <inertial><mass value="2"/>{INERTIA}</inertial>
+  </link>
+  <joint name="shoulder" type="{kind}">
+    <parent link="base"/>
+    <child link="upper"/>
+    {joint}
+  </joint>{more}
+</robot>
+"""
+
+
+def a_link(name: str, inertial: str = f'<mass value="1"/>{INERTIA}', more: str = "") -> str:
+    """A link, to be used as `more` of an arm."""
+    inside = f"<inertial>{inertial}</inertial>" if inertial else ""
+    return f"""
+  <link name="{name}">{inside}{more}</link>"""
+
+
+def a_joint(
+    name: str, parent: str, child: str, more: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute"
+) -> str:
+    """A joint, to be used as `more` of an arm."""
+    return f"""
+  <joint name="{name}" type="{kind}">
+    <parent link="{parent}"/><child link="{child}"/>{more}
+  </joint>"""

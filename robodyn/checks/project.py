@@ -1,0 +1,96 @@
+"""Checking the files of a project: each with the settings that hold for it, and xacro files expanded."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from robodyn.checks.config import Config, find_config, read_config
+from robodyn.checks.fix import Fixed, fixed
+from robodyn.checks.reading import Reading, read
+from robodyn.checks.rule import Finding
+from robodyn.checks.run import EVERYTHING, Checked, Options, check_one, rules_for
+from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.xacro import EXPANDED, expanded, is_xacro
+from robodyn.urdf.sources import read_source
+
+STDIN = "<stdin>"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A file, or the bytes of standard input, and how to check it."""
+
+    source: str | bytes
+    options: Options
+
+    @property
+    def name(self) -> str:
+        """The file as findings show it."""
+        if isinstance(self.source, bytes):
+            return STDIN
+        return self.source + EXPANDED if is_xacro(self.source) else self.source
+
+    def content(self) -> str | bytes:
+        """What `read` and `check_one` take."""
+        if isinstance(self.source, str) and is_xacro(self.source):
+            return expanded(self.source, self.options.package_path)
+        return self.source
+
+    def reading(self) -> Reading:
+        return read(self.content(), self.name)
+
+
+def tasks_for(
+    sources: Sequence[str | bytes], given: Options = EVERYTHING, config: str | None = None
+) -> tuple[Task, ...]:
+    """The files of the sources, each with its options.
+
+    Args:
+        sources: files, folders, patterns, or the bytes of standard input, for which the settings of the current folder
+            hold.
+        given: the options of the call; they win over those of the project, or are added to them (see `Config.of`).
+        config: a file whose settings hold for all; by default those found above each file.
+
+    Raises:
+        InputError: nothing matches a source, there is no such rule, or settings are wrong.
+    """
+    rules_for(given)
+    fixed = None if config is None else read_config(config)
+    known: dict[str, Config | None] = {}
+    return tuple(Task(file, _options(file, given, fixed, known)) for file in files_of(sources))
+
+
+def check_tasks(tasks: Sequence[Task]) -> Checked:
+    """The findings in all of them; many files are shared out among processes, one for each core.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    shared_out = worth_processes([task.source for task in tasks])
+    found = each_in_a_process(_check, tasks, None) if shared_out else [check_task(task) for task in tasks]
+    return Checked(tuple(task.name for task in tasks), tuple(one for findings in found for one in findings))
+
+
+def check_task(task: Task) -> tuple[Finding, ...]:
+    return check_one(task.content(), task.options, task.name)
+
+
+def fix_task(task: Task, unsafe: bool = False) -> Fixed:
+    """The text of a file with its fixes made (see `fixed`), which is not written; of a xacro file as it is."""
+    name = task.name
+    _, data = read_source(task.source, name)
+    if is_xacro(task.source):
+        return Fixed(name, data, data)
+    return fixed(data, name, lambda text: check_one(text, task.options, name), unsafe=unsafe)
+
+
+def _check(task: Task, _: None) -> tuple[Finding, ...]:
+    return check_task(task)
+
+
+def _options(file: str | bytes, given: Options, fixed: Config | None, known: dict[str, Config | None]) -> Options:
+    path = STDIN if isinstance(file, bytes) else file
+    config = fixed or find_config(os.path.dirname(path), known)
+    return given if config is None else config.of(path, given)

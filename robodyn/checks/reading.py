@@ -1,0 +1,65 @@
+"""The file as XML: its elements with their places, and everything that is wrong with it so far.
+
+`robodyn.urdf.document` refuses a file at the first fault; a linter collects them and reads on where it can.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from robodyn.checks.xml_reader import Reader, TextFault, unexpanded
+from robodyn.errors import DescriptionError
+from robodyn.urdf.document import Document
+from robodyn.urdf.elements import Element
+from robodyn.urdf.places import Places
+from robodyn.urdf.sources import as_utf8, read_source
+
+__all__ = ["Reading", "TextFault", "read", "unexpanded"]
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A file, the faults of its XML, and its document where that could be read to the end and needs no expansion."""
+
+    file: str
+    data: bytes
+    encoding: str
+    faults: tuple[TextFault, ...]
+    document: Document | None
+
+    @property
+    def root(self) -> Element:
+        """<robot>. From stage DOCUMENT on."""
+        assert self.document is not None, "the stage DOCUMENT has been reached"
+        return self.document.root
+
+    def found(self, code: str) -> list[TextFault]:
+        """What rule `code` reports."""
+        return [fault for fault in self.faults if fault.code == code]
+
+
+def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Reading:
+    """The reading of a file.
+
+    Method: expat, which fetches nothing; a document type with declarations ends the reading before any is expanded.
+
+    Args:
+        source: path of the file, or its bytes.
+        name: the file as findings shall show it; by default the path, and `<stdin>` for bytes.
+
+    Raises:
+        DescriptionError: the file cannot be opened.
+    """
+    file, original = read_source(source, name)
+    try:
+        data, transcoded = as_utf8(file, original)
+    except DescriptionError as error:
+        fault = TextFault("RD001", Places(original, "latin-1").span(0, 0), error.what, error.remedy or "save as UTF-8")
+        return Reading(file, original, "latin-1", (fault,), None)
+    reader = Reader(data, "utf-8" if transcoded else None)
+    root = reader.run()
+    places = reader.places
+    document = None if root is None else Document(file, data, root, places.encoding)
+    faults = tuple(sorted(reader.faults, key=lambda fault: fault.at.start))
+    return Reading(file, data, places.encoding, faults, document)

@@ -1,0 +1,155 @@
+"""How the dynamics of a robot differ from those of another version of its file."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.assemble import load
+from robodyn.errors import DescriptionError, InputError
+from robodyn.inertia.exact import Floats
+from robodyn.inverse import inverse_dynamics
+from robodyn.model import Joint, Model
+
+SAME = 1e-9
+"""Relative differences that are no more are rounding."""
+_STATES = 32
+_SEED = 20_26
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference: of a `joint`, a `link` or the `robot`, its name, what is different, and how much."""
+
+    kind: str
+    name: str
+    what: str
+    size: float
+
+
+def version_at(file: str, ref: str) -> bytes:
+    """The bytes of a file at a git revision.
+
+    Raises:
+        InputError: git is not there, or knows no such revision or file.
+    """
+    folder, name = os.path.split(os.path.abspath(file))
+    remedy = "give a revision that has the file"
+    if not ref or ref.startswith("-"):
+        raise InputError(f"there is no version of {name} at {ref!r}", remedy=remedy)
+    try:
+        run = subprocess.run(["git", "show", f"{ref}:./{name}"], cwd=folder, capture_output=True, check=False)
+    except OSError as error:
+        raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
+    if run.returncode:
+        first = (run.stderr.decode(errors="replace").strip().splitlines() or ["unknown"])[0]
+        raise InputError(f"there is no version of {name} at {ref!r}: {first}", remedy=remedy)
+    return run.stdout
+
+
+def model_at(file: str, ref: str) -> Model | None:
+    """The robot at a git revision; None where the description there cannot be read."""
+    try:
+        return load(version_at(file, ref))
+    except DescriptionError:
+        return None
+
+
+def changes(before: Model, after: Model) -> Iterator[Change]:
+    """What differs in joints, masses, centres and tensors, and as a sum of all, in the torques.
+
+    Bodies are links with everything fixed to them. The torques are those of inverse dynamics in 32 random states, the
+    same in every run, of the coordinates that both have; others are at rest. The last change is their largest
+    difference in a state over the largest torque there.
+    """
+    yield from _joints(before, after)
+    yield from _bodies(before, after)
+    common = [name for name in after.rates if name in before.rates]
+    floating = any(joint.kind == "floating" for joint in (*before.independent, *after.independent))
+    if not common or floating:
+        return
+    apart, torque = _torques_apart(before, after, common)
+    if apart > SAME:
+        what = f"torques differ by up to {100 * apart:.3g} % in random states ({torque:.3g} N m or N)"
+        yield Change("robot", after.name, what, apart)
+
+
+def _joints(before: Model, after: Model) -> Iterator[Change]:
+    old = {body.joint.name: body.joint for body in before.bodies if body.joint.kind != "fixed"}
+    new = {body.joint.name: body.joint for body in after.bodies if body.joint.kind != "fixed"}
+    for name in old:
+        if name not in new:
+            yield Change("robot", after.name, f"joint {name!r} is gone", np.inf)
+    for name, joint in new.items():
+        if name not in old:
+            yield Change("joint", name, "the joint is new", np.inf)
+            continue
+        for what, value in _FIELDS.items():
+            was, now = value(old[name]), value(joint)
+            if was != now:
+                yield Change("joint", name, f"{what} {_shown(was)} has become {_shown(now)}", np.inf)
+        moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
+        if moved > SAME:
+            yield Change("joint", name, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved)
+    if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
+        yield Change("robot", after.name, "the joints are in another order", np.inf)
+
+
+_FIELDS: dict[str, Callable[[Joint], object]] = {
+    "type": lambda joint: joint.kind,
+    "axis": lambda joint: tuple(joint.axis.tolist()),
+    "lower": lambda joint: joint.lower,
+    "upper": lambda joint: joint.upper,
+    "effort": lambda joint: joint.effort,
+    "velocity": lambda joint: joint.velocity,
+    "damping": lambda joint: joint.damping,
+    "friction": lambda joint: joint.friction,
+}
+
+
+def _shown(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _bodies(before: Model, after: Model) -> Iterator[Change]:
+    old = {body.name: body.inertia for body in before.bodies}
+    for body in after.bodies:
+        if body.name not in old:
+            continue
+        was, now = old[body.name], body.inertia
+        mass = abs(now.m - was.m) / max(abs(now.m), abs(was.m), 1e-300)
+        if mass > SAME:
+            yield Change("link", body.name, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass)
+        centre = float(np.linalg.norm(now.centre_of_mass - was.centre_of_mass))
+        if centre > SAME:
+            yield Change("link", body.name, f"the centre of mass has moved by {centre:.3g} m", centre)
+        size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)
+        tensor = float(np.abs(now.I - was.I).max()) / size
+        if tensor > SAME:
+            yield Change("link", body.name, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor)
+
+
+def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[float, float]:
+    """The largest relative difference in a state, and the difference there [N m or N]."""
+    rng = np.random.default_rng(_SEED)
+    states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
+    tau = []
+    for model in (before, after):
+        places = [model.rates.index(name) for name in common]
+        given = [_placed(state, places, model.n) for state in states]
+        tau.append(inverse_dynamics(model, *given, executor="numpy")[:, places])
+    difference = np.abs(tau[1] - tau[0]).max(axis=1)
+    largest = np.maximum(np.abs(tau[0]).max(axis=1), np.abs(tau[1]).max(axis=1))
+    relative = difference / np.where(largest > 0.0, largest, 1.0)
+    worst = int(np.argmax(relative))
+    return float(relative[worst]), float(difference[worst])
+
+
+def _placed(state: Floats, places: list[int], n: int) -> Floats:
+    whole = np.zeros((len(state), n))
+    whole[:, places] = state
+    return whole

@@ -1,0 +1,135 @@
+"""What a check is made of: rules, what they are given, and what they find.
+
+A rule is one file in `robodyn/checks/rules/`, named after its code. It ends in one `RULE = Rule(...)`, which stands in
+the tuple `RULES` of `robodyn.checks.catalogue`. Its `check` is a generator: it is given a `Context`, yields one `Fault`
+for each thing that is wrong, and never raises. What it may rely on is its `stage`:
+
+    TEXT      `context.reading`: the bytes, and what is wrong with them as XML
+    DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
+    TREE      `context.tree` as well: one tree, one root, rigid groups; every name is unique and leads somewhere
+    MODEL     `context.description` and `context.model` as well
+
+A rule runs only where its stage is reached, so that one defect gives no second error. Within its stage a rule is silent
+about what another rule reports: a number that cannot be read is None in the view, and is RD007's alone.
+Whatever is costly and serves several rules is a function of the context, called by `context.once(function)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum, IntEnum
+
+from robodyn.checks.context import Context
+from robodyn.checks.view import Subject
+from robodyn.urdf.places import Span
+
+
+class Severity(Enum):
+    """E fails the check, W fails it with `--strict`, I is a remark."""
+
+    E = "error"
+    W = "warning"
+    I = "note"
+
+
+class Stage(IntEnum):
+    """How far the reading must have come for a rule to run; see above."""
+
+    TEXT = 0
+    DOCUMENT = 1
+    TREE = 2
+    MODEL = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Bytes [start, end) of the file, and the text to stand there instead."""
+
+    start: int
+    end: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """The one right correction: `what` it does, its edits, and whether it leaves the dynamics as they are."""
+
+    what: str
+    edits: tuple[Edit, ...]
+    safe: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fault:
+    """What a check has found.
+
+    Attributes:
+        at: the attribute (or the start tag) at fault.
+        what: what is wrong, with the numbers, without the subject: "the mass is -1 kg, not positive".
+        remedy: what to do about it.
+        subject: what it is about; None for the file as a whole.
+        measured, bound: the number and what it must keep to, in SI units.
+        severity: where it is not the rule's.
+        cause: why it is so, where that can be established.
+        fix: where one edit is uniquely right.
+    """
+
+    at: Span
+    what: str
+    remedy: str
+    subject: Subject | None = None
+    measured: float | None = None
+    bound: float | None = None
+    severity: Severity | None = None
+    cause: str | None = None
+    fix: Fix | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both."""
+
+    code: str
+    name: str
+    severity: Severity
+    stage: Stage
+    summary: str
+    explanation: str
+    bad: str
+    good: str
+    check: Callable[[Context], Iterable[Fault]]
+
+
+@dataclass(frozen=True, slots=True)
+class Excerpt:
+    """The line of the source around a finding, cut to a readable length, and where in it the finding stands."""
+
+    text: str
+    start: int
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A fault with its rule and its place; what the reports show.
+
+    `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
+    """
+
+    code: str
+    name: str
+    severity: Severity
+    file: str
+    line: int
+    column: int
+    start: int
+    end: int
+    subject: Subject | None
+    message: str
+    remedy: str
+    measured: float | None
+    bound: float | None
+    cause: str | None
+    fix: Fix | None
+    excerpt: Excerpt

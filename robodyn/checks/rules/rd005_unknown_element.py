@@ -1,0 +1,58 @@
+"""RD005: an element or an attribute that URDF does not know, or has once only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.grammar import Kind, own_elements
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.urdf.elements import Element
+from robodyn.wording import alternatives, shown
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for element, kind in own_elements(context.view.root):
+        yield from _children(element, kind)
+        for name in element.values:
+            if name not in kind.attributes and ":" not in name and name != "xmlns":
+                what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
+                remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
+                yield Fault(at=element.attributes[name].span, what=what, remedy=remedy)
+
+
+def _children(element: Element, kind: Kind) -> Iterator[Fault]:
+    seen: dict[str, Element] = {}
+    for child in element.children:
+        known = child.tag in kind.children
+        if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
+            what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
+            remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
+            yield Fault(at=child.span, what=what, remedy=remedy)
+        elif known and child.tag not in kind.repeated and child.tag in seen:
+            what = f"a second <{child.tag}> in <{element.tag}>, the first is in line {seen[child.tag].line}"
+            yield Fault(at=child.span, what=f"{what}; readers differ in which they take", remedy="keep one of them")
+        seen.setdefault(child.tag, child)
+
+
+def _is_near(tag: str, known: Sequence[str]) -> bool:
+    """At the top other tools may keep elements of any name; only slips of the pen are reported there."""
+    from difflib import get_close_matches
+
+    return len(tag) < 30 and bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75))
+
+
+RULE = Rule(
+    code="RD005",
+    name="unknown-element",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="Elements and attributes are those of URDF, and each stands where URDF has it and as often.",
+    explanation="""urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link
+without mass, a misspelt attribute takes its default. Elements with a namespace prefix, and those at the top that
+belong to other tools (gazebo, ros2_control, ...), are left alone.""",
+    bad=one_link(f'<mass value="2"/>{INERTIA}<orgin xyz="0 0 0.1"/>'),
+    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
+    check=check,
+)

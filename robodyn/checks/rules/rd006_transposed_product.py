@@ -1,0 +1,59 @@
+"""RD006: a product of inertia under its other name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
+from robodyn.checks.view import numbers
+from robodyn.urdf.elements import Element
+
+_PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for link in context.view.links:
+        inertia = None if link.inertial is None else link.inertial.inertia_element
+        for lower, upper in _PAIRS:
+            if inertia is None or inertia.get(lower) is None:
+                continue
+            below, above = numbers(inertia, lower, 1).value, numbers(inertia, upper, 1).value
+            state = f"{lower} is ignored" if below is None else f"{lower} = {below:g} is ignored"
+            if below is not None and above is not None and below != above:
+                state += f", and differs from {upper} = {above:g}"
+            yield Fault(
+                at=inertia.attributes[lower].span,
+                subject=link.subject,
+                what=f"{state}: URDF has the upper triangle of the matrix only",
+                remedy=f"delete {lower}, and see that {upper} is right",
+                measured=below,
+                bound=above,
+                fix=None if below is None else _fix(inertia, lower, upper, above == below),
+            )
+
+
+def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
+    """Where both are the same, the lower one goes; where only the lower one stands, it takes its twin's name."""
+    span = inertia.attributes[lower].span
+    if inertia.get(upper) is None:
+        return Fix(f"call it {upper}", (Edit(span.start, span.start + len(lower), upper),), safe=False)
+    if not same:
+        return None
+    start = len(inertia.places.data[: span.start].rstrip(b" \t\r\n"))
+    return Fix(f"delete {lower}", (Edit(start, span.end, ""),), safe=True)
+
+
+RULE = Rule(
+    code="RD006",
+    name="transposed-product",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="Products of inertia are called ixy, ixz and iyz.",
+    explanation="""The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy;
+where one of them stands in place of its twin, the product is taken for 0 or the whole inertial is dropped.""",
+    bad=one_link('<mass value="2"/>' + INERTIA.replace("iyz", 'iyx="0.001" iyz')),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+    check=check,
+)

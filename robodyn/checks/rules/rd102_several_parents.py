@@ -1,0 +1,45 @@
+"""RD102: a link that hangs on several joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.structure import first_above
+from robodyn.checks.view import value_span
+from robodyn.wording import shown
+
+
+def check(context: Context) -> Iterator[Fault]:
+    above = first_above(context.view)
+    for joint in context.view.joints:
+        first = above.get(joint.child, joint)
+        if first is joint or (joint.name and joint.name == first.name):
+            continue
+        element = joint.element.find("child")
+        assert element is not None, "the joint names a child"
+        what = (
+            f"its child, link {shown(joint.child)}, hangs on joint {shown(first.name)} (line {first.element.line}) too"
+        )
+        yield Fault(
+            at=value_span(element, "link"),
+            subject=joint.subject,
+            what=what,
+            remedy="a link has one parent: remove one joint, or correct its child",
+        )
+
+
+RULE = Rule(
+    code="RD102",
+    name="several-parents",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="No link is the child of two joints.",
+    explanation="""A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for
+it.""",
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+    check=check,
+)

@@ -1,0 +1,43 @@
+"""RD103: links that hang on each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.structure import cycles, first_above
+from robodyn.checks.view import value_span
+from robodyn.wording import listed, shown
+
+
+def check(context: Context) -> Iterator[Fault]:
+    above = first_above(context.view)
+    for cycle in cycles({child: joint.parent for child, joint in above.items()}):
+        first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
+        element = first.element.find("parent")
+        assert element is not None, "the joint names a parent"
+        if len(cycle) == 1:
+            what = f"link {shown(cycle[0])} is its parent and its child"
+        else:
+            what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
+        yield Fault(
+            at=value_span(element, "link"),
+            subject=first.subject,
+            what=what,
+            remedy="a URDF is a tree: correct a parent",
+        )
+
+
+RULE = Rule(
+    code="RD103",
+    name="cycle",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="Going from child to parent leads to the root.",
+    explanation="""Links in a cycle hang on nothing. Some readers do not notice and recurse until memory ends.""",
+    bad=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "b", "a")),
+    good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
+    check=check,
+)

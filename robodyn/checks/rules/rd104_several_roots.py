@@ -1,0 +1,42 @@
+"""RD104: links that do not hang together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.structure import first_above
+from robodyn.wording import listed
+
+
+def check(context: Context) -> Iterator[Fault]:
+    view = context.view
+    above = first_above(view)
+    orderly = len(view.link) == len(view.links) and len(above) == len(view.joints)
+    led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
+    roots = [link for link in view.links if link.name not in above]
+    if orderly and led and len(roots) > 1:
+        yield Fault(
+            at=roots[1].name_span,
+            subject=roots[1].subject,
+            what=f"{len(roots)} links have no parent: {listed([link.name for link in roots])}",
+            remedy="join them to one tree",
+            measured=len(roots),
+            bound=1,
+        )
+
+
+RULE = Rule(
+    code="RD104",
+    name="several-roots",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="Exactly one link has no parent.",
+    explanation="""All other links hang on it. Readers refuse a second root, or leave out all that hangs on it. Where
+another rule of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.""",
+    bad=arm(more=a_link("fore")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+    check=check,
+)

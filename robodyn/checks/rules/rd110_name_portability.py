@@ -1,0 +1,52 @@
+"""RD110: names that other formats refuse."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import JointView, LinkView
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def check(context: Context) -> Iterator[Fault]:
+    view = context.view
+    parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
+    for part in parts:
+        refusal = _refusal(part.name)
+        if part.subject.kind == "joint" and part.name in view.link:
+            refusal = refusal or "SDF wants different names for a link and a joint"
+        if refusal:
+            remedy = "use letters, digits and _ only, and each name once"
+            yield Fault(at=part.name_span, subject=part.subject, what=refusal, remedy=remedy)
+
+
+def _refusal(name: str) -> str | None:
+    """Which format does not take the name."""
+    if not name or (_PLAIN.fullmatch(name) and not name.startswith("__")):
+        return None
+    if "::" in name or (name.startswith("__") and name.endswith("__")):
+        return "SDF keeps :: and names between __ for itself"
+    if "/" in name:
+        return "USD and MuJoCo's includes take / for a path, tf for a namespace"
+    if name[0].isdigit():
+        return "a name in USD, Modelica or Python does not begin with a digit"
+    return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
+
+
+RULE = Rule(
+    code="RD110",
+    name="name-portability",
+    severity=Severity.I,
+    stage=Stage.DOCUMENT,
+    summary="Names of letters, digits and _ survive a conversion to other formats.",
+    explanation="""USD (Isaac Sim) takes no other character and renames what has one, after which programs look for
+the old name in vain; SDF keeps some names for itself and wants each but once among links and joints.""",
+    bad=arm().replace("shoulder", "shoulder/pitch"),
+    good=arm().replace("shoulder", "shoulder_pitch"),
+    check=check,
+)

@@ -1,0 +1,42 @@
+"""RD201: a mass that is zero or negative."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, arm, one_link
+from robodyn.checks.masses import severity_of_zero
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for link in context.view.links:
+        if link.inertial is None or link.mass is None or link.mass > 0:
+            continue
+        severity = Severity.E if link.mass < 0 else severity_of_zero(context, link)
+        if severity is not None:
+            yield Fault(
+                at=link.inertial.mass.span,
+                subject=link.subject,
+                what=f"the mass is {link.mass:g} kg, not positive",
+                remedy="write the mass of the part, or fix the link to one that has mass",
+                measured=link.mass,
+                bound=0.0,
+                severity=severity,
+            )
+
+
+RULE = Rule(
+    code="RD201",
+    name="mass-not-positive",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="Masses are positive.",
+    explanation="""No body has a negative mass, and one of zero mass that moves takes on any acceleration: its
+equation of motion is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no
+mass; it is a remark where the group carries on to one that has mass, as in a universal joint.""",
+    bad=one_link(f'<mass value="-2"/>{INERTIA}'),
+    good=arm(),
+    check=check,
+)

@@ -1,0 +1,45 @@
+"""RD202: something that moves and has no inertial."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.masses import carried_masses
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.wording import listed
+
+
+def check(context: Context) -> Iterator[Fault]:
+    carried = context.once(carried_masses)
+    for group in context.tree.groups:
+        if group.joint is None or any(link.inertial is not None for link in group.links):
+            continue
+        first = group.links[0]
+        onward = carried[group] > 0
+        with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
+        yield Fault(
+            at=first.name_span,
+            subject=first.subject,
+            what=f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
+            + (f"; what hangs on it has {carried[group]:g} kg" if onward else ""),
+            remedy="add an <inertial>" if onward else "add an <inertial>, or make the joint fixed",
+            measured=0.0,
+            severity=Severity.I if onward else Severity.E,
+        )
+
+
+RULE = Rule(
+    code="RD202",
+    name="massless-group",
+    severity=Severity.E,
+    stage=Stage.TREE,
+    summary="Whatever a joint moves has mass.",
+    explanation="""Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the
+mass matrix singular: the joint's acceleration is undefined, and simulators refuse the robot, invent a mass or
+diverge. Where other bodies with mass hang on the group, it is but a remark: the mass matrix is regular then.""",
+    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
+    good=arm(more=a_link("tip", "") + a_joint("flange", "upper", "tip", "", "fixed")),
+    check=check,
+)

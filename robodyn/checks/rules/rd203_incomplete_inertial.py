@@ -1,0 +1,43 @@
+"""RD203: an inertial that lacks its mass or inertia."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import INERTIA as ENTRIES
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for link in context.view.links:
+        inertial = link.inertial
+        if inertial is None:
+            continue
+        absent = [name for name, entry in zip(ENTRIES, inertial.entries, strict=True) if not entry.given]
+        lacking = []
+        if inertial.mass_element is None:
+            lacking.append((inertial.element, "<inertial> has no <mass>", '<mass value="..."/>'))
+        elif not inertial.mass.given:
+            lacking.append((inertial.mass_element, "<mass> has no value", 'value="..."'))
+        if inertial.inertia_element is None:
+            lacking.append((inertial.element, "<inertial> has no <inertia>", "<inertia ixx=... izz=.../>"))
+        elif absent:
+            lacking.append((inertial.inertia_element, f"<inertia> has no {', '.join(absent)}", f'{absent[0]}="..."'))
+        for element, what, remedy in lacking:
+            yield Fault(at=element.span, subject=link.subject, what=what, remedy=f"write {remedy}")
+
+
+RULE = Rule(
+    code="RD203",
+    name="incomplete-inertial",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="An <inertial> has a <mass> and an <inertia> with all six entries.",
+    explanation="""urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for
+what is missing.""",
+    bad=one_link('<mass value="2"/>'),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+    check=check,
+)

@@ -1,0 +1,48 @@
+"""RD206: an inertia matrix that is not positive definite."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.causes import explained
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.masses import is_a_point, principal_moments, widest
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+
+
+def check(context: Context) -> Iterator[Fault]:
+    bound = context.thresholds.positive_definite
+    for link in context.view.links:
+        if link.inertial is None or link.tensor is None or is_a_point(link):
+            continue
+        small, middle, large = principal_moments(link.tensor)
+        if small > bound * large:
+            continue
+        fault = Fault(
+            at=link.inertial.entries[widest(link.tensor)].span,
+            subject=link.subject,
+            what="the inertia matrix is not positive definite: its principal moments are "
+            f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2",
+            remedy="every principal moment of a body is positive; write its inertia about the centre of mass",
+            measured=small,
+            bound=bound * large,
+        )
+        yield explained(context, fault, link)
+
+
+RULE = Rule(
+    code="RD206",
+    name="not-positive-definite",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="The inertia matrix is positive definite.",
+    explanation="""A principal moment of inertia is a sum of mass times distance squared. With one that is zero or
+negative the kinetic energy of a spin about its axis is not positive, and simulations gain energy from nothing. The
+principal moments are the eigenvalues of the matrix: large products make one negative although the diagonal is
+positive. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters (IROS
+2016).""",
+    bad=one_link(f'<mass value="2"/>{INERTIA.replace("0.01", "-0.01")}'),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+    check=check,
+)

@@ -1,0 +1,51 @@
+"""RD207: principal moments that break the triangle inequality."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.causes import explained
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.masses import is_a_point, principal_moments
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+
+
+def check(context: Context) -> Iterator[Fault]:
+    limits = context.thresholds
+    for link in context.view.links:
+        if link.inertial is None or link.tensor is None or is_a_point(link):
+            continue
+        small, middle, large = principal_moments(link.tensor)
+        if small <= limits.positive_definite * large or small + middle >= (1 - limits.triangle) * large:
+            continue
+        diagonal = {k: link.tensor[k] for k in (0, 3, 5)}
+        largest = max(diagonal, key=lambda k: diagonal[k])
+        fault = Fault(
+            at=link.inertial.entries[largest].span,
+            subject=link.subject,
+            what=f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
+            f"add up to {small + middle:.6g}, {100 * (1 - (small + middle) / large):.2g} % less than the largest",
+            remedy="the largest may not exceed the sum of the others; robodyn inertia computes them from a mesh",
+            measured=large,
+            bound=small + middle,
+        )
+        yield explained(context, fault, link)
+
+
+RULE = Rule(
+    code="RD207",
+    name="triangle-inequality",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="The largest principal moment is no greater than the sum of the other two.",
+    explanation="""I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times
+distance squared, and so never negative. The entries of the diagonal say too little: the law holds for the principal
+moments, in every axes. Wensing, Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter
+identification (IEEE RA-L 2018).""",
+    bad=one_link(
+        f'<mass value="2"/>{INERTIA.replace(chr(34) + "0.02" + chr(34) + "/", chr(34) + "0.05" + chr(34) + "/")}'
+    ),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+    check=check,
+)

@@ -1,0 +1,69 @@
+"""RD208: an inertia that was never computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isclose, log10
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, one_link
+from robodyn.checks.masses import is_a_point
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import LinkView
+
+_FRACTION = 0.01
+"""Of the mass of its rigid group; a placeholder on less than this is a remark."""
+
+
+def check(context: Context) -> Iterator[Fault]:
+    first_with: dict[tuple[float, ...], LinkView] = {}
+    for link in context.view.links:
+        if link.inertial is None or link.tensor is None or is_a_point(link) or not link.mass:
+            continue
+        twin = first_with.setdefault(link.tensor, link)
+        pattern = _pattern(link.tensor)
+        if pattern is None and twin.mass and not isclose(twin.mass, link.mass, rel_tol=0.1):
+            pattern = (
+                f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
+            )
+        if pattern is not None:
+            yield Fault(
+                at=link.inertial.entries[0].span,
+                subject=link.subject,
+                what=f"the inertia looks like a placeholder: {pattern}",
+                remedy="write the inertia of the part; robodyn inertia computes it from its mesh",
+                measured=link.tensor[0],
+                severity=_severity(context, link),
+            )
+
+
+def _pattern(tensor: tuple[float, ...]) -> str | None:
+    xx, xy, xz, yy, yz, zz = tensor
+    if len(set(tensor)) == 1:
+        return f"six times {xx:g}"
+    if any((xy, xz, yz)) or not xx == yy == zz or xx < 0:
+        return None
+    power = log10(xx)
+    if power == 0:
+        return "the identity matrix, 1 kg m^2 three times"
+    return f"{xx:g} times the identity" if isclose(power, round(power), abs_tol=1e-12) else None
+
+
+def _severity(context: Context, link: LinkView) -> Severity:
+    tree = context.tree_or_none
+    whole = None if tree is None else tree.group[link.name].mass
+    return Severity.I if whole and link.mass is not None and link.mass < _FRACTION * whole else Severity.W
+
+
+RULE = Rule(
+    code="RD208",
+    name="placeholder-tensor",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="The inertia is that of the part, not a stand-in.",
+    explanation="""The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of
+another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m.""",
+    bad=one_link('<mass value="2"/>' + INERTIA.replace("0.01", "1").replace("0.02", "1")),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+    check=check,
+)

@@ -1,0 +1,41 @@
+"""RD401: left and right of different mass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
+from robodyn.checks.mirror_loads import MASS, twins
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.wording import shown
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for one in context.once(twins):
+        left, right = one.masses
+        if one.mass_differs:
+            yield Fault(
+                at=one.inertial.mass.span,
+                subject=one.link.subject,
+                what=f"the mass is {right:g} kg; that of its mirror twin {shown(one.other)} is {left:g} kg, "
+                f"{100 * abs(left - right) / max(left, right):.2g} % apart",
+                remedy="one of the two is wrong, or allow it where the parts differ",
+                measured=right,
+                bound=left,
+            )
+
+
+RULE = Rule(
+    code="RD401",
+    name="mirror-mass",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="A left link weighs what the right one does.",
+    explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
+where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
+Where two parts that stand opposite each other do differ, as two tools do, a waiver says so.""",
+    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2.1"/>{IMAGE}'),
+    good=two_arms(),
+    check=check,
+)

@@ -1,0 +1,70 @@
+"""RD403: a centre of mass or a tensor that is no mirror image of its twin's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from robodyn.checks.causes import causes
+from robodyn.checks.context import Context
+from robodyn.checks.mirror_examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
+from robodyn.checks.mirror_loads import MOMENTS, Twins, twins
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import value_span
+from robodyn.inertia.exact import Floats
+from robodyn.wording import shown
+
+_REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for one in context.once(twins):
+        if one.shift > one.most_shift:
+            yield _centre(one)
+        if one.moments_apart <= MOMENTS < one.tensors_apart and one.link.name not in context.once(causes):
+            yield Fault(
+                at=one.inertial.entries[0].span,
+                subject=one.link.subject,
+                what=f"the inertia tensor is {100 * one.tensors_apart:.2g} % from the mirror image of that of "
+                f"{shown(one.other)}, although their principal moments agree",
+                remedy=_REMEDY,
+                measured=one.tensors_apart,
+                bound=MOMENTS,
+            )
+
+
+def _centre(one: Twins) -> Fault:
+    origin = one.inertial.origin.element
+    copied = np.linalg.norm(one.c_right - one.pair.D.T @ one.c) <= one.most_shift
+    return Fault(
+        at=one.inertial.element.span if origin is None else value_span(origin, "xyz"),
+        subject=one.link.subject,
+        what=f"the centre of mass is at {_listed(one.c_right)} m; the mirror image of that of {shown(one.other)} is at "
+        f"{_listed(one.c)}, {one.shift:.3g} m away",
+        remedy=_REMEDY,
+        measured=one.shift,
+        bound=one.most_shift,
+        cause="it is a copy of its twin's, which is not reflected" if copied else None,
+    )
+
+
+def _listed(point: Floats) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in (point + 0.0).tolist()) + ")"
+
+
+RULE = Rule(
+    code="RD403",
+    name="mirror-image",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="Centre of mass and tensor of a right link are the mirror image of the left one's.",
+    explanation="""A reflection turns the sign of one coordinate of the centre of mass and of two products of
+inertia. Copying a limb's numbers to the other side without it shifts the robot's centre of mass to one side, by
+twice the offset of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image.
+Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself, and a waiver
+says so. Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead.""",
+    bad=two_arms(right=f'{ORIGIN}<mass value="2"/>{IMAGE}'),
+    good=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{IMAGE}'),
+    check=check,
+)

@@ -1,0 +1,54 @@
+"""RD502: an axis that is no unit vector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import hypot
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import LIMIT, arm
+from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
+from robodyn.checks.view import WITH_AXIS
+from robodyn.urdf.places import Span
+
+
+def check(context: Context) -> Iterator[Fault]:
+    bound = context.thresholds.axis_length
+    for joint in context.view.joints:
+        axis = joint.axis.values
+        if joint.type not in WITH_AXIS or axis is None or not any(axis):
+            continue
+        length = hypot(*axis)
+        if abs(length - 1) > bound:
+            yield Fault(
+                at=joint.axis.span,
+                subject=joint.subject,
+                what=f"the axis has the length {length:.6g}, not 1",
+                remedy="divide it by its length",
+                measured=length,
+                bound=1.0,
+                fix=_fix(axis, joint.axis.span),
+            )
+
+
+def _fix(axis: tuple[float, ...], at: Span) -> Fix:
+    """A direction alone counts, so that dividing by the length changes nothing; by the largest entry first, lest it
+    overflow."""
+    largest = max(map(abs, axis))
+    length = hypot(*(x / largest for x in axis))
+    text = " ".join(repr(x / largest / length) for x in axis)
+    return Fix("divide the axis by its length", (Edit(at.start, at.end, text),), safe=True)
+
+
+RULE = Rule(
+    code="RD502",
+    name="axis-length",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="The axis of a joint is a unit vector.",
+    explanation="""URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a
+multiple of its coordinate.""",
+    bad=arm(f'<axis xyz="0 0 2"/>{LIMIT}'),
+    good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'),
+    check=check,
+)

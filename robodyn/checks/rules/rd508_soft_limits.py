@@ -1,0 +1,59 @@
+"""RD508: soft limits outside the hard ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import LIMIT, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import WITH_RANGE, numbers
+
+_SLACK = 1e-9
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for joint in context.view.joints:
+        safety = joint.element.find("safety_controller")
+        limit = joint.limit
+        if safety is None or limit is None or joint.type not in WITH_RANGE:
+            continue
+        soft = {name: numbers(safety, f"soft_{name}_limit", 1) for name in ("lower", "upper")}
+        lower, upper = soft["lower"].value, soft["upper"].value
+        inverted = limit.range is None or limit.range[0] > limit.range[1]
+        for name, hard, outside in (("lower", limit.lower.value, -1), ("upper", limit.upper.value, 1)):
+            value = soft[name].value
+            if value is not None and hard is not None and not inverted and outside * (value - hard) > _SLACK:
+                what = f"the soft {name} limit {value:g} is outside the hard one, {hard:g}"
+                remedy = "move it inside, so that the controller stops before the end stop"
+                yield Fault(
+                    at=soft[name].span, subject=joint.subject, what=what, remedy=remedy, measured=value, bound=hard
+                )
+        if lower is not None and upper is not None and lower > upper:
+            what = f"the soft lower limit {lower:g} is greater than the soft upper one, {upper:g}"
+            yield Fault(
+                at=soft["lower"].span,
+                subject=joint.subject,
+                what=what,
+                remedy="exchange the two",
+                measured=lower,
+                bound=upper,
+            )
+
+
+RULE = Rule(
+    code="RD508",
+    name="soft-limits",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="Soft limits lie within the hard limits, lower below upper.",
+    explanation="""The safety controller begins to brake at the soft limit. Outside the hard one it never does, and
+the joint meets its end stop at full speed.""",
+    bad=arm(
+        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-2.5" soft_upper_limit="1.9" k_velocity="9"/>'
+    ),
+    good=arm(
+        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-1.9" soft_upper_limit="1.9" k_velocity="9"/>'
+    ),
+    check=check,
+)

@@ -1,0 +1,99 @@
+"""RD701: a transmission, ros2_control, Gazebo or SRDF entry for a link or joint that does not exist."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import arm
+from robodyn.checks.reading import unexpanded
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.srdf import Named, names_in_srdf, srdf_of
+from robodyn.checks.view import Subject, value_span
+from robodyn.urdf.elements import Element
+from robodyn.wording import alternatives, shown
+
+_PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})
+
+
+def check(context: Context) -> Iterator[Fault]:
+    view = context.view
+    both = {**view.link, **view.joint}
+    remedies: dict[str, str] = {}
+    for owner in view.root.children:
+        for used in _uses(owner):
+            names: Collection[str] = view.joint if used.kind == "joint" else both
+            if used.name in names or unexpanded(used.name):
+                continue
+            if used.name not in remedies:
+                remedies[used.name] = alternatives(used.name, names, "joints" if used.kind == "joint" else "links")
+            yield Fault(
+                at=value_span(used.element, used.attribute),
+                subject=Subject(owner.tag, owner.get("name") or owner.get("reference") or ""),
+                what=f"there is no {used.kind} {shown(used.name)} in the robot",
+                remedy=remedies[used.name],
+            )
+    yield from _in_srdf(context)
+
+
+def _uses(owner: Element) -> Iterator[Named]:
+    """The names that an element of the robot uses."""
+    if owner.tag in ("transmission", "ros2_control"):
+        for joint in owner.findall("joint"):
+            if joint.get("name"):
+                yield Named("joint", joint.values["name"], joint, "name")
+    reference = owner.get("reference")
+    if owner.tag == "gazebo" and reference:
+        yield Named("link or joint", reference, owner, "reference")
+
+
+def _in_srdf(context: Context) -> Iterator[Fault]:
+    """One fault for each name at the robot's start tag, since its place is in the other file; of an SRDF of another
+    name, which may be of a variant of the robot, one warning."""
+    file, view = context.reading.file, context.view
+    path = srdf_of(file, view.root.get("name"))
+    missing: dict[tuple[str, str], Named] = {}
+    for used in () if path is None else names_in_srdf(path):
+        if used.name not in (view.link if used.kind == "link" else view.joint):
+            missing.setdefault((used.kind, used.name), used)
+    if path is None or not missing:
+        return
+    found = list(missing.values())
+    same = path.stem == os.path.splitext(os.path.basename(file))[0]
+    more = "" if same or len(found) == 1 else f", and {len(found) - 1} more names that are not in the robot"
+    for used in found if same else found[:1]:
+        names: Collection[str] = view.link if used.kind == "link" else view.joint
+        yield Fault(
+            at=view.root.span,
+            subject=Subject("SRDF", path.name),
+            what=f"there is no {used.kind} {shown(used.name)} in the robot; <{used.element.tag}> of its line "
+            f"{used.element.line} names it{more}",
+            remedy=alternatives(used.name, names, f"{used.kind}s"),
+            severity=None if same and used.element.tag not in _PAIRS_ONLY else Severity.W,
+        )
+
+
+_TRANSMISSION = """
+  <transmission name="drive">
+    <type>transmission_interface/SimpleTransmission</type>
+    <joint name="{}"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+    <actuator name="motor"><mechanicalReduction>50</mechanicalReduction></actuator>
+  </transmission>"""
+
+RULE = Rule(
+    code="RD701",
+    name="names-nothing",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.",
+    explanation="""Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in
+one place and not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>,
+and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config or srdf: its
+groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not exist, and an SRDF
+of another name, which may belong to a variant of the robot, are warnings. root_joint, as Pinocchio calls a free
+base, is understood.""",
+    bad=arm(more=_TRANSMISSION.format("sholder")),
+    good=arm(more=_TRANSMISSION.format("shoulder")),
+    check=check,
+)

@@ -1,0 +1,67 @@
+"""RD801: gravity alone exceeds the effort limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import INERTIA, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.static_torque import StaticTorque, static_torques
+from robodyn.checks.view import value_span
+from robodyn.model import Model
+
+_HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
+_MOST_JOINTS = 8
+_SLACK = 1e-3
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for one in context.once(static_torques):
+        limit, joint = context.view.joint[one.joint.name].limit, one.joint
+        if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:
+            continue
+        unit = "N" if joint.kind == "prismatic" else "N m"
+        yield Fault(
+            at=value_span(limit.element, "effort"),
+            subject=context.view.joint[joint.name].subject,
+            what=f"the robot's own weight asks for {abs(one.torque):.4g} {unit} at rest, more than the effort limit "
+            f"{joint.effort:g}, at {_pose(context.model, one)}",
+            remedy="raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver",
+            measured=abs(one.torque),
+            bound=joint.effort,
+        )
+
+
+def _pose(model: Model, one: StaticTorque) -> str:
+    """The positions of the joints, those that are not zero, in degrees or metres."""
+    values = []
+    for joint in model.independent:
+        value = one.q[joint.coordinate]
+        if abs(value) > 1e-3:
+            text = f"{value:.3g} m" if joint.kind == "prismatic" else f"{degrees(value):.0f} deg"
+            values.append(f"{joint.name} = {text}")
+    more = f" and {len(values) - _MOST_JOINTS} more" if len(values) > _MOST_JOINTS else ""
+    return ", ".join(values[:_MOST_JOINTS]) + more if values else "q = 0"
+
+
+RULE = Rule(
+    code="RD801",
+    name="static-torque",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="Every joint can hold the robot's weight in every pose within the limits.",
+    explanation="""The torque of gravity about each joint at rest, the root standing still with z up, in the worst
+pose within the position limits; a joint without limits turns all the way round. The pose is found by going through
+the joints again and again, the torque being a sine of each angle alone, from several starts. What is reported is
+reached in the pose that is named; a worse one may exist. Loads, motion and friction come on top: robodyn torques
+computes them.""",
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5" velocity="3"/>').replace(
+        f'<mass value="2"/>{INERTIA}', _HEAVY
+    ),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/>').replace(
+        f'<mass value="2"/>{INERTIA}', _HEAVY
+    ),
+    check=check,
+)

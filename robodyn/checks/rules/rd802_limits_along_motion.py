@@ -1,0 +1,48 @@
+"""RD802: a motion that asks for more than the limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import value_span
+
+
+def check(context: Context) -> Iterator[Fault]:
+    """Silent unless a motion is asked for."""
+    if context.asked.trajectory is None:
+        return
+    from robodyn.loads import torques
+
+    for excess in torques(context.model, context.asked.trajectory).exceeded:
+        joint = context.view.joint[excess.joint]
+        assert joint.limit is not None, "a limit is exceeded"
+        name: str = excess.quantity
+        if name == "position":
+            name = "lower" if excess.value < excess.limit else "upper"
+        yield Fault(
+            at=value_span(joint.limit.element, name),
+            subject=joint.subject,
+            what=f"the motion of {context.asked.trajectory} reaches {excess.quantity} {excess.value:.4g} "
+            f"{excess.unit}, beyond the limit {excess.limit:g}",
+            remedy="slow the motion down or raise the limit; robodyn torques says when",
+            measured=excess.value,
+            bound=excess.limit,
+        )
+
+
+RULE = Rule(
+    code="RD802",
+    name="limits-along-motion",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="The limits hold along the given motion.",
+    explanation="""With --trajectory FILE: the torques of inverse dynamics, speeds and positions along the motion,
+against effort, velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other
+findings. The examples are held against a motion that swings the arm by 1 rad.""",
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-0.5" upper="0.5" effort="30" velocity="9"/>'),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="9"/>'),
+    check=check,
+)

@@ -1,0 +1,49 @@
+"""RD803: an effort limit far beyond any load."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.static_torque import gravity_bounds
+from robodyn.checks.view import value_span
+
+FACTOR = 1000.0
+"""An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""
+
+
+def check(context: Context) -> Iterator[Fault]:
+    bounds = context.once(gravity_bounds)
+    for joint in context.model.independent:
+        limit = None if joint.name not in context.view.joint else context.view.joint[joint.name].limit
+        most = bounds[joint.name].whole
+        sentinel = context.thresholds.most_effort
+        if limit is None or joint.effort is None or not FACTOR * most < joint.effort <= sentinel or not most > 0.0:
+            continue
+        unit = "N" if joint.kind == "prismatic" else "N m"
+        yield Fault(
+            at=value_span(limit.element, "effort"),
+            subject=context.view.joint[joint.name].subject,
+            what=f"the effort limit {joint.effort:g} {unit} is {joint.effort / most:.2g} times what the weight of "
+            f"the whole robot asks for at the reach of this joint, {most:.3g} {unit}",
+            remedy="write what the actuator can give",
+            measured=joint.effort,
+            bound=FACTOR * most,
+        )
+
+
+RULE = Rule(
+    code="RD803",
+    name="absurd-effort",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="An effort limit is within reach of the loads.",
+    explanation=f"""A limit of more than {FACTOR:g} times the weight of the whole robot, hanging where the joint's
+farthest part can be (5 cm away at least), was never meant to limit anything: saturation, planning and sizing against
+it say nothing. Greater ones still, which stand for no limit at all, are RD506's.""",
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="90000" velocity="3"/>'),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
+    check=check,
+)

@@ -1,0 +1,50 @@
+"""RD804: damping that explicit integration cannot follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import arm
+from robodyn.checks.reflected_inertia import reflected_inertias
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.view import value_span
+
+STEP = 1e-3
+"""s; the usual step of a simulation."""
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for joint, inertia in context.once(reflected_inertias):
+        step = 2.0 * inertia / joint.damping
+        if not 0.0 < step < STEP:
+            continue
+        view = context.view.joint[joint.name]
+        dynamics = view.element.find("dynamics")
+        unit = "kg" if joint.kind == "prismatic" else "kg m^2"
+        yield Fault(
+            at=view.element.span if dynamics is None else value_span(dynamics, "damping"),
+            subject=view.subject,
+            what=f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
+            f"diverges with steps above {step:.2g} s",
+            remedy="add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
+            "damping, or integrate implicitly",
+            measured=step,
+            bound=STEP,
+        )
+
+
+RULE = Rule(
+    code="RD804",
+    name="stiff-damping",
+    severity=Severity.W,
+    stage=Stage.MODEL,
+    summary="Inertia and damping of a joint allow steps of 1 ms.",
+    explanation=f"""A joint of damping b and reflected inertia J = 1 / (M^-1)_ii comes to rest within J / b. Explicit
+Euler with a longer step than 2 J / b overshoots more with every step; the rule asks for {STEP:g} s. Real joints have
+the inertia of a rotor times the square of the gear ratio, which most descriptions leave out. J is taken at the
+middle of the ranges.""",
+    bad=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="50"/>'),
+    good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
+    check=check,
+)

@@ -1,0 +1,61 @@
+"""RD901: what another program makes of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.asked import TARGETS
+from robodyn.checks.consumers import FACTS, Opinion, Verdict, opinion
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+
+_MOST = 3
+_SAYS = {
+    Verdict.LOADS: "loads it as it is",
+    Verdict.ALTERS: "loads it with changes",
+    Verdict.REJECTS: "rejects it",
+}
+
+
+def check(context: Context) -> Iterator[Fault]:
+    """The verdict of every program that is asked for; without being asked, only that one rejects the file."""
+    targets = context.asked.targets
+    for target in targets or TARGETS:
+        one = opinion(context, target)
+        if targets or one.verdict is Verdict.REJECTS:
+            yield _fault(context, one)
+
+
+def _fault(context: Context, one: Opinion) -> Fault:
+    shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
+    reasons = [f"{fact.does} ({_listed([what for _, what in found])})" for fact, found in shown]
+    sources = dict.fromkeys(fact.source for fact, _ in shown)
+    return Fault(
+        at=shown[0][1][0][0] if shown else context.view.root.span,
+        what=f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else ""),
+        remedy=f"known from {'; '.join(sources)}" if sources else "nothing to do",
+    )
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+    return ", ".join(names[:_MOST]) + more
+
+
+_TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
+_KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [{fact.source}]." for fact in FACTS)
+
+RULE = Rule(
+    code="RD901",
+    name="consumer-verdict",
+    severity=Severity.I,
+    stage=Stage.TREE,
+    summary="The programs that a description is meant for take it as it is.",
+    explanation=f"""One remark for each program asked for ({", ".join(TARGETS)}) with its verdict: loads, alters, or
+rejects and why. Without being asked, only rejections are reported. What is known, and from where:
+{_KNOWN}""",
+    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
+    good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
+    check=check,
+)

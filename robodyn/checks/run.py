@@ -1,0 +1,157 @@
+"""Checking files: rules in, findings out."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from robodyn.checks.asked import NOTHING, Asked
+from robodyn.checks.catalogue import RULES
+from robodyn.checks.context import DEFAULT, Context, Thresholds
+from robodyn.checks.excerpt import excerpt
+from robodyn.checks.reading import Reading, read
+from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage
+from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
+from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.waivers import waived, waivers
+from robodyn.errors import InputError
+from robodyn.wording import alternatives, shown
+
+Source = str | os.PathLike[str] | bytes
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is checked, and against what.
+
+    Attributes:
+        select: codes (RD207) or beginnings of codes (RD2) of the rules to run; all if empty.
+        ignore: codes or beginnings of the rules not to run.
+        thresholds: what the rules measure against.
+        package_path: folders in which `package://` names are looked up first.
+        asked: what is asked beyond the files themselves.
+    """
+
+    select: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+    thresholds: Thresholds = DEFAULT
+    package_path: tuple[str, ...] = ()
+    asked: Asked = NOTHING
+
+
+EVERYTHING = Options()
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The files that were checked, and what was found, file by file and each in the order of its text."""
+
+    files: tuple[str, ...]
+    findings: tuple[Finding, ...]
+
+    def count(self, severity: Severity) -> int:
+        return sum(finding.severity is severity for finding in self.findings)
+
+
+def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> tuple[Finding, ...]:
+    """The findings in one or several descriptions, in the order of the files and of their text.
+
+        for finding in robodyn.check("robot.urdf"):
+            print(finding.line, finding.code, finding.message)
+
+    Args:
+        sources: paths of URDF files, folders (every .urdf below them) or patterns (`robots/*.urdf`), or bytes.
+        options: which rules run, and against what.
+
+    Raises:
+        InputError: a file cannot be read, nothing matches a pattern, or there is no such rule.
+    """
+    return check_all(sources, options).findings
+
+
+def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> Checked:
+    """`check`, with the names of the files. Many files are shared out among processes, one for each core."""
+    given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
+    rules_for(options)
+    files = files_of(given)
+    if worth_processes(files):
+        found = each_in_a_process(check_one, files, options)
+    else:
+        found = [check_one(file, options) for file in files]
+    names = tuple("<stdin>" if isinstance(file, bytes) else file for file in files)
+    return Checked(names, tuple(finding for findings in found for finding in findings))
+
+
+def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
+    """The findings in one file or its bytes, in the order of the text."""
+    context = Context(read(source, name), options.thresholds, options.package_path, options.asked)
+    rules = [rule for rule in rules_for(options) if _runs(rule, context)]
+    findings = [_finding(context.reading, rule, fault) for rule in rules for fault in rule.check(context)]
+    left = _without_waived(context, rules, findings)
+    return tuple(sorted(left, key=lambda finding: (finding.start, finding.code)))
+
+
+def rules_for(options: Options) -> tuple[Rule, ...]:
+    """The rules that are selected and not ignored.
+
+    Raises:
+        InputError: no rule has such a code.
+    """
+    codes = [rule.code for rule in RULES]
+    for given in (*options.select, *options.ignore):
+        if not given or not any(code.startswith(given) for code in codes):
+            what = f"there is no rule {shown(given)}"
+            raise InputError(what, remedy=alternatives(given.upper(), codes, "rules"))
+    select, ignore = options.select or ("",), options.ignore
+    return tuple(rule for rule in RULES if rule.code.startswith(select) and not rule.code.startswith(ignore))
+
+
+def stage_reached(context: Context) -> Stage:
+    """How far the file can be read."""
+    if context.reading.document is None:
+        return Stage.TEXT
+    if context.tree_or_none is None:
+        return Stage.DOCUMENT
+    return Stage.TREE
+
+
+def _runs(rule: Rule, context: Context) -> bool:
+    stage = stage_reached(context)
+    modelled = rule.stage is Stage.MODEL and stage is Stage.TREE and context.model_or_none is not None
+    return rule.stage <= stage or modelled
+
+
+def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:
+    """The findings that no waiver of the file allows, and those about waivers that had nothing to allow."""
+    given = [waiver for waiver in context.once(waivers) if waiver.in_force([rule.code for rule in RULES])]
+    if not given:
+        return findings
+    ran = {rule.code for rule in rules}
+    left, unused = waived(findings, given)
+    if unused_waiver.RULE.code in ran:
+        faults = [unused_waiver.unused(waiver, code) for waiver, code in unused if code in ran]
+        left += [_finding(context.reading, unused_waiver.RULE, fault) for fault in faults]
+    return left
+
+
+def _finding(reading: Reading, rule: Rule, fault: Fault) -> Finding:
+    subject = fault.subject
+    return Finding(
+        code=rule.code,
+        name=rule.name,
+        severity=fault.severity or rule.severity,
+        file=reading.file,
+        line=fault.at.line,
+        column=fault.at.column,
+        start=fault.at.start,
+        end=fault.at.end,
+        subject=subject,
+        message=fault.what if subject is None else f"{subject.kind} {shown(subject.name)}: {fault.what}",
+        remedy=fault.remedy,
+        measured=fault.measured,
+        bound=fault.bound,
+        cause=fault.cause,
+        fix=fault.fix,
+        excerpt=excerpt(reading, fault.at),
+    )

@@ -1,0 +1,64 @@
+"""Which files are meant, and how many of them are worth processes of their own."""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from robodyn.errors import InputError
+
+R = TypeVar("R")
+T = TypeVar("T")
+O = TypeVar("O")
+_LEAST_WORK = 1_000_000
+"""Bytes of XML in files that take longer to check than processes take to start."""
+
+
+def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
+    """The files in the order given; a folder's and a pattern's in the order of their names; each once.
+
+    Raises:
+        InputError: a folder has no .urdf, or nothing matches a pattern.
+    """
+    found: dict[str | bytes, None] = {}
+    for source in sources:
+        if isinstance(source, bytes):
+            found[source] = None
+        else:
+            found.update(dict.fromkeys(_expanded(os.fspath(source))))
+    return list(found)
+
+
+def _expanded(path: str) -> list[str]:
+    if os.path.isdir(path):
+        return _some(
+            sorted(glob.iglob("**/*.urdf", root_dir=path, recursive=True)), path, "no .urdf in the folder", path
+        )
+    if os.path.exists(path) or not glob.has_magic(path):
+        return [path]
+    return _some(sorted(glob.iglob(path, recursive=True)), "", "nothing matches the pattern", path)
+
+
+def _some(names: list[str], folder: str, what: str, path: str) -> list[str]:
+    if not names:
+        raise InputError(what, remedy="check the name", file=path)
+    return [os.path.join(folder, name) for name in names]
+
+
+def worth_processes(files: Sequence[str | bytes]) -> bool:
+    """Whether there is more work than starting processes is."""
+    if len(files) < 2 or (os.cpu_count() or 1) < 2:
+        return False
+    return sum(os.path.getsize(file) for file in files if isinstance(file, str) and os.path.isfile(file)) > _LEAST_WORK
+
+
+def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O) -> list[R]:
+    """`work(file, options)` of every file, in their order, on all cores."""
+    from concurrent.futures import ProcessPoolExecutor
+    from itertools import repeat
+
+    count = min(len(files), os.cpu_count() or 1)
+    with ProcessPoolExecutor(count) as pool:
+        return list(pool.map(work, files, repeat(options), chunksize=max(1, len(files) // (8 * count))))

@@ -1,0 +1,57 @@
+"""Findings as JUnit XML, which continuous integration servers show as tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.sax.saxutils import escape, quoteattr
+
+from robodyn.checks.rule import Finding, Severity
+from robodyn.checks.run import Checked
+from robodyn.report.table import printable
+
+
+def check_junit(checked: Checked, strict: bool = False) -> str:
+    """A suite for each file, in it a test for each finding: failed if it fails the check, otherwise with its output.
+
+    A file without findings has one test, which passes. The format is that of Jenkins' xUnit plugin (junit-10.xsd).
+
+    Args:
+        checked: what was found.
+        strict: warnings fail, too.
+    """
+    fatal = {Severity.E, Severity.W} if strict else {Severity.E}
+    suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in checked.files]
+    failures = sum(finding.severity in fatal for finding in checked.findings)
+    tests = sum(max(suite.count("<testcase "), 1) for suite in suites)
+    head = f'<testsuites name="robodyn check" tests="{tests}" failures="{failures}" errors="0">'
+    return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *suites, "</testsuites>\n"])
+
+
+def _suite(file: str, findings: Sequence[Finding], fatal: set[Severity]) -> str:
+    cases = [_case(finding, fatal) for finding in findings] or [
+        f'    <testcase name="no findings" classname={_attribute(file)} time="0"/>'
+    ]
+    failures = sum(finding.severity in fatal for finding in findings)
+    counts = f'tests="{len(cases)}" failures="{failures}" errors="0" time="0"'
+    return "\n".join([f"  <testsuite name={_attribute(file)} {counts}>", *cases, "  </testsuite>"])
+
+
+def _case(finding: Finding, fatal: set[Severity]) -> str:
+    place = f"{finding.file}:{finding.line}:{finding.column}"
+    name = f"{finding.code} {finding.name} {finding.line}:{finding.column}"
+    head = f'    <testcase name={_attribute(name)} classname={_attribute(finding.file)} time="0">'
+    cause = f"\ncause: {finding.cause}" if finding.cause else ""
+    text = _text(f"{place}: {finding.severity.value}: {finding.message}{cause}\nremedy: {finding.remedy}")
+    if finding.severity in fatal:
+        what = f'<failure type="{finding.code}" message={_attribute(finding.message)}>{text}</failure>'
+    else:
+        what = f"<system-out>{text}</system-out>"
+    return f"{head}\n      {what}\n    </testcase>"
+
+
+def _attribute(text: str) -> str:
+    return quoteattr(printable(text))
+
+
+def _text(text: str) -> str:
+    return "\n".join(escape(printable(line)) for line in text.split("\n"))

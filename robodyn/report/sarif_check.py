@@ -1,0 +1,113 @@
+"""Findings as SARIF 2.1.0, the form in which code hosts and editors take them."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from robodyn.checks.identity import fingerprints
+from robodyn.checks.reading import Reading
+from robodyn.checks.rule import Edit, Finding, Rule
+from robodyn.urdf.places import Places
+
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+Object = dict[str, Any]
+Region = Callable[[str, int, int], Object]
+"""File, and the bytes [start, end) in it, to a SARIF region."""
+
+
+def check_sarif(findings: Sequence[Finding], rules: Sequence[Rule], reading: Callable[[str], Reading]) -> str:
+    """One run with the rules' documentation; of each finding the place, the link or joint, the numbers and the fix.
+
+    Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
+
+    Args:
+        findings: what was found.
+        rules: those that ran.
+        reading: from the name of a file to its reading, in whose bytes the findings have their places.
+    """
+    places = cache(lambda file: _places(reading(file)))
+    index = {rule.code: k for k, rule in enumerate(rules)}
+    results = [
+        _result(finding, index, name, lambda file, start, end: _region(places(file), start, end))
+        for finding, name in zip(findings, fingerprints(findings), strict=True)
+    ]
+    driver = {
+        "name": "robodyn",
+        "version": version("robodyn"),
+        "semanticVersion": version("robodyn"),
+        "rules": [_rule(rule) for rule in rules],
+    }
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+def _rule(rule: Rule) -> Object:
+    return {
+        "id": rule.code,
+        "name": rule.name,
+        "shortDescription": {"text": rule.summary},
+        "fullDescription": {"text": rule.explanation},
+        "help": {"text": f"{rule.explanation}\n\nBad:\n\n{rule.bad}\nGood:\n\n{rule.good}"},
+        "defaultConfiguration": {"level": rule.severity.value},
+    }
+
+
+def _result(finding: Finding, index: dict[str, int], name: str, region: Region) -> Object:
+    cause = f" Cause: {finding.cause}." if finding.cause else ""
+    location: Object = {
+        "physicalLocation": {
+            "artifactLocation": _artifact(finding.file),
+            "region": region(finding.file, finding.start, finding.end),
+        }
+    }
+    if finding.subject is not None:
+        kind, named = finding.subject.kind, finding.subject.name
+        location["logicalLocations"] = [{"name": named, "kind": kind, "fullyQualifiedName": f"{kind}/{named}"}]
+    result: Object = {
+        "ruleId": finding.code,
+        "level": finding.severity.value,
+        "message": {"text": f"{finding.message}.{cause} Remedy: {finding.remedy}."},
+        "locations": [location],
+        "partialFingerprints": {"robodynFinding/v1": name},
+    }
+    if finding.code in index:
+        result["ruleIndex"] = index[finding.code]
+    numbers = {"measured": finding.measured, "bound": finding.bound}
+    if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
+        result["properties"] = known
+    if finding.fix is not None:
+        result["fixes"] = [_fix(finding, finding.fix.what, finding.fix.edits, region)]
+    return result
+
+
+def _fix(finding: Finding, what: str, edits: Sequence[Edit], region: Region) -> Object:
+    replacements = [
+        {"deletedRegion": region(finding.file, edit.start, edit.end), "insertedContent": {"text": edit.text}}
+        for edit in edits
+    ]
+    change = {"artifactLocation": _artifact(finding.file), "replacements": replacements}
+    return {"description": {"text": what}, "artifactChanges": [change]}
+
+
+def _places(reading: Reading) -> Places:
+    return Places(reading.data, reading.encoding)
+
+
+def _region(places: Places, start: int, end: int) -> Object:
+    first, last = places.span(start, start), places.span(end, end)
+    return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
+
+
+def _artifact(file: str) -> Object:
+    """A relative path as it is, an absolute one as file:, standard input as a name."""
+    if os.path.isabs(file):
+        return {"uri": Path(file).as_uri()}
+    return {"uri": quote(os.path.normpath(file).replace(os.sep, "/") if not file.startswith("<") else file)}

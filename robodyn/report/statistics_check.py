@@ -1,0 +1,27 @@
+"""How often each rule has found something."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from robodyn.checks.rule import Finding
+from robodyn.report.table import PLAIN, Page
+
+
+def check_statistics(findings: Sequence[Finding], page: Page = PLAIN) -> str:
+    """A table of rules, the most frequent first: findings, files, and how many of them have a safe and another fix."""
+    count = Counter(finding.code for finding in findings)
+    files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
+    safe = Counter(finding.code for finding in findings if finding.fix and finding.fix.safe)
+    unsafe = Counter(finding.code for finding in findings if finding.fix and not finding.fix.safe)
+    names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
+    if not count:
+        return "no findings\n"
+    order = sorted(count, key=lambda code: (-count[code], code))
+    rows = [[names[code], *(_figure(tally[code]) for tally in (count, files, safe, unsafe))] for code in order]
+    return page.table((("rule", "findings", "files", "safe fixes", "unsafe fixes"), rows))
+
+
+def _figure(count: int) -> str:
+    return str(count) if count else "-"

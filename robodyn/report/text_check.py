@@ -1,0 +1,48 @@
+"""Findings as text for a person: place, message, the line of the source with a caret, and what to do."""
+
+from __future__ import annotations
+
+from robodyn.checks.rule import Excerpt, Finding, Severity
+from robodyn.checks.run import Checked
+from robodyn.report.table import printable
+
+
+def check_text(checked: Checked) -> str:
+    """The report: every finding, and at the end how many there are in how many files."""
+    return "".join(f"{_finding(finding)}\n" for finding in checked.findings) + _summary(checked)
+
+
+def _finding(finding: Finding) -> str:
+    place = f"{finding.file}:{finding.line}:{finding.column}"
+    lines = [
+        f"{place}: {finding.severity.value} {finding.code} {finding.name}: {finding.message}",
+        *_marked(finding.line, finding.excerpt),
+    ]
+    if finding.cause is not None:
+        lines.append(f"  cause: {finding.cause}")
+    lines.append(f"  do: {finding.remedy}")
+    if finding.fix is not None:
+        lines.append(f"  fix: {finding.fix.what} ({'safe' if finding.fix.safe else 'unsafe'})")
+    return "".join(f"{printable(line)}\n" for line in lines)
+
+
+def _marked(line: int, excerpt: Excerpt) -> list[str]:
+    """The source and the caret below; the lines that a terminal would break are escaped before they are counted."""
+    if not excerpt.text:
+        return []
+    before, within = excerpt.text[: excerpt.start], excerpt.text[excerpt.start : excerpt.start + excerpt.length]
+    margin = f"  {line} | "
+    gap = " " * (len(margin) - 2)
+    return [margin + excerpt.text, f"{gap}| {' ' * len(printable(before))}{'^' * max(len(printable(within)), 1)}"]
+
+
+def _summary(checked: Checked) -> str:
+    files = _counted(len(checked.files), "file")
+    if not checked.findings:
+        return f"{files} checked: nothing found\n"
+    names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
+    return f"{files} checked: {', '.join(_counted(checked.count(one), name) for one, name in names.items())}\n"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -1,0 +1,210 @@
+"""Rules that are asked something beyond the file: verdicts of programs, an earlier version, a motion."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import run
+from example_robots import path_of
+
+import robodyn
+from robodyn.checks.asked import TARGETS, Asked
+from robodyn.checks.consumers import FACTS
+from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.regression import changes
+from robodyn.checks.rule import Finding
+from robodyn.checks.rules import rd802_limits_along_motion as along
+from robodyn.checks.rules import rd902_regression as regression
+from robodyn.checks.run import Options, check_one
+from robodyn.errors import InputError
+
+
+def found(source: str | bytes, code: str, asked: Asked) -> list[Finding]:
+    return [one for one in check_one(source, Options(asked=asked)) if one.code == code]
+
+
+def git(folder: Path, *words: str) -> None:
+    identity = ("-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false")
+    subprocess.run(["git", *identity, *words], cwd=folder, check=True, capture_output=True)
+
+
+@pytest.fixture
+def versions(tmp_path: Path) -> Path:
+    """arm.urdf with the rule's good example committed and its bad one in place."""
+    file = tmp_path / "arm.urdf"
+    file.write_text(regression.RULE.good)
+    git(tmp_path, "init", "-q")
+    git(tmp_path, "add", "arm.urdf")
+    git(tmp_path, "commit", "-qm", "good")
+    file.write_text(regression.RULE.bad)
+    return file
+
+
+def test_an_earlier_version(versions: Path) -> None:
+    results = found(str(versions), "RD902", Asked(against="HEAD"))
+    messages = " ".join(one.message for one in results)
+    assert "mass 2 kg has become 2.2 kg" in messages
+    assert not found(str(versions), "RD902", Asked())
+    versions.write_text(regression.RULE.good)
+    assert not found(str(versions), "RD902", Asked(against="HEAD"))
+
+
+@pytest.mark.parametrize("ref", ["no-such-revision", "--output=x", ""])
+def test_a_revision_that_is_not_there_is_an_error(versions: Path, ref: str) -> None:
+    with pytest.raises(InputError, match=r"no version of arm\.urdf"):
+        found(str(versions), "RD902", Asked(against=ref))
+
+
+def whats(before: str, after: str) -> list[str]:
+    old, new = robodyn.load(before.encode()), robodyn.load(after.encode())
+    return [change.what for change in changes(old, new)]
+
+
+def test_changes_of_joints() -> None:
+    text = arm()
+    assert not whats(text, text)
+    assert whats(text, text.replace('effort="30"', 'effort="40"')) == ["effort 30 has become 40"]
+    gone = whats(arm(more=a_link("hand") + a_joint("wrist", "upper", "hand")), text)
+    assert gone[0] == "joint 'wrist' is gone"
+    turned = whats(text, text.replace('xyz="0 1 0"', 'xyz="0 0 1"'))
+    assert turned[0].startswith("axis ")
+
+
+def test_what_leaves_the_dynamics_alone_is_no_change() -> None:
+    """A massless frame on a fixed joint, and a link split in two."""
+    frame = a_link("frame", "") + a_joint("mount", "upper", "frame", more='<origin xyz="1 2 3"/>', kind="fixed")
+    assert not whats(arm(), arm(more=frame))
+
+
+def test_the_torques_differ_as_much_as_the_mass() -> None:
+    """All of the arm's torque is its inertia's, which is 10 % more."""
+    before = arm()
+    after = before.replace('iyy="0.02"', 'iyy="0.022"')
+    (_, torques) = changes(robodyn.load(before.encode()), robodyn.load(after.encode()))
+    assert torques.size == pytest.approx(1 - 1 / 1.1, rel=1e-12)
+
+
+def test_limits_along_a_motion(tmp_path: Path) -> None:
+    time = np.linspace(0.0, 2.0, 201)
+    file = tmp_path / "swing.csv"
+    rows = "\n".join(f"{t:.17g},{np.sin(t * 3):.17g}" for t in time)
+    file.write_text(f"time,q_shoulder\n{rows}\n")
+    results = found(along.RULE.bad.encode(), "RD802", Asked(trajectory=str(file)))
+    assert {one.bound for one in results} == {-0.5, 0.5}
+    assert not found(along.RULE.good.encode(), "RD802", Asked(trajectory=str(file)))
+    assert not found(along.RULE.bad.encode(), "RD802", Asked())
+
+
+SAID = {"loads it as it is": "loads", "loads it with changes": "alters", "rejects it": "rejects"}
+
+
+def verdict(text: str, target: str) -> str:
+    (one,) = found(text.encode(), "RD901", Asked(targets=(target,)))
+    said = one.message.removeprefix(f"{target} ")
+    return next(name for start, name in SAID.items() if said.startswith(start))
+
+
+LIMITED = '<axis xyz="0 1 0"/><limit lower="{}" upper="{}" effort="3" velocity="1"/>'
+LOST = '<inertia ixx="0.01" ixy="0.05" ixz="0" iyy="0.02" iyz="0" izz="0.02"/>'
+CASES = {
+    "as it is": arm(),
+    "massless tip": arm(more=a_link("tip", "") + a_joint("j", "upper", "tip")),
+    "massless frame": arm(more=a_link("tip", "") + a_joint("j", "upper", "tip", more="", kind="fixed")),
+    "massless link with a flange of mass": arm(
+        more=a_link("mid", "") + a_joint("j", "upper", "mid") + a_link("tip") + a_joint("f", "mid", "tip", "", "fixed")
+    ),
+    "not positive definite": arm(more=a_link("tip", f'<mass value="1"/>{LOST}') + a_joint("j", "upper", "tip")),
+    "triangle": arm(
+        more=a_link("tip", '<mass value="1"/>' + LOST.replace("0.05", "0").replace('izz="0.02"', 'izz="0.04"'))
+        + a_joint("j", "upper", "tip")
+    ),
+    "no tensor": arm(more=a_link("tip", '<mass value="1"/>') + a_joint("j", "upper", "tip", more="", kind="fixed")),
+    "zero axis": arm(LIMITED.format(-1, 1).replace("0 1 0", "0 0 0")),
+    "upside down": arm(LIMITED.format(1, -1)),
+    "equal": arm(LIMITED.format(1, 1)),
+    "negative damping": arm(LIMITED.format(-1, 1) + '<dynamics damping="-1"/>'),
+    "friction": arm(LIMITED.format(-1, 1) + '<dynamics friction="1"/>'),
+    "world": arm().replace('"base"', '"world"'),
+    "nameless": arm().replace('<robot name="arm">', "<robot>"),
+    "mimic": arm(
+        more=a_link("tip") + a_joint("j", "upper", "tip", more=LIMITED.format(-1, 1) + '<mimic joint="shoulder"/>')
+    ),
+    "planar": arm('<axis xyz="0 0 1"/>', kind="planar"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_mujoco_rejects_what_we_say_it_rejects(case: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    try:
+        mujoco.MjModel.from_xml_string(CASES[case])
+    except ValueError:
+        assert verdict(CASES[case], "mujoco") == "rejects"
+    else:
+        assert verdict(CASES[case], "mujoco") in ("loads", "alters")
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case != "upside down"])
+def test_drake_rejects_what_we_say_it_rejects(case: str) -> None:
+    """But for lower > upper, on which this version ends the process."""
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    try:
+        parsing.Parser(plant).AddModelsFromString(CASES[case], "urdf")
+        plant.Finalize()
+    except RuntimeError:
+        assert verdict(CASES[case], "drake") == "rejects"
+    else:
+        assert verdict(CASES[case], "drake") in ("loads", "alters")
+        assert (verdict(CASES[case], "drake") == "loads") == (case == "world")
+
+
+@pytest.mark.parametrize(("base", "velocities"), [("base", 7), ("world", 1)])
+def test_drake_lets_the_root_float(base: str, velocities: int) -> None:
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    parsing.Parser(plant).AddModelsFromString(arm().replace('"base"', f'"{base}"'), "urdf")
+    plant.Finalize()
+    assert plant.num_velocities() == velocities
+
+
+def test_mujoco_alters_as_we_say() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    based = arm().replace('<link name="base"/>', a_link("base"))
+    assert verdict(based, "mujoco") == "alters"
+    assert mujoco.MjModel.from_xml_string(based).body_mass.sum() == 2.0
+    assert mujoco.MjModel.from_xml_string(CASES["equal"]).jnt_limited.tolist() == [False]
+    assert mujoco.MjModel.from_xml_string(CASES["mimic"]).neq == 1
+
+
+def test_every_target_has_a_verdict_with_a_source() -> None:
+    assert {fact.target for fact in FACTS} == set(TARGETS)
+    assert all(fact.source for fact in FACTS)
+    results = found(path_of("talos_reduced").read_bytes(), "RD901", Asked(targets=TARGETS))
+    assert len(results) == len(TARGETS)
+
+
+def test_a_target_that_is_not_known_is_an_error() -> None:
+    with pytest.raises(InputError, match="there is no target 'mujuco'"):
+        Asked(targets=("mujuco",))
+
+
+def test_the_command_passes_on_what_is_asked(versions: Path) -> None:
+    outcome = run("check", str(versions), "--against", "HEAD", "--target", "kdl,drake", "--select", "RD9")
+    assert outcome.status == 0
+    assert "mass 2 kg has become 2.2 kg" in outcome.out
+    assert "drake loads it with changes" in outcome.out
+    assert "mujoco" not in outcome.out
+    wrong = run("check", str(versions), "--target", "drak")
+    assert (wrong.status, wrong.err.count("\n")) == (2, 1)
+    assert "did you mean 'drake'?" in wrong.err
+    missing = run("check", str(versions), "--trajectory", "none.csv")
+    assert (missing.status, missing.err.count("\n")) == (2, 1)
+
+
+def test_without_being_asked_only_rejections_are_told() -> None:
+    assert not found(arm().encode(), "RD901", Asked())
+    assert [one.message.split()[0] for one in found(CASES["massless tip"].encode(), "RD901", Asked())] == ["mujoco"]

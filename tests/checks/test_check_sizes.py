@@ -1,0 +1,90 @@
+"""Large files: nothing recurses, nothing is quadratic, and a message stays short."""
+
+from __future__ import annotations
+
+import pytest
+
+from robodyn.checks.rule import Finding
+from robodyn.checks.run import Options, check_one
+
+MANY = 10_000
+STRUCTURE = Options(select=("RD0", "RD1", "RD2"))
+
+
+def found(body: str) -> tuple[Finding, ...]:
+    return check_one(f'<robot name="r">{body}</robot>'.encode(), STRUCTURE)
+
+
+def joints(pairs: list[tuple[int, int]], kind: str = "fixed") -> str:
+    return "".join(
+        f'<joint name="j{k}" type="{kind}"><parent link="{a}"/><child link="{b}"/></joint>'
+        for k, (a, b) in enumerate(pairs)
+    )
+
+
+def links(count: int) -> str:
+    return "".join(f'<link name="{k}"/>' for k in range(count))
+
+
+def codes(findings: tuple[Finding, ...]) -> dict[str, int]:
+    names = [finding.code for finding in findings]
+    return {code: names.count(code) for code in set(names) if code != "RD110"}
+
+
+def test_one_long_cycle() -> None:
+    findings = found(links(MANY) + joints([(k, (k + 1) % MANY) for k in range(MANY)]))
+    assert codes(findings) == {"RD103": 1}
+    assert all(len(finding.message) < 1000 for finding in findings)
+
+
+def test_many_short_cycles() -> None:
+    pairs = [(k ^ 1, k) for k in range(MANY)]
+    assert codes(found(links(MANY) + joints(pairs))) == {"RD103": MANY // 2}
+
+
+def test_a_long_tail_into_a_cycle() -> None:
+    pairs = [(max(k - 1, 0), k) for k in range(MANY)]
+    assert codes(found(links(MANY) + joints(pairs))) == {"RD103": 1}
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating"])
+def test_a_long_chain(kind: str) -> None:
+    expected = {} if kind == "fixed" else {"RD202": MANY - 1}
+    assert codes(found(links(MANY) + joints([(k, k + 1) for k in range(MANY - 1)], kind))) == expected
+
+
+def test_many_links_apart_are_one_finding() -> None:
+    assert codes(found(links(MANY))) == {"RD104": 1}
+
+
+def test_many_of_one_name() -> None:
+    assert codes(found('<link name="a"/>' * MANY)) == {"RD105": MANY - 1}
+
+
+def test_many_dangling_joints() -> None:
+    assert codes(found('<link name="a"/>' + joints([(k, k + 1) for k in range(MANY)]))) == {"RD101": 2 * MANY}
+
+
+@pytest.mark.parametrize("text", ["1 " * 1_000_000, "9" * 1_000_000, "x" * 1_000_000])
+def test_a_long_attribute(text: str) -> None:
+    (finding,) = [
+        f for f in found(f'<link name="a"><inertial><mass value="{text}"/></inertial></link>') if f.code == "RD007"
+    ]
+    assert len(finding.message) < 300
+    assert len(finding.excerpt.text) < 300
+
+
+def test_deep_nesting_ends_the_reading() -> None:
+    assert codes(found("<a>" * 100_000 + "</a>" * 100_000)) == {"RD001": 1}
+
+
+def test_many_attributes_of_one_element() -> None:
+    assert codes(found("<link name='a'><visual " + " ".join(f"b{k}=''" for k in range(MANY)) + "/></link>")) == {
+        "RD005": MANY
+    }
+
+
+def test_an_expansion_bomb_is_never_expanded() -> None:
+    entities = "".join(f'<!ENTITY e{k + 1} "{f"&e{k};" * 10}">' for k in range(30))
+    data = f'<!DOCTYPE r [<!ENTITY e0 "ha">{entities}]><robot name="&e30;"/>'.encode()
+    assert [finding.code for finding in check_one(data)] == ["RD002"]

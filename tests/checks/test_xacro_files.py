@@ -1,0 +1,120 @@
+"""xacro files are expanded before they are checked; what cannot be expanded is one line."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+import xacro
+from clean_arm import IDENTITY, arm
+
+from robodyn.checks.project import check_tasks, fix_task, tasks_for
+from robodyn.checks.rule import Finding
+from robodyn.checks.run import Options
+from robodyn.checks.xacro import expanded
+from robodyn.errors import InputError
+
+HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+MACRO = f"""{HEAD}
+  <xacro:macro name="part" params="name">
+    <link name="${{name}}"><inertial><mass value="${{2 * kilo}}"/>{IDENTITY}</inertial></link>
+  </xacro:macro>
+</robot>
+"""
+ROBOT = f"""<?xml version="1.0"?>
+{HEAD}
+  <xacro:arg name="kilo" default="1"/>
+  <xacro:property name="kilo" value="$(arg kilo)"/>
+  <xacro:include filename="INCLUDE"/>
+  <xacro:part name="upper"/>
+</robot>
+"""
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "part.xacro").write_text(MACRO)
+    return written(tmp_path, "parts/part.xacro")
+
+
+def written(folder: Path, include: str) -> Path:
+    path = folder / "arm.urdf.xacro"
+    path.write_text(ROBOT.replace("INCLUDE", include))
+    return path
+
+
+def findings(path: Path, options: Options = Options()) -> tuple[Finding, ...]:  # noqa: B008
+    return check_tasks(tasks_for([str(path)], options)).findings
+
+
+def test_places_are_those_of_the_expanded_text(robot: Path) -> None:
+    (finding,) = findings(robot)
+    assert (finding.code, finding.file) == ("RD208", f"{robot} (expanded)")
+    lines = xacro.process_file(str(robot)).toprettyxml(indent="  ").splitlines()
+    assert lines[finding.line - 1][finding.column - 1 :].startswith('1" ixy="0"')
+
+
+def test_includes_do_not_depend_on_the_current_folder(
+    robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path.parent)
+    assert len(findings(robot)) == 1
+    monkeypatch.chdir(tmp_path)
+    assert len(findings(Path(robot.name))) == 1
+
+
+def test_packages_are_found_on_the_package_path_and_above_the_file(robot: Path, tmp_path: Path) -> None:
+    package = tmp_path / "share" / "arm_parts"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>arm_parts</name></package>")
+    (package / "part.xacro").write_text(MACRO)
+    written(tmp_path, "$(find arm_parts)/part.xacro")
+    with pytest.raises(InputError, match=r"xacro cannot expand it: .*arm_parts"):
+        findings(robot)
+    assert len(findings(robot, Options(package_path=(str(tmp_path / "share"),)))) == 1
+    assert len(findings(written(package, "$(find arm_parts)/part.xacro"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", "no element found"),
+        (f"{HEAD}<xacro:part/></robot>", "unknown macro name: xacro:part"),
+        (f"{HEAD}<link name='${{nothing}}'/></robot>", "name 'nothing' is not defined"),
+        (f"{HEAD}<xacro:include filename='none.xacro'/></robot>", "No such file or directory"),
+        (f"{HEAD}<link name='${{1/0}}'/></robot>", "division by zero"),
+    ],
+)
+def test_what_cannot_be_expanded(robot: Path, text: str, line: str, capfd: pytest.CaptureFixture[str]) -> None:
+    robot.write_text(text)
+    with pytest.raises(InputError) as error:
+        findings(robot)
+    assert str(error.value).startswith(f"{robot}: xacro cannot expand it: ")
+    assert line in str(error.value)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    with pytest.raises(InputError) as error:
+        expanded(str(robot))
+    assert str(error.value).startswith(
+        f"{robot}: to check a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
+    )
+
+
+def test_no_such_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.xacro: there is no such file"):
+        findings(tmp_path / "none.xacro")
+
+
+def test_expanded_text_is_not_fixed(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xacro"
+    path.write_text(arm(shoulder="0 2 0").replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" '))
+    assert [finding.code for finding in findings(path)] == ["RD502"]
+    (task,) = tasks_for([str(path)])
+    result = fix_task(task)
+    assert (result.after, result.made) == (result.before, ())
+    assert result.before == path.read_bytes()
