@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from robodyn.accelerations import acceleration_program
 from robodyn.arrays import arrays_of, fill, still, target
 from robodyn.errors import InputError
 from robodyn.execute.runner import Runner
@@ -102,7 +103,7 @@ REMEDY = "give a link that it carries mass and inertia, or the joint a rotor"
 @lru_cache(maxsize=16)
 def acceleration_runner(a_plan: Plan) -> Runner:
     """The plan's qdd, ready to run."""
-    return runner_of(a_plan.accelerations(), a_plan)
+    return runner_of(acceleration_program(a_plan), a_plan)
 
 
 def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], qdd: Floats) -> None:

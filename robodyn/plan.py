@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-import numpy as np
-
-from robodyn.dynamics.aligned import aligned
-from robodyn.dynamics.articulated_body import articulated_body
 from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.newton_euler import inertial_wrenches, newton_euler
+from robodyn.dynamics.newton_euler import newton_euler
 from robodyn.dynamics.projection import joint_torques
 from robodyn.dynamics.types import Motion, Wrench
 from robodyn.effects.catalogue import EFFECTS
 from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
-from robodyn.effects.rotor_inertia import reflected
-from robodyn.model import Joint, Model
+from robodyn.model import Model
 from robodyn.scene import Scene
 from robodyn.scene_fit import check_scene
 from robodyn.spatial import Scalar
@@ -70,17 +65,6 @@ class Plan:
         """The program of tau alone, all effects together."""
         return trace(lambda tape: loads(*self._with(tape, self.effects)).tau, self.model.tips_first)
 
-    def accelerations(self) -> Program:
-        """The program of qdd from q, qd and tau, which is another input; `still` may name its entries too."""
-        model = aligned(self.model)
-
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            sample = replace(Plan(model, self.scene, self.still).sample(tape), qdd=(0.0,) * model.n)
-            tau = [0.0 if ("tau", i) in self.still else tape.input("tau", i) for i in range(model.n)]
-            return accelerations(sample, applied(self.effects, sample, self.scene), tau, reflected(model, self.scene))
-
-        return trace(outputs)
-
     def wrenches(self, joints: bool = False) -> Program:
         """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
 
@@ -130,39 +114,6 @@ def loads(sample: Sample, terms: Terms) -> Loads:
     joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
     return Loads(joint_torques(model, joints, reactions, terms.at_joint), reactions)
-
-
-def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Sequence[float]) -> list[Scalar]:
-    """qdd of one sample, in whatever scalar it is made of.
-
-    Args:
-        sample: of a model of `aligned`.
-        terms: without acceleration.
-        tau: n scalars.
-        rotors: n reflected rotor inertias.
-    """
-    model = sample.model
-    joints = motions(model, sample.q, terms.qd, terms.qdd)
-    biases = inertial_wrenches(model.parents, joints, terms.inertias, terms.gravity)
-    for i, wrench in terms.wrenches:
-        biases[i] = Wrench(biases[i].f - wrench.f, biases[i].n - wrench.n)
-    forces = list(tau)
-    for i, torque in terms.at_joint.items():
-        joint = model.bodies[i].joint
-        forces[joint.rate] = forces[joint.rate] - joint.multiplier * torque
-    free = [(joint, joint.R.T @ joints[i].R) for i, joint in _floating(model)]
-    for joint, turn in free:
-        place = slice(joint.rate + 3, joint.rate + 6)
-        forces[place] = turn.T @ np.array(forces[place])
-    qdd = articulated_body(model, joints, terms.inertias, biases, forces, rotors)
-    for joint, turn in free:
-        place = slice(joint.rate + 3, joint.rate + 6)
-        qdd[place] = turn @ np.array(qdd[place])
-    return qdd
-
-
-def _floating(model: Model) -> list[tuple[int, Joint]]:
-    return [(i, body.joint) for i, body in enumerate(model.bodies) if body.joint.kind == "floating"]
 
 
 def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:

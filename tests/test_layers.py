@@ -20,7 +20,7 @@ ORDER = [
     ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays"),
-    ("inverse", "self_checks", "energy_ledger"),
+    ("inverse", "accelerations", "self_checks", "energy_ledger"),
     ("sizing", "forward"),
     ("one_pass", "bench"),
     ("loads",),

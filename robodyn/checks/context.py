@@ -44,6 +44,10 @@ class Thresholds:
     """RD504: a greater position limit is a sentinel."""
     mimic_range: float = 1e-3
     """RD512: how far a follower may be driven beyond its limits [rad or m]."""
+    least_density: float = 10.0
+    """RD304: mass of a rigid group over the volume of the box around its shapes [kg/m^3]."""
+    most_density: float = 9000.0
+    """RD304: a greater one is too dense even for solid steel."""
 
 
 DEFAULT = Thresholds()

@@ -49,3 +49,18 @@ def a_joint(
   <joint name="{name}" type="{kind}">
     <parent link="{parent}"/><child link="{child}"/>{more}
   </joint>"""
+
+
+def a_shaped_link(
+    mass: str = "2",
+    inertia: str = '<inertia ixx="0.0126" ixy="0" ixz="0" iyy="0.0124" iyz="0" izz="0.0032"/>',
+    centre: str = "0 0 0.12",
+    shape: str = '<box size="0.1 0.1 0.25"/>',
+) -> str:
+    """An arm whose upper link has a shape 0.25 m long, and an inertial that fits it but for what is given."""
+    inertial = f'<origin xyz="{centre}"/><mass value="{mass}"/>{inertia}'
+    return arm().replace(
+        f'<inertial><mass value="2"/>{INERTIA}</inertial>',
+        f"""<visual><origin xyz="0 0 0.125"/><geometry>{shape}</geometry></visual>
+    <inertial>{inertial}</inertial>""",
+    )

@@ -10,8 +10,9 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.frames import Pose, link_poses, pose
-from robodyn.checks.mesh_files import all_facts
 from robodyn.checks.mesh_facts import MeshFacts
+from robodyn.checks.mesh_files import all_facts
+from robodyn.checks.mesh_units import unit_slips
 from robodyn.checks.primitives import half_size
 from robodyn.checks.tree import Group
 from robodyn.checks.view import GeometryView, LinkView, numbers
@@ -47,13 +48,13 @@ Solids = Mapping[GeometryView, Solid]
 
 
 def solids(context: Context) -> Solids:
-    """Every shape whose size is known and not zero."""
-    facts = context.once(all_facts)
+    """Every shape whose size is known and not zero, and is no slip of units."""
+    facts, mistaken = context.once(all_facts), context.once(unit_slips)
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
             where = pose(geometry.origin)
-            if where is None or geometry.shape is None:
+            if where is None or geometry.shape is None or geometry in mistaken:
                 continue
             sized = _mesh(geometry, facts) if geometry.shape.tag == "mesh" else _primitive(geometry)
             if sized is not None:
@@ -61,14 +62,10 @@ def solids(context: Context) -> Solids:
     return found
 
 
-def scale_of(geometry: GeometryView) -> tuple[float, ...] | None:
-    """Of a <mesh>; None where it cannot be read."""
-    return numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
-
-
 def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> tuple[Box, float | None] | None:
     assert geometry.shape is not None, "it is a mesh"
-    known, scale = facts.get(geometry.shape.get("filename") or ""), scale_of(geometry)
+    known = facts.get(geometry.shape.get("filename") or "")
+    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     ends = np.array((known.lo, known.hi)) * np.array(scale)

@@ -18,6 +18,7 @@ from markdown_tables import main, table
 from oracles import worst
 
 import robodyn
+from robodyn.accelerations import acceleration_program
 from robodyn.bench.peers import bare_description, following
 from robodyn.bench.samples import random_sources
 from robodyn.bench.timing import taking_turns
@@ -33,7 +34,7 @@ def operations(name: str) -> tuple[int, int]:
     """Operations per sample of a moving robot, and of one that stands still."""
     model, scene = described(name)
     still = frozenset(("qd", i) for i in range(model.n))
-    return Plan(model, scene).accelerations().size, Plan(model, scene, still).accelerations().size
+    return acceleration_program(Plan(model, scene)).size, acceleration_program(Plan(model, scene, still)).size
 
 
 def peer(model, q, qd, tau):

@@ -21,7 +21,10 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 CALLS: list[tuple[tuple[str, ...], str]] = [
     (("torqes",), "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)"),
-    (("zebra",), "there is no command 'zebra'; commands: 'torques', 'inertia', 'check', 'rule', 'bench' (try: robodyn --help)"),
+    (
+        ("zebra",),
+        "there is no command 'zebra'; commands: 'torques', 'inertia', 'check', 'rule', 'bench' (try: robodyn --help)",
+    ),
     (("--verson",), "no such option '--verson'; did you mean '--version'? (try: robodyn --help)"),
     (("torques",), "missing argument 'URDF' (try: robodyn torques --help)"),
     (("torques", "arm.urdf"), "missing argument 'TRAJECTORY' (try: robodyn torques --help)"),

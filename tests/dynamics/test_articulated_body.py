@@ -16,6 +16,7 @@ from oracles import EPS, frictionless, golden_model, random_state, reference, ro
 from program_values import evaluated
 from small_robots import body_numbers, built, joint, link, numbers, random_tree
 
+from robodyn.accelerations import acceleration_program, accelerations
 from robodyn.dynamics.aligned import aligned
 from robodyn.dynamics.articulated_body import articulated_body
 from robodyn.dynamics.dual import Dual
@@ -29,7 +30,7 @@ from robodyn.forward import forward_by_factorisation, forward_dynamics
 from robodyn.inertia.moments import MASSLESS, Inertia
 from robodyn.inverse import inverse_dynamics, mass_matrix
 from robodyn.model import Body, Joint, Model
-from robodyn.plan import Plan, accelerations, applied, loads
+from robodyn.plan import Plan, applied, loads
 from robodyn.scene import Rotor, Scene
 from robodyn.spatial import vector
 
@@ -143,7 +144,7 @@ def test_a_model_of_symbols():
 @pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "scara_rrp"])
 def test_traced_scalars(name):
     model = golden_model(name)
-    program = Plan(model, Scene()).accelerations()
+    program = acceleration_program(Plan(model, Scene()))
     for q, qd, tau in zip(*random_state(model, np.random.default_rng(3), 5), strict=True):
         found = evaluated(program, {"q": q, "qd": qd, "tau": tau})
         cond = np.linalg.cond(mass_matrix(model, q))

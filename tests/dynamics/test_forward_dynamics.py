@@ -10,6 +10,7 @@ from example_robots import real
 from oracles import EPS, frictionless, golden_model, random_state, robot, worst
 
 import robodyn
+from robodyn.accelerations import acceleration_program
 from robodyn.errors import InputError
 from robodyn.execute.multiprecision import Multiprecision
 from robodyn.forward import forward_by_factorisation, forward_dynamics
@@ -100,7 +101,7 @@ def test_neither_threads_nor_layout_nor_company_change_a_bit():
 def test_the_multiprecision_executor():
     plan = Plan(MODEL, Scene())
     sources = dict(zip(("q", "qd", "tau"), (x[:3] for x in STATE), strict=True))
-    found = Multiprecision(plan.accelerations(), digits=40)(sources, 3).astype(float)
+    found = Multiprecision(acceleration_program(plan), digits=40)(sources, 3).astype(float)
     assert (
         worst(found, forward_dynamics(MODEL, *sources.values()))
         <= 4 * EPS * np.linalg.cond(mass_matrix(MODEL, STATE[0][:3])).max()
@@ -115,7 +116,7 @@ def test_upper_bounds_of_operations(name):
     """With a fixed base and a free one."""
     for free, bound in zip((False, True), BOUNDS[name], strict=True):
         model = real(name, free)
-        assert Plan(model, frictionless(model)).accelerations().size <= bound
+        assert acceleration_program(Plan(model, frictionless(model))).size <= bound
 
 
 ABSENT = {
@@ -137,7 +138,7 @@ NOTHING = {
 def _size(model, still=frozenset(), **scene):
     bare = frictionless(model)
     friction = {**bare.friction, **scene.pop("friction", {})}
-    return Plan(model, Scene(friction=friction, **scene), still).accelerations().size
+    return acceleration_program(Plan(model, Scene(friction=friction, **scene), still)).size
 
 
 @pytest.mark.parametrize("name", ABSENT)

@@ -1,0 +1,117 @@
+"""RD301: an inertia that no mass within the link's shapes can have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from robodyn.checks.bodies import Body, bodies, share
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.masses import widest
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.unit_slips import slips
+from robodyn.inertia.boxes import Box
+from robodyn.inertia.exact import Floats
+
+FAR = 4.0
+"""Times the bound that are an error."""
+_SLIGHT = 1.1
+_ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
+
+
+def check(context: Context) -> Iterator[Fault]:
+    explained = context.once(slips)
+    for name, body in context.once(bodies).items():
+        if body.S is None or body.box is None or name in explained or share(context, body) is None:
+            continue
+        fault = _beyond_reach(body) or _beyond_box(body)
+        if fault is not None:
+            yield fault
+
+
+def _beyond_reach(body: Body) -> Fault | None:
+    """tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
+    assert body.S is not None and body.box is not None, "both are there"
+    spread = float(np.trace(body.S)) / body.mass
+    own = _reach(body.box, body.c)
+    group = own if body.group is None else _reach(body.group, body.in_group[0])
+    if spread > group:
+        severity, bound, what = Severity.E if spread > FAR * group else Severity.W, group, "what it is fixed to"
+    elif spread > FAR * own:
+        severity, bound, what = Severity.W, own, "the link"
+    else:
+        return None
+    return _fault(
+        body,
+        severity,
+        f"its mass would have to lie {spread**0.5:.3g} m from its centre on the average (root mean square), but the "
+        f"shapes of {what} reach {bound**0.5:.3g} m: {_times(spread / bound)} the second moment that is possible",
+        spread * body.mass,
+        bound * body.mass,
+    )
+
+
+def _beyond_box(body: Body) -> Fault | None:
+    """S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
+    if body.S is None or body.group is None:
+        return None
+    c, S = body.in_group
+    assert S is not None, "it is S turned"
+    sides = body.group.hi - body.group.lo
+    bound = (body.group.hi - c) * (c - body.group.lo)
+    if not (bound > 0).all():
+        return None
+    spread = np.diagonal(S) / body.mass
+    axis = int(np.argmax(spread / bound))
+    ratio = float(spread[axis] / bound[axis])
+    if ratio <= _SLIGHT:
+        return None
+    wherever = spread[axis] > sides[axis] ** 2 / 4
+    return _fault(
+        body,
+        Severity.W if ratio > FAR and wherever else Severity.I,
+        f"along {'xyz'[axis]} it is {_times(ratio)} as spread as any mass in the box around the shapes can be",
+        float(spread[axis]) * body.mass,
+        float(bound[axis]) * body.mass,
+    )
+
+
+def _reach(box: Box, c: Floats) -> float:
+    return float((np.maximum(box.hi - c, c - box.lo) ** 2).sum())
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.3g} times"
+
+
+def _fault(body: Body, severity: Severity, what: str, measured: float, bound: float) -> Fault:
+    assert body.link.tensor is not None, "it has second moments"
+    return Fault(
+        at=body.inertial.entries[widest(body.link.tensor)].span,
+        subject=body.link.subject,
+        what=what,
+        remedy=_ADVICE,
+        measured=measured,
+        bound=bound,
+        severity=severity,
+    )
+
+
+RULE = Rule(
+    code="RD301",
+    name="inertia-beyond-shapes",
+    severity=Severity.E,
+    stage=Stage.TREE,
+    summary="The second moments are no larger than the link's shapes allow for its mass.",
+    explanation="""Whatever the density, mass within a distance r of its centre has second moments with a trace of at
+most m r^2; and along an axis on which the shapes reach from lo to hi at most m (hi - c)(c - lo) (Bhatia and Davis).
+The shapes are those of all links that fixed joints join, visual and collision, each in its box. A trace above its bound
+is a warning, above four times its bound an error; above four times what the link's own shapes allow a warning. The
+second bound is a remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 %
+of the mass that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.""",
+    bad=a_shaped_link(inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.28"/>'),
+    good=a_shaped_link(),
+    check=check,
+)
