@@ -79,7 +79,7 @@ def forward_by_factorisation(
 ) -> Floats:
     """The same accelerations from `M(q) qdd = tau - bias`, with M factorised: a check by other means.
 
-    Slower and, where a light robot carries a heavy load, less accurate; nothing of `forward_dynamics` enters.
+    Slower; nothing of `forward_dynamics` enters.
 
     Args, returns: as for `forward_dynamics`.
 

@@ -59,7 +59,7 @@ MUTATIONS = [
     ("execute/compiled_blocks.py", "(max(threads, 1) * BLOCK)) * BLOCK", "max(threads, 1))"),
     ("execute/compiled_blocks.py", "*range(first))", "*range(0))"),
     ("execute/llvm/driver.py", "atomicrmw or ptr %flagged, i64 %total", "atomicrmw or ptr %flagged, i64 0"),
-    ("inverse.py", "not rows[:, column].any()", "not rows[:1, column].any()"),
+    ("arrays.py", "not rows[:, column].any()", "not rows[:1, column].any()"),
     ("assemble.py", "p_link + R_link @ p", "p_link + p"),
     ("assemble.py", "turn @ _matrix(inertial) @ turn.T", "_matrix(inertial)"),
     ("joints.py", "multiplier * joints[i].offset + offset", "joints[i].offset + offset"),

@@ -21,7 +21,7 @@ ORDER = [
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays"),
     ("inverse", "accelerations", "self_checks", "energy_ledger"),
-    ("sizing", "forward"),
+    ("sizing", "momentum", "forward"),
     ("one_pass", "bench"),
     ("loads",),
     ("checks",),

@@ -11,8 +11,9 @@ from robodyn.checks.rule import Finding, Rule, Severity
 from robodyn.checks.run import check_one
 
 CODES = [rule.code for rule in RULES]
-ALONE = [rule for rule in RULES if rule.code not in ("RD802", "RD902")]
-"""The rules that need nothing but the file; test_asked gives the others what they ask for."""
+ASKING = ("RD802", "RD902", "RD602", "RD604", "RD605", "RD607")
+ALONE = [rule for rule in RULES if rule.code not in ASKING]
+"""The rules that need nothing but the file; test_asked and test_mesh_rules give the others what they ask for."""
 
 
 def found(text: str) -> tuple[Finding, ...]:

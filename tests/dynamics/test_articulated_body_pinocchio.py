@@ -16,9 +16,18 @@ from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
 
 SAMPLES = 4
 TOLERANCE = 1e-10
-NAMES = [f"{path.parent.parent.name}-{path.stem}" for path in PATHS]
 MASSLESS = {"romeo": "RHand", "romeo_laas_small": "r_gripper_joint"}
 """Robots with a joint that moves links without mass, and its name."""
+
+
+LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
+"""Beginnings of the names of robots with 30 joints and more, which take seconds each."""
+
+
+def _cases():
+    for path in PATHS:
+        if path.stem not in MASSLESS:
+            yield pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * path.stem.startswith(LARGE))
 
 
 def _expected(other, model, q, qd, tau):
@@ -32,7 +41,7 @@ def _expected(other, model, q, qd, tau):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", [path for path in PATHS if path.stem not in MASSLESS], ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", _cases())
 def test_accelerations(path, moving_base):
     model = load(path, moving_base=moving_base)
     scene = frictionless(model)
