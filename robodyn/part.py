@@ -12,23 +12,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, MeshError
-from robodyn.inertia.conversions import from_integrals, from_surface_integrals
 from robodyn.inertia.properties import MassProperties
+from robodyn.mesh.bodies import region, sheet, solid
 from robodyn.mesh.integrals import Integrals
-from robodyn.mesh.integrate import measure
 from robodyn.mesh.load import from_array, load_triangles
+from robodyn.mesh.measured import Measured, measured
 from robodyn.mesh.scaled import scaled
 from robodyn.mesh.shape import Shape, shape
-from robodyn.mesh.sound import is_sound
-from robodyn.mesh.surface import surface
 from robodyn.mesh.symmetry import symmetrized
 from robodyn.mesh.symmetry_kinds import Symmetry
 from robodyn.mesh.tessellation import Tessellation
 from robodyn.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
-    from robodyn.mesh.quadrature import Quadrature
-    from robodyn.mesh.repair import Repaired, Step
+    from robodyn.mesh.repair import Step
 
 Floats = NDArray[np.float64]
 
@@ -124,59 +121,54 @@ def mass_properties(
         shapes; correctly rounded if `exact`.
     """
     _check(density, mass, shell)
-    triangles: Triangles
-    if isinstance(source, (str, os.PathLike, bytes)):
-        triangles = load_triangles(source, file_type=file_type, unit=unit)
-    else:
-        triangles = from_array(source, unit=unit or "m")
-    triangles = scaled(triangles, scale)
-    integrals, edges = measure(triangles, exact)
-    fixed = None
-    if repair and shell is None and not is_sound(triangles, integrals, edges):
-        fixed = _repaired(triangles, strict)
-        if fixed.triangles is not triangles:
-            triangles = fixed.triangles
-            integrals, edges = measure(triangles, exact)
-    warnings = _doubts((integrals.hi - integrals.lo) * triangles.scale)
+    triangles = scaled(_triangles(source, unit, file_type), scale)
+    found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict)
+    triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
-    region = None if fixed is None else fixed.quadrature
     if shell is not None:
-        body = _sheet(triangles, weight, shell)
+        body = sheet(triangles, weight, shell)
+    elif found.region is not None:
+        body = region(found.region, triangles, weight)
     else:
-        body = _solid(integrals, triangles, weight) if region is None else _region(region, triangles, weight)
-        if not edges.closed and region is None:
-            warnings += ("the surface is not closed: its integral depends on where the origin is",)
-    if fixed is not None:
-        warnings += fixed.remarks
-    found = shape(
+        body = solid(integrals, triangles, weight)
+    form = shape(
         triangles,
         integrals,
         even=symmetrize or symmetry,
         smooth=tessellation,
-        defined=shell is None and region is None and edges.closed,
+        defined=shell is None and found.defined,
         fixed_mass=mass is not None,
     )
-    finished = partial(_finished, mass=mass, found=found, symmetrize=symmetrize)
-    tess = found.tessellation
+    finished = partial(_finished, mass=mass, found=form, symmetrize=symmetrize)
+    smooth = form.tessellation
+    lo, hi = integrals.lo * triangles.scale, integrals.hi * triangles.scale
     return Part(
         name=triangles.name,
         triangles=integrals.count,
         body=replace(finished(body), area=integrals.area * triangles.scale**2),
         assumed=density is None and mass is None,
-        lo=integrals.lo * triangles.scale,
-        hi=integrals.hi * triangles.scale,
-        closed=edges.closed,
-        repairs=() if fixed is None else tuple(_in_metres(step, triangles.scale) for step in fixed.steps),
+        lo=lo,
+        hi=hi,
+        closed=found.closed,
+        repairs=found.steps,
         method=integrals.method,
         arithmetic=integrals.bound,
         rounding=_rounding(integrals, triangles),
-        union=None if fixed is None else _union(fixed, integrals),
-        symmetry=found.symmetry,
-        tessellation=tess,
-        corrected=None if tess is None else finished(_solid(tess.corrected, triangles, weight)),
-        warnings=warnings,
-        notes=triangles.notes + found.notes + _averaged(found, symmetrize),
+        union=found.union,
+        symmetry=form.symmetry,
+        tessellation=smooth,
+        corrected=None if smooth is None else finished(solid(smooth.corrected, triangles, weight)),
+        warnings=(*_doubts(hi - lo), *_undefined(found, shell), *found.remarks),
+        notes=triangles.notes + form.notes + _averaged(form, symmetrize),
     )
+
+
+def _triangles(
+    source: str | os.PathLike[str] | bytes | ArrayLike, unit: str | None, file_type: str | None
+) -> Triangles:
+    if isinstance(source, (str, os.PathLike, bytes)):
+        return load_triangles(source, file_type=file_type, unit=unit)
+    return from_array(source, unit=unit or "m")
 
 
 def _check(density: float | None, mass: float | None, shell: float | None) -> None:
@@ -208,69 +200,6 @@ def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:
     return (f"symmetrize: averaged over planes ({planes}) and axes ({axes}) of symmetry",)
 
 
-def _repaired(triangles: Triangles, strict: bool) -> Repaired:
-    """The surface put right and closed."""
-    from robodyn.mesh.repair import repair
-
-    fixed = repair(triangles)
-    if strict and fixed.steps:
-        remedy = "--strict refuses what needs repair"
-        raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)
-    if not fixed.closed and fixed.quadrature is None:
-        why = f" ({'; '.join(fixed.remarks)})" if fixed.remarks else ""
-        raise MeshError(
-            f"the surface is not closed{why}, so it encloses no definite volume",
-            remedy="--shell THICKNESS takes it as a sheet, --no-repair integrates it as it is",
-            file=triangles.name,
-        )
-    return fixed
-
-
-def _solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:
-    if not integrals.volume:
-        raise MeshError(
-            "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
-        )
-    found = integrals.moments
-    return from_integrals(
-        found.volume,
-        found.first,
-        found.second,
-        density=density,
-        reference=integrals.reference,
-        scale=triangles.scale,
-    )
-
-
-def _region(found: Quadrature, triangles: Triangles, density: float) -> MassProperties:
-    return from_integrals(
-        found.volume, found.first, found.S, density=density, reference=found.reference, scale=triangles.scale
-    )
-
-
-def _union(fixed: Repaired, integrals: Integrals) -> float | None:
-    if fixed.quadrature is not None:
-        return fixed.quadrature.bar
-    return fixed.doubt / abs(integrals.volume) if fixed.doubt else None
-
-
-def _sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
-    found = surface(triangles)
-    return from_surface_integrals(
-        found.area,
-        found.first,
-        found.S,
-        density=density,
-        thickness=thickness,
-        reference=found.reference,
-        scale=triangles.scale,
-    )
-
-
-def _in_metres(step: Step, scale: float) -> Step:
-    return replace(step, volume_before=step.volume_before * scale**3, volume_after=step.volume_after * scale**3)
-
-
 def _rounding(integrals: Integrals, triangles: Triangles) -> float:
     """What moving every corner by half a unit in the last place of the file's largest coordinate does to the volume."""
     if not integrals.volume:
@@ -284,3 +213,9 @@ def _doubts(size: Floats) -> tuple[str, ...]:
     if longest <= LONGEST:
         return ()
     return (f"the part is {longest:.4g} m long: if the file is in millimetres, say --unit mm",)
+
+
+def _undefined(found: Measured, shell: float | None) -> tuple[str, ...]:
+    if shell is not None or found.closed or found.region is not None:
+        return ()
+    return ("the surface is not closed: its integral depends on where the origin is",)

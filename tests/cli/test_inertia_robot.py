@@ -101,7 +101,7 @@ def test_robot_text():
 def test_link_text():
     outcome = run("inertia", str(ROBOTS / "puma560.urdf"), "--link", "forearm")
     assert outcome.status == 0
-    assert "puma560.urdf:114: link 'forearm' as declared, in its own frame\n" in outcome.out
+    assert "puma560.urdf:116: link 'forearm' as declared, in its own frame\n" in outcome.out
     assert (
         "\nnot physical: principal moments 0.0125 + 0.066 < 0.086 kg m^2 break the triangle inequality (" in outcome.out
     )
