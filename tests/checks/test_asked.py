@@ -31,6 +31,12 @@ def git(folder: Path, *words: str) -> None:
     subprocess.run(["git", *identity, *words], cwd=folder, check=True, capture_output=True)
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo writes its warnings into the current folder."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def versions(tmp_path: Path) -> Path:
     """arm.urdf with the rule's good example committed and its bad one in place."""
