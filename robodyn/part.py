@@ -19,13 +19,12 @@ from robodyn.mesh.load import from_array, load_triangles
 from robodyn.mesh.measured import Measured, measured
 from robodyn.mesh.scaled import scaled
 from robodyn.mesh.shape import Shape, shape
-from robodyn.mesh.symmetry import symmetrized
-from robodyn.mesh.symmetry_kinds import Symmetry
-from robodyn.mesh.tessellation import Tessellation
 from robodyn.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
     from robodyn.mesh.repair import Step
+    from robodyn.mesh.symmetry_kinds import Symmetry
+    from robodyn.mesh.tessellation import Tessellation
 
 Floats = NDArray[np.float64]
 
@@ -187,6 +186,8 @@ def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize
         return body
     if found.symmetry is None:
         raise MeshError("has no symmetry to average over", remedy="; ".join(found.notes))
+    from robodyn.mesh.symmetry import symmetrized
+
     return symmetrized(body, found.symmetry)
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from robodyn.mesh.asymmetry import CentredBody
 from robodyn.mesh.integrals import Integrals
-from robodyn.mesh.symmetry import symmetry
-from robodyn.mesh.symmetry_kinds import Symmetry
-from robodyn.mesh.tessellation import Tessellation, tessellation
 from robodyn.mesh.triangles import Triangles
+
+if TYPE_CHECKING:
+    from robodyn.mesh.symmetry_kinds import Symmetry
+    from robodyn.mesh.tessellation import Tessellation
 
 SYMMETRY_TRIANGLES = 30_000
 """Up to which symmetry is sought unasked: a tenth of a second on most parts of that size."""
@@ -57,6 +58,10 @@ def shape(
     ask, notes_smooth = _wanted("tessellation", smooth, count, TESSELLATION_TRIANGLES)
     if not seek and not ask:
         return Shape(notes=notes_even + notes_smooth)
+    from robodyn.mesh.asymmetry import CentredBody
+    from robodyn.mesh.symmetry import symmetry
+    from robodyn.mesh.tessellation import tessellation
+
     body = CentredBody.of(triangles, integrals)
     return Shape(
         symmetry(body).scaled(triangles.scale) if seek else None,
