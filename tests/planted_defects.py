@@ -25,7 +25,7 @@ HEALTHY = """<?xml version="1.0"?>
       <mass value="3.5"/>
       <inertia ixx="0.04" ixy="0.001" ixz="-0.002" iyy="0.045" iyz="0.0005" izz="0.008"/>
     </inertial>
-    <visual><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.04" length="0.4"/></geometry></visual>
+    <visual><origin xyz="0 0 0.2"/><geometry><cylinder radius="0.05" length="0.4"/></geometry></visual>
   </link>
   <link name="wrist">
     <inertial>
@@ -103,6 +103,7 @@ class Defect(NamedTuple):
 
 
 _WRIST = '<inertia ixx="0.003" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.0035"/>'
+_ARM = '<inertia ixx="0.04" ixy="0.001" ixz="-0.002" iyy="0.045" iyz="0.0005" izz="0.008"/>'
 _CAMERA = '<inertia ixx="4e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="6e-4"/>'
 _LENS = '<link name="lens"/>'
 _OPTICS = '<joint name="optics" type="fixed"><parent link="camera"/><child link="lens"/></joint>'
@@ -163,7 +164,7 @@ DEFECTS = tuple(
         ("RD007", 'damping="0.4"', 'damping="@low"'),
         ("RD007", 'multiplier="1.1"', 'multiplier="@1.1.0"'),
         ("RD007", 'size="0.3 0.3 0.1"', 'size="@0.3"'),
-        ("RD007", '<cylinder radius="0.04" length="0.4"/>', '@<cylinder radius="0.04"/>'),
+        ("RD007", '<cylinder radius="0.05" length="0.4"/>', '@<cylinder radius="0.05"/>'),
         ("RD101", '<child link="wrist"/>', '<child link="@wirst"/>'),
         ("RD101", '<parent link="arm"/>', '<parent link="@world"/>'),
         (
@@ -228,7 +229,17 @@ DEFECTS = tuple(
             _RIGHT,
             '<mass value="0.12"/><inertia ixx="@3e-10" ixy="0" ixz="0" iyy="2e-10" iyz="0" izz="2e-10"/>',
         ),
-        ("RD210", 'value="3.5"', 'value="@35000"'),
+        ("RD210", 'value="1.25"', 'value="@12500"'),
+        ("RD301", _ARM, '<inertia ixx="0.6" ixy="0.015" ixz="-0.03" iyy="@0.675" iyz="0.0075" izz="0.12"/>'),
+        ("RD302", 'xyz="0 0 0.2" rpy="0 0.1 0"', 'xyz="@0 0 0.5" rpy="0 0.1 0"'),
+        ("RD302", 'xyz="0 0 0.2" rpy="0 0.1 0"', 'xyz="@0 0 0.9" rpy="0 0.1 0"'),
+        ("RD303", _ARM, '<inertia ixx="4e-4" ixy="1e-5" ixz="-2e-5" iyy="@4.5e-4" iyz="5e-6" izz="8e-5"/>'),
+        ("RD304", 'value="3.5"', 'value="@90"'),
+        ("RD305", _ARM, '<inertia ixx="40000" ixy="1000" ixz="-2000" iyy="@45000" iyz="500" izz="8000"/>'),
+        ("RD305", _ARM, '<inertia ixx="4e7" ixy="1e6" ixz="-2e6" iyy="@4.5e7" iyz="5e5" izz="8e6"/>'),
+        ("RD305", _ARM, '<inertia ixx="40" ixy="1" ixz="-2" iyy="@45" iyz="0.5" izz="8"/>'),
+        ("RD305", _ARM, '<inertia ixx="4e-8" ixy="1e-9" ixz="-2e-9" iyy="@4.5e-8" iyz="5e-10" izz="8e-9"/>'),
+        ("RD305", 'xyz="0 0 0.2" rpy="0 0.1 0"', 'xyz="@0 0 7.874" rpy="0 0.1 0"'),
         ("RD501", '<axis xyz="0 0 1"/>', '<axis xyz="@0 0 0"/>'),
         ("RD501", '<axis xyz="-1 0 0"/>', '<axis xyz="@0 -0.0 0e5"/>'),
         ("RD502", '<axis xyz="0 0 1"/>', '<axis xyz="@0 0 2"/>'),
@@ -261,6 +272,11 @@ DEFECTS = tuple(
         ("RD512", 'multiplier="1.1"', 'multiplier="@2"'),
         ("RD512", 'multiplier="1.1"', 'multiplier="@-1.1"'),
         ("RD512", 'multiplier="1.1" offset="0.001"', 'multiplier="@1.1" offset="-0.01"'),
+        ("RD601", '<cylinder radius="0.05" length="0.4"/>', "@<mesh/>"),
+        ("RD606", 'size="0.3 0.3 0.1"', 'size="@0.3 0 0.1"'),
+        ("RD606", 'size="0.3 0.3 0.1"', 'size="@0.3 0.3 -0.1"'),
+        ("RD606", 'radius="0.05"', 'radius="@0"'),
+        ("RD606", 'length="0.4"', 'length="@-0.4"'),
     )
 )
 

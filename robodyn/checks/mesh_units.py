@@ -11,8 +11,8 @@ from robodyn.checks.mesh_files import MeshName, all_facts, mesh_names
 from robodyn.checks.view import GeometryView, LinkView, numbers
 
 _LONGEST, _SHORTEST = 20.0, 1e-3
-"""Metres beyond which no part of a robot is, and the sizes of its robot beyond which a long one is not."""
-_TIMES = 20.0
+"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
+_TIMES, _MINUTE = 20.0, 100.0
 _TWIN = (300.0, 3000.0)
 """Ratio of a link's meshes that a factor of 1000 between them explains."""
 _UNEVEN = (900.0, 1100.0)
@@ -30,7 +30,7 @@ class UnitSlip:
     how: str
 
 
-def unit_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
+def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     """The uses of meshes that are 1000 times too large or too small."""
     facts, reach = context.once(all_facts), _reach(context)
     found: dict[GeometryView, UnitSlip] = {}
@@ -58,14 +58,15 @@ def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
 def _told(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:
     if side > _LONGEST and side > _TIMES * reach:
         return 1e3, f"it is {side:.4g} m long"
-    if side < _SHORTEST and reach > side / _SHORTEST:
+    if side < _SHORTEST and reach > _MINUTE * side:
         return 1e-3, f"it is {1e3 * side:.3g} mm long in a robot whose joints are up to {reach:.3g} m apart"
     if twin is None or not twin > 0:
         return None
     ratio = side / twin
-    if _TWIN[0] <= ratio <= _TWIN[1] and side > _TIMES * reach:
+    too_large = 0 < _TIMES * reach < max(side, twin)
+    if _TWIN[0] <= ratio <= _TWIN[1] and too_large:
         return 1e3, f"it is {ratio:.0f} times as large as the link's other mesh"
-    if _TWIN[0] <= 1 / ratio <= _TWIN[1] and twin <= max(_LONGEST, _TIMES * reach):
+    if _TWIN[0] <= 1 / ratio <= _TWIN[1] and not too_large:
         return 1e-3, f"it is {1 / ratio:.0f} times smaller than the link's other mesh"
     return None
 

@@ -12,7 +12,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.frames import Pose, link_poses, pose
 from robodyn.checks.mesh_facts import MeshFacts
 from robodyn.checks.mesh_files import all_facts
-from robodyn.checks.mesh_units import unit_slips
+from robodyn.checks.mesh_units import mesh_slips
 from robodyn.checks.primitives import half_size
 from robodyn.checks.tree import Group
 from robodyn.checks.view import GeometryView, LinkView, numbers
@@ -49,7 +49,7 @@ Solids = Mapping[GeometryView, Solid]
 
 def solids(context: Context) -> Solids:
     """Every shape whose size is known and not zero, and is no slip of units."""
-    facts, mistaken = context.once(all_facts), context.once(unit_slips)
+    facts, mistaken = context.once(all_facts), context.once(mesh_slips)
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
@@ -89,7 +89,7 @@ def _primitive(geometry: GeometryView) -> tuple[Box, float] | None:
 
 
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
-    """Around shapes of one link, in axes in which its frame stands at a pose; None if there are none or one is unknown."""
+    """Around shapes of one link, in axes in which its frame has this pose; None if one is unknown, or there is none."""
     boxes = [known[shape].placed(outer) if shape in known else None for shape in shapes]
     found = [box for box in boxes if box is not None]
     return around(found) if found and len(found) == len(boxes) else None

@@ -23,7 +23,8 @@ _AIRY = 5.0
 _LIKELY = (50.0, 9000.0)
 _TYPICAL, _EACH = (0.2, 3.0), (0.05, 6.0)
 """Second moments over those of the solid box: their geometric mean, and each."""
-_NEAR = 0.02
+_ALIKE = 2e-3
+_NEAR = 0.1
 """Distance of a centre of mass from the origin, over the size of the box, that a slip has multiplied."""
 
 
@@ -107,9 +108,13 @@ def _tensor(body: Body, density: float, spread: Floats | None) -> Slip | None:
 
 
 def _isotropic(body: Body) -> bool:
-    """Whether the tensor is a multiple of the identity, as those that were made up are."""
+    """Whether the tensor is nearly a multiple of the identity, as those that were made up or raised to a floor are."""
     tensor = body.link.tensor
-    return tensor is None or (tensor[0] == tensor[3] == tensor[5] and not any((tensor[1], tensor[2], tensor[4])))
+    if tensor is None:
+        return True
+    xx, xy, xz, yy, yz, zz = tensor
+    apart = max(xx, yy, zz) - min(xx, yy, zz), abs(xy), abs(xz), abs(yz)
+    return max(apart) <= _ALIKE * max(xx, yy, zz)
 
 
 def _centre(body: Body) -> Slip | None:

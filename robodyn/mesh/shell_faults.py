@@ -15,8 +15,8 @@ _PAIRS = 16
 """Pairs of shells that are tried for what they share."""
 _BODIES = 16
 """Bodies in which an inward shell may be a cavity; where more are around it, it is not judged."""
-_POINTS = 6
-"""Points of a shell that are tried: centres of its largest triangles."""
+_POINTS = 8
+"""Points of a shell that are tried."""
 _FLAT = 1e-9
 """Volume over that of the box below which a shell has no inside."""
 _DEEP = 1e-4
@@ -41,7 +41,7 @@ def shell_faults(triangles: Triangles) -> tuple[int, bool]:
     bodies, inward = solid & (shells.volumes > 0), np.flatnonzero(solid & (shells.volumes < 0))
     inside = _Interiors(shells)
     inverted = sum(not _may_be_cavity(shells, inside, int(one), bodies) for one in inward)
-    return inverted, any(inside.reaches(one, body) for one, body in _pairs(shells, bodies))
+    return inverted, any(inside.overlap(one, body, inward) for one, body in _pairs(shells, bodies))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,23 +75,30 @@ class _Interiors:
         self._shells = shells
         self._known: dict[int, Interior] = {}
 
-    def found(self, one: int, body: int) -> Iterator[bool | None]:
-        """Whether points of a shell that lie well within the box of a body lie in the body; None is on its surface."""
-        points = _points(self._shells.corners[one], self._shells.lo[body], self._shells.hi[body])
-        if len(points) and body not in self._known:
-            self._known[body] = Interior(self._shells.corners[body])
-        for point in points:
-            yield self._known[body].has(point)
+    def reaching(self, one: int, body: int) -> Iterator[Floats]:
+        """Points (3,) of a shell that lie in a body."""
+        for point in _points(self._shells.corners[one], self._shells.lo[body], self._shells.hi[body]):
+            if self._has(body, point):
+                yield point
 
-    def reaches(self, one: int, body: int) -> bool:
-        return any(self.found(one, body))
+    def overlap(self, one: int, body: int, inward: Numbers) -> bool:
+        """Whether a body has points in another, outside the cavities among these shells."""
+        cavities = [int(shell) for shell in inward]
+        return any(not any(self._has(shell, point) for shell in cavities) for point in self.reaching(one, body))
+
+    def _has(self, shell: int, point: Floats) -> bool:
+        if not ((self._shells.lo[shell] < point) & (point < self._shells.hi[shell])).all():
+            return False
+        if shell not in self._known:
+            self._known[shell] = Interior(self._shells.corners[shell])
+        return bool(self._known[shell].has(point))
 
 
 def _may_be_cavity(shells: _Shells, inside: _Interiors, one: int, bodies: Mask) -> bool:
     around = np.flatnonzero(shells.shared(one, bodies))
     if len(around) > _BODIES:
         return True
-    return any(inside.reaches(one, int(body)) for body in around)
+    return any(True for body in around for _ in inside.reaching(one, int(body)))
 
 
 def _pairs(shells: _Shells, bodies: Mask) -> list[tuple[int, int]]:
@@ -105,15 +112,17 @@ def _pairs(shells: _Shells, bodies: Mask) -> list[tuple[int, int]]:
 
 
 def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
-    """Centres of the largest triangles that lie well within a box."""
-    centres: Floats = (shell[:, 0] + shell[:, 1] + shell[:, 2]) / 3
+    """Corners and centres of triangles and of their sides, well within a box, those of the largest triangles."""
+    a, b, c = shell.transpose(1, 0, 2)
     margin = _DEEP * (hi - lo)
-    near = np.flatnonzero(((centres > lo + margin) & (centres < hi - margin)).all(axis=1))
+    points = np.concatenate([(a + b + c) / 3, (a + b) / 2, (b + c) / 2, (c + a) / 2, a, b, c])
+    near = np.flatnonzero(((points > lo + margin) & (points < hi - margin)).all(axis=1))
     if len(near) > _POINTS:
-        a, b, c = shell[near].transpose(1, 0, 2)
-        area = (np.cross(b - a, c - a) ** 2).sum(axis=1)
+        rows = near % len(shell)
+        area = (np.cross(b[rows] - a[rows], c[rows] - a[rows]) ** 2).sum(axis=1)
         near = near[np.argpartition(-area, _POINTS)[:_POINTS]]
-    return centres[near]
+    chosen: Floats = points[near]
+    return chosen
 
 
 def _apart(corners: Floats) -> list[Floats]:

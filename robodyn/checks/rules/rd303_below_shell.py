@@ -29,8 +29,8 @@ def check(context: Context) -> Iterator[Fault]:
             yield Fault(
                 at=body.inertial.entries[widest(tensor)].span,
                 subject=body.link.subject,
-                what=f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell of "
-                f"its mass that fits into its shapes (radius {radius:.3g} m)",
+                what=f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
+                f"of its mass that fits into its shapes (radius {radius:.3g} m)",
                 remedy="check the unit (kg m^2) and the mass; write the inertia of the part",
                 measured=largest,
                 bound=_LEAST * shell,

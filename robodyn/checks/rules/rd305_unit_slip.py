@@ -44,9 +44,9 @@ RULE = Rule(
     summary="Mass, inertia and centre of mass are in kg, kg m^2 and m.",
     explanation="""One factor between units explains what does not fit the shapes: a mass that is 1000 or 1e6 times that
 of a usual density, beyond any solid, with an inertia that fits one of the two; an inertia that is 1e3, 1e6 or 1e9 times
-larger or smaller than that of the solid box around the shapes, in all three axes, where the density is usual (multiples
-of the identity are RD208's); a centre of mass beyond one size of the shapes that lies in them when it is divided by
-1000 or 25.4. RD301 to RD304 are silent about such a link.""",
+larger or smaller than that of the solid box around the shapes, in all three axes, where the density is usual (near
+multiples of the identity are made up, not in other units); a centre of mass beyond one size of the shapes that lies in
+them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a link.""",
     bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
     good=a_shaped_link(),
     check=check,

@@ -1,0 +1,89 @@
+"""RD601: a mesh whose file is not there, or is none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses, package_of
+from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
+from robodyn.urdf.geometry import resolve
+from robodyn.wording import listed, shown
+
+
+def check(context: Context) -> Iterator[Fault]:
+    yield from _unnamed(context)
+    names = context.once(mesh_names).values()
+    for name in names:
+        if name.state is State.MISSING:
+            yield _missing(context, name)
+        elif name.state is State.REMOTE:
+            what = f"the mesh {shown(name.uri)} is not on this machine{name.others}"
+            yield _fault(name, what, "save it in the package: few programs fetch meshes", Severity.W)
+    yield from _unknown([name for name in names if name.state is State.UNKNOWN])
+    for uri, facts in context.once(all_facts).items():
+        name = context.once(mesh_names)[uri]
+        if facts.problem is not None and facts.finite:
+            yield _fault(name, f"the mesh {shown(uri)} cannot be read: {facts.problem}{name.others}", facts.remedy)
+
+
+def _unnamed(context: Context) -> Iterator[Fault]:
+    for use in mesh_uses(context):
+        if use.geometry.shape is not None and not use.geometry.shape.get("filename"):
+            yield Fault(
+                at=use.at, subject=use.link.subject, what="the mesh names no file", remedy='write filename="..."'
+            )
+
+
+def _missing(context: Context, name: MeshName) -> Fault:
+    what, remedy, fix = f"the mesh {shown(name.uri)} is not there{name.others}", "names are relative to this file", None
+    package = package_of(name.uri)
+    if package is not None and package[0]:
+        remedy = f"no such file in the package {shown(package[0])}; or name its folder with --package-path"
+    elif package is not None:
+        scheme = name.uri.partition("://")[0]
+        better = f"{scheme}://{package[1]}"
+        remedy = f"the package has no name: write two slashes, {shown(better)}"
+        there = resolve(better, context.reading.file.rpartition("/")[0] or ".", context.package_path) is not None
+        edits = tuple(Edit(use.at.start, use.at.end, better) for use in name.uses)
+        fix = Fix("two slashes before the package", edits, safe=True) if there else None
+    elif "\\" in name.uri:
+        remedy = "write / between folders"
+    return _fault(name, what, remedy, fix=fix)
+
+
+def _unknown(names: list[MeshName]) -> Iterator[Fault]:
+    """One remark for all meshes of packages of which nothing is known."""
+    if not names:
+        return
+    packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]
+    where = f"of the package {listed(list(dict.fromkeys(packages)))}" if packages else "beside standard input"
+    count = "1 mesh is" if len(names) == 1 else f"{len(names)} meshes are"
+    yield Fault(
+        at=names[0].uses[0].at,
+        what=f"{count} not looked at: nothing is known {where}",
+        remedy="say where it is with --package-path" if packages else "check the file by its name",
+        severity=Severity.I,
+    )
+
+
+def _fault(name: MeshName, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
+    use = name.uses[0]
+    return Fault(at=use.at, subject=use.link.subject, what=what, remedy=remedy, severity=severity, fix=fix)
+
+
+RULE = Rule(
+    code="RD601",
+    name="mesh-missing",
+    severity=Severity.E,
+    stage=Stage.DOCUMENT,
+    summary="Every mesh is there and can be read.",
+    explanation="""A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape,
+and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, and in the folders above the
+file. Where none of them is known, as for a file out of its package, one remark says so for all meshes. Nothing is
+fetched.""",
+    bad=a_shaped_link(shape="<mesh/>"),
+    good=a_shaped_link(),
+    check=check,
+)

@@ -1,0 +1,73 @@
+"""RD604: a mesh whose surface encloses nothing definite."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.checks.context import Context
+from robodyn.checks.mesh_facts import MeshFacts
+from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names
+from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.wording import shown
+
+_REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
+
+
+def check(context: Context) -> Iterator[Fault]:
+    for uri, facts in context.once(all_facts).items():
+        name = context.once(mesh_names)[uri]
+        found = _wrong(facts, name)
+        if found is None or name.state is State.OTHER_CASE:
+            continue
+        what, severity = found
+        use = name.uses[0]
+        yield Fault(
+            at=use.at,
+            subject=use.link.subject,
+            what=f"the mesh {shown(uri)} {what}{name.others}",
+            remedy=_REMEDY,
+            severity=severity,
+        )
+
+
+def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
+    """What is wrong, worst first; what hardly shows is a remark where the mesh is only looked at."""
+    if not facts.finite:
+        return f"has a coordinate that is no number: {facts.problem}", Severity.W
+    if facts.inverted:
+        inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
+        return inside_out, Severity.W
+    what = None
+    if facts.mixed:
+        what = "has faces wound against their neighbours"
+    elif not facts.closed and facts.problem is None:
+        what = "is not closed: it encloses no definite volume"
+    elif facts.overlapping:
+        what = "has shells that overlap: what they share counts twice"
+    return None if what is None else (what, Severity.I if name.is_seen_only else Severity.W)
+
+
+def _named(name: str) -> str:
+    return f"""<robot name="part">
+  <link name="part">
+    <collision><geometry><mesh filename="{name}"/></geometry></collision>
+  </link>
+</robot>
+"""
+
+
+RULE = Rule(
+    code="RD604",
+    name="mesh-surface",
+    severity=Severity.W,
+    stage=Stage.DOCUMENT,
+    summary="Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.",
+    explanation="""Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
+coordinates that are no numbers; shells wound inwards that are no cavities; faces wound against their neighbours; open
+edges (by the boundary chain, see `robodyn.mesh.closed`); and shells that reach into another, as far as a few points of
+each show. The last three are a remark where a mesh is only a <visual>, and a warning in a <collision>. The bad example
+stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.""",
+    bad=_named("open.stl"),
+    good=_named("closed.stl"),
+    check=check,
+)

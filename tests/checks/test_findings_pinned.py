@@ -1,0 +1,20 @@
+"""The findings in published robots are those that were looked at; see `pinned_findings` for how to write them anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from example_robots import all_paths
+from pinned_findings import counts, name_of, pinned
+
+PINNED = pinned()
+
+
+def test_the_same_robots() -> None:
+    assert set(PINNED) == {name_of(path) for path in all_paths()}
+
+
+@pytest.mark.parametrize("path", all_paths(), ids=name_of)
+def test_the_same_findings(path: Path) -> None:
+    assert counts(path) == PINNED[name_of(path)]

@@ -1,0 +1,41 @@
+"""What `check` finds in the robots of example-robot-data, as a table: `python tests/pinned_findings.py` writes it anew.
+
+The file has for each robot the findings by code and severity, E, W or I, with their counts.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+from example_robots import all_paths
+
+from robodyn.checks.run import check_one
+
+FILE = Path(__file__).parent / "data" / "check_findings.json"
+
+
+def name_of(path: Path) -> str:
+    """The robot's folder and file, since several have one name."""
+    return f"{path.parent.parent.name}/{path.stem}"
+
+
+def counts(path: Path) -> dict[str, int]:
+    found = Counter(f"{one.code} {one.severity.name}" for one in check_one(str(path)))
+    return dict(sorted(found.items()))
+
+
+def pinned() -> dict[str, dict[str, int]]:
+    table: dict[str, dict[str, int]] = json.loads(FILE.read_text(encoding="utf-8"))
+    return table
+
+
+def write() -> None:
+    table = {name_of(path): counts(path) for path in all_paths()}
+    lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(found)}" for name, found in sorted(table.items()))
+    FILE.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()
