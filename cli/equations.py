@@ -1,0 +1,48 @@
+"""`robodyn equations`: the equations of motion of a robot, in numbers, in closed form or as C."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from robodyn.cli.equations_options import ASKED, check_asked
+from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import GRAVITY, SCENE, Vector
+from robodyn.cli.screen import page, show
+from robodyn.equations.c_source import c_source
+from robodyn.equations.closed import closed
+from robodyn.equations.ode import ode
+from robodyn.report.json_equations import closed_json, ode_json
+from robodyn.report.latex_equations import closed_latex
+from robodyn.report.text_equations import closed_text, ode_text
+
+
+@click.command("equations")
+@click.argument("urdf")
+@ASKED
+@SCENE
+@GRAVITY
+def command(
+    urdf: str, form: str, at: Any, qd: Any, output: str, scene_file: str | None, gravity: Vector | None
+) -> None:
+    """M(q) qdd + bias = tau: in numbers at a configuration, in closed form for small robots, or as C functions.
+    A file named - is standard input.
+
+    \b
+    Examples:
+      robodyn equations robots/puma.urdf --at 0.1,-0.5,0.3 --qd waist=1
+      robodyn equations robots/two_link_planar.urdf --form closed --format latex
+      robodyn equations robots/puma560.urdf --format c > puma560.c
+    """
+    check_asked(form, output, at, qd)
+    check_names([urdf, scene_file], None)
+    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    if output == "c":
+        show(c_source(model, scene))
+    elif form == "closed":
+        written = {"text": closed_text, "json": closed_json, "latex": closed_latex}[output]
+        show(written(closed(model, scene)))
+    else:
+        found = ode(model, scene, at or (), qd or ())
+        show(ode_json(found) if output == "json" else ode_text(found, page()))

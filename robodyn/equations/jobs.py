@@ -1,0 +1,35 @@
+"""What all forms of the equations ask of a robot and its scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robodyn.errors import InputError
+from robodyn.model import Model
+from robodyn.plan import Plan, plan
+from robodyn.scene import Scene
+from robodyn.wording import listed
+
+
+def check_equations(model: Model, scene: Scene) -> None:
+    """Raise if there are no equations, or if numbers are missing that only a trajectory has.
+
+    Raises:
+        InputError: the robot has no joints, or wrenches of the scene name columns.
+    """
+    if model.n == 0:
+        raise InputError(
+            "the robot has no joints: there are no equations of motion",
+            remedy='a base that moves has coordinates: [base] motion = "moving" in a scene',
+            file=model.file,
+        )
+    if scene.columns:
+        raise InputError(
+            f"the scene's wrenches name columns of a trajectory: {listed(scene.columns)}",
+            remedy="give them as numbers; equations have no trajectory",
+        )
+
+
+def bias_plan(model: Model, scene: Scene) -> Plan:
+    """The plan of a motion without acceleration."""
+    return replace(plan(model, scene), still=frozenset(("qdd", i) for i in range(model.n)))

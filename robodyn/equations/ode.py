@@ -1,0 +1,110 @@
+"""The equations of motion at one configuration, in ODE form: M(q) qdd + bias = tau, the bias split by effect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.arrays import still
+from robodyn.equations.jobs import bias_plan, check_equations
+from robodyn.errors import InputError
+from robodyn.inverse import bias_forces, mass_matrix, runner_of
+from robodyn.model import Model
+from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
+from robodyn.scene import DEFAULT, Scene
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Ode:
+    """M(q) qdd + bias(q, qd) = tau in numbers.
+
+    Attributes:
+        coordinates, rates: names of the entries of q, and of qd, qdd, tau and every array below.
+        units: of the entries of tau, N m or N.
+        M: (n, n) kg m^2, kg m or kg.
+        shares: of the bias, by effect [N m or N]; they add up to it.
+        cond: condition number of M in SI units; infinite if M is singular.
+        warnings: coordinates beyond their limits, and what the description leaves to be guessed.
+    """
+
+    robot: str
+    gravity: tuple[float, float, float]
+    coordinates: tuple[str, ...]
+    rates: tuple[str, ...]
+    units: tuple[str, ...]
+    q: Floats
+    qd: Floats
+    M: Floats
+    shares: Mapping[str, Floats]
+    bias: Floats
+    cond: float
+    warnings: tuple[str, ...]
+
+
+def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) -> Ode:
+    """The equations of motion at a configuration.
+
+    Each share of the bias comes from a program of its own, never from a difference.
+
+    Args:
+        at: coordinates in order or by name, the rest zero; a base that moves stands at the ground's origin, upright.
+        qd: likewise of the rates; a base that moves is at rest.
+
+    Raises:
+        InputError: there are no equations, `at` or `qd` names no joint, or a result is not finite.
+
+    Accuracy: M and bias as `mass_matrix` and `bias_forces`; the shares add up to the bias within 1e-12 of the largest.
+    """
+    check_equations(model, scene)
+    q, speeds = configuration(model, at), rates(model, qd)
+    with np.errstate(all="ignore"):
+        M = mass_matrix(model, q, scene=scene, executor="numpy")
+        bias = bias_forces(model, q, speeds, scene=scene, executor="numpy")
+        shares = _shares(model, scene, q, speeds)
+        _finite(model, np.array([*M, bias, *shares.values()]))
+        moments = np.abs(np.linalg.eigvalsh(M))
+    least, most = float(moments.min()), float(moments.max())
+    return Ode(
+        robot=model.name,
+        gravity=scene.gravity,
+        coordinates=model.coordinates,
+        rates=model.rates,
+        units=_units(model),
+        q=q,
+        qd=speeds,
+        M=M,
+        shares=shares,
+        bias=bias,
+        cond=most / least if least > model.n * np.finfo(float).eps * most else float("inf"),
+        warnings=(*beyond_limits(model, q), *model.notes),
+    )
+
+
+def _shares(model: Model, scene: Scene, q: Floats, qd: Floats) -> dict[str, Floats]:
+    sources = {"q": q[None], "qd": qd[None], "qdd": np.zeros((1, model.n)), "columns": np.empty((1, 0))}
+    at_rest = replace(bias_plan(model, scene), still=still({name: sources[name] for name in ("qd", "qdd")}))
+    return {
+        effect.name: runner_of(at_rest.share(effect), at_rest)(sources, 1, executor="numpy")[0]
+        for effect in at_rest.effects
+        if effect.name != "mimic"
+    }
+
+
+def _units(model: Model) -> tuple[str, ...]:
+    units = ["N m"] * model.n
+    for joint in model.independent:
+        if joint.kind == "prismatic":
+            units[joint.rate] = "N"
+        elif joint.kind == "floating":
+            units[joint.rate + 3 : joint.rate + 6] = ["N"] * 3
+    return tuple(units)
+
+
+def _finite(model: Model, values: Floats) -> None:
+    if not np.isfinite(values).all():
+        raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)

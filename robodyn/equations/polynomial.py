@@ -1,0 +1,152 @@
+"""Trigonometric polynomials: sums of coefficient x powers x the sine or cosine of a combination of angles.
+
+Products of sines and cosines become sums (2 cos a cos b = cos(a - b) + cos(a + b)), so that every such function has
+one form, without a search: what vanishes identically is seen to vanish, and sin^2 + cos^2 is 1.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import NamedTuple
+
+EPS = 2.0**-52
+ROUNDING = 4 * EPS
+"""A coefficient that is a smaller share of what added up to it is zero."""
+
+Angle = tuple[float, ...]
+"""Multiples of the generators; the first that is not zero is positive."""
+
+
+class Key(NamedTuple):
+    """`powers` are generators, each as often as its power; `wave` is "cos", or "sin" with an angle that is not zero."""
+
+    powers: tuple[int, ...]
+    wave: str
+    angle: Angle
+
+
+ONE = Key((), "cos", ())
+
+
+class Coefficient(NamedTuple):
+    """A coefficient, and the sum of the magnitudes that added up to it."""
+
+    value: float
+    size: float
+
+
+Polynomial = dict[Key, Coefficient]
+
+
+class TooLargeError(Exception):
+    """More products of terms would be needed than the budget allows."""
+
+
+@dataclass
+class Budget:
+    """Products of terms that may still be formed: a bound on time that no busy machine changes."""
+
+    left: int
+
+    def spend(self, products: int) -> None:
+        self.left -= products
+        if self.left < 0:
+            raise TooLargeError
+
+
+def constant(value: float) -> Polynomial:
+    return {ONE: Coefficient(value, abs(value))} if value else {}
+
+
+def generator(k: int) -> Polynomial:
+    """The generator k itself."""
+    return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
+
+
+def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
+    """a + sign b."""
+    terms = dict(a)
+    for key, (value, size) in b.items():
+        old = terms.get(key)
+        terms[key] = Coefficient(sign * value, size) if old is None else _added(old, sign * value, size)
+    return _pruned(terms)
+
+
+def product(a: Polynomial, b: Polynomial, budget: Budget) -> Polynomial:
+    """a b, with products of waves made into sums."""
+    budget.spend(len(a) * len(b))
+    values: defaultdict[Key, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for left, (x, x_size) in a.items():
+        for right, (y, y_size) in b.items():
+            powers = tuple(sorted(left.powers + right.powers))
+            for wave, angle, share in _waves(left, right):
+                entry = values[Key(powers, wave, angle)]
+                entry[0] += share * x * y
+                entry[1] += abs(share) * x_size * y_size
+    return _pruned({key: Coefficient(*entry) for key, entry in values.items()})
+
+
+def wave(kind: str, angle: Angle) -> Polynomial:
+    """The sine or cosine of a combination of generators."""
+    turned, sign = _upright(kind, angle)
+    if not turned:
+        return constant(1.0) if kind == "cos" else {}
+    return {Key((), kind, turned): Coefficient(sign, 1.0)}
+
+
+def linear(a: Polynomial) -> tuple[Angle, float] | None:
+    """The multiples of generators and the constant that a sums up, if it is no more than that."""
+    multiples: dict[int, float] = {}
+    offset = 0.0
+    for key, (value, _) in a.items():
+        if key.angle or len(key.powers) > 1:
+            return None
+        if key.powers:
+            multiples[key.powers[0]] = value
+        else:
+            offset = value
+    width = max(multiples, default=-1) + 1
+    return tuple(multiples.get(k, 0.0) for k in range(width)), offset
+
+
+def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
+    """The product of two waves as a sum: wave, angle, share."""
+    if not left.angle or not right.angle:
+        other = left if left.angle else right
+        return [(other.wave, other.angle, 1.0)]
+    sum_of, difference = _combined(left.angle, right.angle, 1.0), _combined(left.angle, right.angle, -1.0)
+    if left.wave == right.wave:
+        share = 0.5 if left.wave == "cos" else -0.5
+        pairs = [("cos", difference, 0.5), ("cos", sum_of, share)]
+    else:
+        pairs = [("sin", sum_of, 0.5), ("sin", difference, 0.5 if left.wave == "sin" else -0.5)]
+    out = []
+    for kind, angle, share in pairs:
+        turned, sign = _upright(kind, angle)
+        if turned or kind == "cos":
+            out.append((kind, turned, sign * share))
+    return out
+
+
+def _combined(a: Angle, b: Angle, sign: float) -> Angle:
+    width = max(len(a), len(b))
+    padded = zip(a + (0.0,) * (width - len(a)), b + (0.0,) * (width - len(b)), strict=True)
+    return tuple(x + sign * y for x, y in padded)
+
+
+def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
+    """The angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
+    width = max((k + 1 for k, x in enumerate(angle) if x), default=0)
+    angle = angle[:width]
+    if next((x for x in angle if x), 0.0) < 0.0:
+        return tuple(-x for x in angle), -1.0 if kind == "sin" else 1.0
+    return angle, 1.0
+
+
+def _added(old: Coefficient, value: float, size: float) -> Coefficient:
+    return Coefficient(old.value + value, old.size + size)
+
+
+def _pruned(terms: Polynomial) -> Polynomial:
+    return {key: entry for key, entry in terms.items() if abs(entry.value) > ROUNDING * entry.size}

@@ -1,0 +1,105 @@
+"""The equations of motion as text for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from robodyn.equations.closed import STATES, Closed
+from robodyn.equations.decimals import decimal
+from robodyn.equations.ode import Ode
+from robodyn.report.table import PLAIN, Content, Page, number, printable
+
+DIGITS = 15
+
+
+def ode_text(ode: Ode, page: Page = PLAIN) -> str:
+    """Configuration, mass matrix and the parts of the bias."""
+    largest = float(abs(ode.M).max())
+    rows = [(name, *(number(x, largest) for x in row)) for name, row in zip(ode.rates, ode.M.tolist(), strict=True)]
+    parts = [
+        _head(ode.robot, len(ode.rates), ode.gravity) + f"{_equation(ode.shares)}\n",
+        f"Configuration\n{page.table(_configuration(ode))}",
+        f"Mass matrix M(q) [kg m^2, kg m or kg]\n{page.table((('', *ode.rates), rows))}" + _condition(ode.cond),
+        f"What tau must supply where nothing accelerates\n{page.table(_bias(ode))}",
+        "".join(f"warning: {printable(line)}\n" for line in ode.warnings),
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def closed_text(closed: Closed) -> str:
+    """Every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
+    n = len(closed.joints)
+    mass = [f"M[{i + 1},{j + 1}] = {_written(closed.M[i][j])}\n" for i in range(n) for j in range(i, n)]
+    names = "".join(
+        f"{i + 1}  {printable(name)}: {kind}, {q} [{'m' if kind == 'prismatic' else 'rad'}], {qd}\n"
+        for i, (name, kind, q, qd) in enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True))
+    )
+    parts = [
+        _head(closed.robot, n, closed.gravity) + f"{_equation(closed.bias)}\n",
+        f"Coordinates\n{names}",
+        f"Mass matrix, symmetric\n{''.join(mass)}",
+    ]
+    for effect, entries in closed.bias.items():
+        lines = [f"{_name(effect)}[{i + 1}] = {_written(entry)}\n" for i, entry in enumerate(entries)]
+        parts.append(f"{effect.capitalize()}\n{''.join(lines)}")
+    parts.append(checked(closed))
+    return "\n".join(parts)
+
+
+def checked(closed: Closed) -> str:
+    """How far the closed form was found to be from the recursion."""
+    plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
+    return (
+        f"Checked against the recursion in numbers at {STATES} random states: "
+        f"largest difference {closed.error:.0e} of the largest entry of its unit{plain}.\n"
+    )
+
+
+def _head(robot: str, n: int, gravity: tuple[float, float, float]) -> str:
+    x, y, z = gravity
+    coordinates = f"{n} coordinate{'' if n == 1 else 's'}"
+    return f"{printable(robot)}: {coordinates}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+
+
+def _equation(effects: Any) -> str:
+    return " + ".join(["M(q) qdd", *effects]) + " = tau"
+
+
+def _configuration(ode: Ode) -> Content:
+    if len(ode.q) == len(ode.qd):
+        rows = zip(ode.coordinates, ode.q.tolist(), ode.qd.tolist(), strict=True)
+        return ("joint", "q", "qd"), [(name, f"{x:.6g}", f"{speed:.6g}") for name, x, speed in rows]
+    pairs = [*zip(ode.coordinates, ode.q.tolist(), strict=True)]
+    pairs += [(f"{name} per s", speed) for name, speed in zip(ode.rates, ode.qd.tolist(), strict=True) if speed]
+    return ("coordinate", "value"), [(name, f"{x:.6g}") for name, x in pairs]
+
+
+def _condition(cond: float) -> str:
+    if cond == float("inf"):
+        return "M is singular to working precision: nothing resists some motion\n"
+    return f"Condition number {cond:.4g}\n"
+
+
+def _bias(ode: Ode) -> Content:
+    columns: Sequence[Any] = [*ode.shares.values(), ode.bias]
+    scale = max(float(abs(column).max()) for column in columns)
+    rows = [
+        (name, *(number(float(column[i]), scale) for column in columns), ode.units[i])
+        for i, name in enumerate(ode.rates)
+    ]
+    return ("joint", *ode.shares, "together", "unit"), rows
+
+
+def _name(effect: str) -> str:
+    return effect.replace(" ", "_")
+
+
+def _written(expression: Any) -> str:
+    from sympy.printing.str import StrPrinter
+
+    class Written(StrPrinter):  # type: ignore[misc,unused-ignore]
+        def _print_Float(self, value: Any) -> str:
+            return f"{float(value):.{DIGITS}g}"
+
+    return str(Written().doprint(decimal(expression)))

@@ -1,0 +1,127 @@
+"""`robodyn equations`: what it prints, and how it refuses."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import click
+import numpy as np
+import pytest
+import sympy
+from command_line import ROBOTS, run
+
+import robodyn
+from robodyn.cli import equations
+from robodyn.equations.c_source import c_source
+
+PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
+SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
+
+
+def shown(*call):
+    outcome = run("equations", *call)
+    assert (outcome.status, outcome.err) == (0, "")
+    return outcome.out
+
+
+def test_text():
+    text = shown(GRIPPER, *SCENE, "--at", "0.1,0.2,0.01", "--qd", "wrist=-1")
+    titles = [part.splitlines()[0] for part in text.rstrip("\n").split("\n\n")]
+    assert titles == [
+        "gripper: 3 coordinates, gravity (0, 0, -9.81) m/s^2",
+        "Configuration",
+        "Mass matrix M(q) [kg m^2, kg m or kg]",
+        "What tau must supply where nothing accelerates",
+    ]
+    assert re.search(r"^wrist +0\.2 +-1$", text, re.MULTILINE)
+    assert re.search(r"^joint +gravity +coriolis +payload +viscous friction .* together +unit$", text, re.MULTILINE)
+    assert re.search(r"^Condition number \d+\.\d$", text, re.MULTILINE)
+
+
+def test_json():
+    found = json.loads(
+        shown(PUMA, "--at", "0.1,-0.5,0.3", "--qd", "1,0,-2", "--gravity", "0,0,-1.62", "--format", "json")
+    )
+    assert list(found) == [
+        *("robot", "form", "gravity", "coordinates", "rates", "units", "q", "qd", "M", "condition", "bias", "shares"),
+        "warnings",
+    ]
+    model, scene = robodyn.load(PUMA), robodyn.Scene(gravity=(0, 0, -1.62))
+    q, qd = found["q"], found["qd"]
+    assert (q, qd) == ([0.1, -0.5, 0.3], [1, 0, -2])
+    assert found["M"] == robodyn.mass_matrix(model, q).tolist()
+    assert found["bias"] == robodyn.bias_forces(model, q, qd, scene=scene).tolist()
+    assert np.allclose(np.sum(list(found["shares"].values()), axis=0), found["bias"], rtol=0, atol=1e-14)
+
+
+def test_a_singular_mass_matrix_is_valid_json(tmp_path):
+    robot = tmp_path / "r.urdf"
+    robot.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous"><parent link="a"/>'
+        '<child link="b"/></joint></robot>'
+    )
+    assert json.loads(shown(str(robot), "--format", "json"))["condition"] is None
+    assert "M is singular to working precision" in shown(str(robot))
+
+
+def test_closed_text_and_json_say_the_same():
+    lines = dict(line.split(" = ") for line in shown(PLANAR, "--form", "closed").splitlines() if "] = " in line)
+    found = json.loads(shown(PLANAR, "--form", "closed", "--format", "json"))
+    assert list(found) == ["robot", "form", "gravity", "joints", "M", "shares", "check"]
+    assert found["joints"][0] == {"name": "shoulder", "kind": "revolute", "q": "q_shoulder", "qd": "qd_shoulder"}
+    pairs = [(lines["M[1,2]"], found["M"][0][1]), (lines["gravity[1]"], found["shares"]["gravity"][0])]
+    pairs.append((lines["coriolis[2]"], found["shares"]["coriolis"][1]))
+    for text, exact in pairs:
+        assert sympy.nsimplify(sympy.sympify(text), rational=True) == sympy.sympify(exact)
+    assert found["check"]["not_simplified"] == 0
+    assert found["check"]["largest_difference"] <= 1e-12
+
+
+def test_latex_and_c():
+    assert "M_{12} &= 0.5 c_{2} + 0.4 \\\\\n" in shown(PLANAR, "--form", "closed", "--format", "latex")
+    assert shown(PUMA, "--format", "c") == c_source(robodyn.load(PUMA))
+
+
+def test_standard_input():
+    with open(PLANAR, "rb") as file:
+        outcome = run("equations", "-", "--form", "closed", stdin=file.read())
+    assert outcome.status == 0
+    assert outcome.out == shown(PLANAR, "--form", "closed")
+
+
+CALLS = {
+    "--format latex": "--format latex is for --form closed (try: robodyn equations --help)",
+    "--form closed --format c": "--format c is for --form ode (try",
+    "--form closed --at 1,2,3": "--at is for numbers: --form ode as text or json (try",
+    "--format c --qd waist=1": "--qd is for numbers: --form ode as text or json (try",
+    "--at 1,2": "{}: 2 values for 3 coordinates (in the order: 'waist', 'shoulder', 'elbow')",
+    "--at elbw=1": "{}: no joint 'elbw' to set (did you mean 'elbow'?)",
+    "--at 1;2": "invalid value for '--at': '1;2' is neither numbers",
+    "--form dae": "invalid value for '--form': 'dae' is not one of 'ode', 'closed'",
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_wrong_calls(call):
+    refused(run("equations", PUMA, *call.split()), CALLS[call].format(PUMA))
+
+
+def refused(outcome, line):
+    assert (outcome.status, outcome.out) == (2, "")
+    assert len(outcome.err.splitlines()) == 1, outcome.err
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
+def test_wrong_robots():
+    composite, free = str(ROBOTS / "composite.urdf"), str(ROBOTS / "rigid_body.urdf")
+    refused(run("equations", composite), f"{composite}: the robot has no joints: there are no equations of motion")
+    refused(run("equations", free, "--form", "closed"), f"{free}: a floating joint has no closed form here")
+    polish = str(ROBOTS / "puma_polish.toml")
+    refused(run("equations", PUMA, "--scene", polish), "the scene's wrenches name columns of a trajectory: ")
+
+
+def test_every_option_says_what_it_is_for():
+    assert not [
+        option.name for option in equations.command.params if isinstance(option, click.Option) and not option.help
+    ]

@@ -1,0 +1,161 @@
+"""Closed forms against textbooks, and against the recursion in numbers."""
+
+from __future__ import annotations
+
+import closed_forms
+import numpy as np
+import pytest
+import sympy
+from c_functions import called, compiled_c, needs_c
+from command_line import ROBOTS
+from oracles import random_state, worst
+from small_robots import built, joint, link, random_tree
+
+import robodyn
+from robodyn.equations import closed as closed_module
+from robodyn.equations.c_source import c_source
+from robodyn.equations.closed import closed
+from robodyn.equations.ode import ode
+from robodyn.equations.trigonometric import Forms
+from robodyn.errors import InputError
+from robodyn.scene import Scene
+
+R = sympy.Rational
+
+
+def load(name):
+    return robodyn.load(ROBOTS / f"{name}.urdf")
+
+
+def equal(found, expected):
+    return sympy.simplify(sympy.expand_trig(found - expected)) == 0
+
+
+def evaluated(found, q, qd, qdd):
+    """tau of the closed form for each row."""
+    symbols = [*found.q, *found.qd]
+    M = sympy.lambdify(symbols, [list(row) for row in found.M])
+    bias = sympy.lambdify(symbols, [list(share) for share in found.bias.values()])
+    states = np.concatenate([q, qd], axis=1)
+    return np.array([np.array(M(*x)) @ a + np.sum(bias(*x), axis=0) for x, a in zip(states, qdd, strict=True)])
+
+
+def test_craig():
+    found = closed(load("two_link_planar"))
+    (q1, q2), (w1, w2) = found.q, found.qd
+    l1, l2, m1, m2, g = R("0.5"), R("0.4"), 4, R("2.5"), R("9.81")
+    c1, c2, s2, c12 = sympy.cos(q1), sympy.cos(q2), sympy.sin(q2), sympy.cos(q1 + q2)
+    assert found.M[0][0] == l2**2 * m2 + 2 * l1 * l2 * m2 * c2 + l1**2 * (m1 + m2)
+    assert found.M[0][1] == found.M[1][0] == l2**2 * m2 + l1 * l2 * m2 * c2
+    assert found.M[1][1] == l2**2 * m2
+    V, G = found.bias["coriolis"], found.bias["gravity"]
+    assert equal(V[0], -m2 * l1 * l2 * s2 * (w2**2 + 2 * w1 * w2))
+    assert equal(V[1], m2 * l1 * l2 * s2 * w1**2)
+    assert (m2 * l2 * g * c12 + (m1 + m2) * l1 * g * c1, m2 * l2 * g * c12) == G
+    assert (found.plain, list(found.bias)) == (0, ["gravity", "coriolis"])
+
+
+def test_pendulum():
+    rod = link("rod", 2, (0.5, 0, 0), (0, 0, 0, 0.1, 0, 0.1))
+    found = closed(built(link("base"), rod, joint("pivot", "base", "rod", axis=(0, 1, 0))))
+    assert ((R("0.6"),),) == found.M
+    assert found.bias == {"gravity": (-R("9.81") * sympy.cos(sympy.Symbol("q_pivot", real=True)),), "coriolis": (0,)}
+
+
+@pytest.mark.parametrize("name", closed_forms.TORQUES)
+def test_textbooks_in_numbers(name):
+    model = load(name)
+    q, qd, qdd = random_state(model, np.random.default_rng(2), 10)
+    expected = np.stack(closed_forms.TORQUES[name](q, qd, qdd), -1)
+    assert worst(evaluated(closed(model), q, qd, qdd), expected) <= 1e-14
+
+
+@needs_c
+def test_c_numpy_and_closed_form_agree(tmp_path):
+    model, scene = load("gripper"), robodyn.load_scene(ROBOTS / "gripper.toml")
+    q, qd, qdd = random_state(model, np.random.default_rng(3), 10)
+    expected = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    library = compiled_c(c_source(model, scene), tmp_path)
+    assert worst(called(library.gripper_inverse_dynamics, [q, qd, qdd], model.n), expected) <= 1e-13
+    assert worst(evaluated(closed(model, scene), q, qd, qdd), expected) <= 1e-13
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_skew_robots(seed):
+    model = random_tree(seed, 3, kinds=("revolute", "prismatic", "continuous"))
+    found = closed(model)
+    q, qd, qdd = random_state(model, np.random.default_rng(4), 5)
+    assert worst(evaluated(found, q, qd, qdd), robodyn.inverse_dynamics(model, q, qd, qdd)) <= 1e-13
+    assert found.plain == 0
+    assert found.error <= 1e-13
+
+
+def test_a_mimic_joint_with_an_offset():
+    parts = [link("a"), *(link(name, 2, (0.3, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1)) for name in "bc")]
+    follow = '<mimic joint="j1" multiplier="-0.5" offset="0.4"/>'
+    joints = joint("j1", "a", "b", axis=(0, 1, 0)), joint("j2", "b", "c", axis=(0, 1, 0), xyz=(0.5, 0, 0), more=follow)
+    model = built(*parts, *joints)
+    found = closed(model)
+    q, qd, qdd = random_state(model, np.random.default_rng(5), 8)
+    assert worst(evaluated(found, q, qd, qdd), robodyn.inverse_dynamics(model, q, qd, qdd)) <= 1e-14
+    assert found.q[0] / 2 in {angle for wave in found.M[0][0].atoms(sympy.sin, sympy.cos) for angle in wave.args}
+
+
+def test_fluid_drag_keeps_its_roots():
+    model = load("two_link_planar")
+    scene = Scene(immersed=(robodyn.Immersed("forearm", 1e-3, (0.1, 0, 0), (0.1, 0.2, 0.3)),), fluid_density=1000.0)
+    found = closed(model, scene)
+    q, qd, qdd = random_state(model, np.random.default_rng(6), 5)
+    expected = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    assert worst(evaluated(found, q, qd, qdd), expected) <= 1e-13
+
+
+def test_too_much_work_leaves_entries_as_they_are():
+    model = load("scara")
+    found, simple = closed(model, products=5), closed(model)
+    assert found.plain > 0
+    q, qd, qdd = random_state(model, np.random.default_rng(7), 5)
+    assert worst(evaluated(found, q, qd, qdd), evaluated(simple, q, qd, qdd)) <= 1e-14
+
+
+def test_an_entry_that_fails_its_check_is_not_used(monkeypatch):
+    right = Forms.expression
+    monkeypatch.setattr(Forms, "expression", lambda *args: right(*args) * (1 + R(1, 10**10)))
+    model = load("two_link_planar")
+    found = closed(model)
+    assert found.plain == 8
+    q, qd, qdd = random_state(model, np.random.default_rng(8), 5)
+    assert worst(evaluated(found, q, qd, qdd), robodyn.inverse_dynamics(model, q, qd, qdd)) <= 1e-14
+
+
+def test_refusals(monkeypatch):
+    remedy = "--form ode has numbers at a configuration, --format c the equations as code"
+    with pytest.raises(InputError, match="7 coordinates are too many for a closed form, which goes up to 6") as error:
+        closed(random_tree(1, 7, kinds=("revolute",)))
+    assert error.value.remedy == remedy
+    with pytest.raises(InputError, match="a floating joint has no closed form"):
+        closed(random_tree(1, 2, moving_base=True))
+    monkeypatch.setattr(closed_module, "LONGEST", 10)
+    with pytest.raises(InputError, match=r"an entry of \d+ operations"):
+        closed(load("scara"), products=5)
+
+
+def test_shares_add_up_to_the_bias():
+    scene = robodyn.load_scene(ROBOTS / "gripper.toml")
+    found = ode(load("gripper"), scene, [0.1, 0.2, 0.01], {"wrist": -1.0, "lift": 0.2})
+    assert worst(np.sum(list(found.shares.values()), axis=0), found.bias) <= 1e-15
+    assert list(found.shares) == [
+        "gravity",
+        "coriolis",
+        "payload",
+        "viscous friction",
+        "coulomb friction",
+        "joint spring",
+    ]
+    assert found.units == ("N", "N m", "N")
+    assert found.cond == pytest.approx(np.linalg.cond(found.M), rel=1e-12)
+
+
+def test_a_singular_mass_matrix():
+    parts = (link("a"), link("b", 1, (0.1, 0, 0), (1, 0, 0, 1, 0, 1)), link("c"))
+    assert ode(built(*parts, joint("j1", "a", "b"), joint("j2", "b", "c"))).cond == np.inf
