@@ -10,22 +10,13 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import VECTOR, finite_numbers
+from robodyn.cli.options import VECTOR, AtType, PointType, finite_numbers
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
 from robodyn.spatial import rotation_from_rpy
 
 Callback = Callable[..., Any]
 T = TypeVar("T")
-
-
-class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """com, origin, or three numbers between commas."""
-
-    name = "point"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return value if value in ("com", "origin") else VECTOR.convert(value, param, ctx)
 
 
 class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -39,26 +30,6 @@ class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
             self.fail(f"{value!r} is not three or six finite numbers between commas, such as 0,0,0.1", param, ctx)
         roll, pitch, yaw = numbers[3:] or (0.0, 0.0, 0.0)
         return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
-
-
-class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """Numbers between commas, or NAME=NUMBER between commas."""
-
-    name = "at"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        text = str(value)
-        if "=" not in text:
-            numbers = finite_numbers(text)
-            if numbers:
-                return numbers
-        else:
-            pairs = [part.rpartition("=") for part in text.split(",")]
-            values = finite_numbers(",".join(number for _, _, number in pairs))
-            names = [name.strip() for name, _, _ in pairs]
-            if len(values) == len(pairs) and all(names) and len(set(names)) == len(names):
-                return dict(zip(names, values, strict=True))
-        return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
 
 
 def _both(*options: Callback) -> Callback:

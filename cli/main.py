@@ -13,7 +13,7 @@ import click
 from robodyn.cli.failures import reported
 from robodyn.wording import alternatives
 
-COMMANDS = ("torques", "inertia", "check", "rule", "bench")
+COMMANDS = ("torques", "simulate", "inertia", "check", "fbd", "equations", "rule", "bench")
 
 
 class Commands(click.Group):

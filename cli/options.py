@@ -37,6 +37,37 @@ class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 
 VECTOR = VectorType()
+
+
+class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """com, origin, or three numbers between commas."""
+
+    name = "point"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return value if value in ("com", "origin") else VECTOR.convert(value, param, ctx)
+
+
+class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """Numbers between commas, or NAME=NUMBER between commas."""
+
+    name = "at"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        text = str(value)
+        if "=" not in text:
+            numbers = finite_numbers(text)
+            if numbers:
+                return numbers
+        else:
+            pairs = [part.rpartition("=") for part in text.split(",")]
+            values = finite_numbers(",".join(number for _, _, number in pairs))
+            names = [name.strip() for name, _, _ in pairs]
+            if len(values) == len(pairs) and all(names) and len(set(names)) == len(names):
+                return dict(zip(names, values, strict=True))
+        return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
+
+
 SCENE = click.option(
     "--scene", "scene_file", metavar="FILE", help="TOML: friction, rotors, springs, payloads, wrenches, fluid, base."
 )

@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.momentum_options import MOMENTUM, momentum_view
 from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
@@ -25,6 +26,7 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @GRAVITY
 @click.option("--out", metavar="FILE", help="Write the torques: .csv, .parquet or .npz.")
 @click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too.")
+@MOMENTUM
 @click.option("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; default auto.")
 @click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
@@ -53,12 +55,13 @@ def command(
     """
     if reactions and not out:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
+    view = momentum_view(how)
     check_names([urdf, trajectory, scene_file], out)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
-    names = output_names(model, reactions)
+    names = output_names(model, reactions, view is not None)
     reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
     with reader, sinks(out, names, reader) as gather:
-        result = torques(model, reader, scene, reactions=reactions, sinks=gather, **how)
+        result = torques(model, reader, scene, reactions=reactions, momentum=view, sinks=gather, **how)
     written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
     show(torques_json(result) if form == "json" else torques_text(result, how["explain"], page()) + written)
     return int(fail_on_limits and bool(result.exceeded))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from robodyn.result import Result
 from robodyn.scene import DEFAULT, Scene
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
+
+if TYPE_CHECKING:
+    from robodyn.momentum import View
 
 Floats = NDArray[np.float64]
 Sink = Callable[[Floats, Floats], None]
@@ -33,6 +37,7 @@ def torques(
     sinks: Iterable[Sink] = (),
     executor: str = "auto",
     threads: int | None = None,
+    momentum: View | None = None,
 ) -> Result:
     """What every joint of a robot carries along a motion, with self-checks.
 
@@ -47,6 +52,7 @@ def torques(
         explain: count the operations that the absence of each effect would save.
         sinks: each is called after every block with time (N,) [s] and the columns of `output_names` (N, k).
         executor, threads: as for `inverse_dynamics`.
+        momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
 
     Raises:
         InputError: the scene does not fit the robot, the trajectory is wrong, or the executor cannot run.
@@ -54,7 +60,7 @@ def torques(
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
     with _opened(trajectory, model, scene) as motion:
-        run = Pass(model, scene, Options(reactions, executor, threads), getattr(motion, "file", None))
+        run = Pass(model, scene, Options(reactions, executor, threads, momentum), getattr(motion, "file", None))
         last: Trajectory | None = None
         for block in (motion,) if isinstance(motion, Trajectory) else ahead(motion.blocks()):
             if len(block):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import astuple
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,18 +26,26 @@ from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rate
 from robodyn.statistics import COMPONENTS, Statistics
 from robodyn.trajectory.motion import Trajectory
 
+if TYPE_CHECKING:
+    from robodyn.momentum import View
+    from robodyn.momentum_pass import MomentumPass
+
 Floats = NDArray[np.float64]
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
 
 
-def output_names(model: Model, reactions: bool) -> list[str]:
-    """Names of the columns of loads: tau, then the base wrench, then joint wrenches."""
+def output_names(model: Model, reactions: bool, momentum: bool = False) -> list[str]:
+    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy."""
     names = [f"tau_{name}" for name in model.rates]
     if reactions:
         names += [f"base_{part}" for part in COMPONENTS]
         names += [f"{part}_{body.joint.name}" for body in model.bodies[1:] for part in COMPONENTS]
+    if momentum:
+        from robodyn.momentum_pass import NAMES
+
+        names += NAMES
     return names
 
 
@@ -47,6 +55,7 @@ class Options(NamedTuple):
     reactions: bool
     executor: str
     threads: int | None
+    momentum: View | None = None
 
 
 class _Programs(NamedTuple):
@@ -85,6 +94,11 @@ class Pass:
         self.choice: Choice | None = None
         self.ledger = EnergyLedger()
         self.laws = LawResiduals()
+        self.momentum: MomentumPass | None = None
+        if options.momentum is not None:
+            from robodyn.momentum_pass import MomentumPass
+
+            self.momentum = MomentumPass(model, scene, options.momentum, file)
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:
@@ -113,7 +127,10 @@ class Pass:
         self.ledger.update(block.time, net, rows, run(programs.energy, checked)[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
-        return loads if self.options.reactions else tau
+        columns = loads if self.options.reactions else tau
+        if self.momentum is None:
+            return columns
+        return np.hstack((columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources))))
 
     @np.errstate(all="ignore")
     def result(self, last: Trajectory, explain: bool) -> Result:
@@ -151,6 +168,7 @@ class Pass:
             reason=self.choice.reason,
             derivation=last.derivation,
             warnings=tuple(warnings),
+            momentum=self.momentum.report() if self.momentum else None,
         )
 
     def _uncertainty(self, k: int, last: Trajectory) -> float:

@@ -168,6 +168,31 @@ class Checks:
 
 
 @dataclass(frozen=True)
+class Range:
+    """The least and the greatest of a quantity along the motion, and when [s]."""
+
+    name: str
+    least: float
+    least_time: float
+    greatest: float
+    greatest_time: float
+
+
+@dataclass(frozen=True)
+class MomentumReport:
+    """Mass centre (com, m), momenta (p, kg m/s; L, kg m^2/s), energies (T, V, J) and power (tau . qd, W).
+
+    Attributes:
+        about: "origin" of the frame, "com", or a point in the frame, which L is about.
+        frame: whose axes and origin count: "ground" or a link.
+    """
+
+    about: str | tuple[float, float, float]
+    frame: str
+    ranges: tuple[Range, ...]
+
+
+@dataclass(frozen=True)
 class Result:
     """What a robot carries along a motion."""
 
@@ -184,6 +209,7 @@ class Result:
     reason: str
     derivation: Derivation | None
     warnings: tuple[str, ...]
+    momentum: MomentumReport | None = None
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ORDER = [
     ("errors", "spatial", "wording", "overlap"),
-    ("inertia", "scene", "trace", "overflow", "statistics"),
+    ("inertia", "scene", "trace", "overflow", "statistics", "extremes"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
     ("model", "scene_file", "part"),
     ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
@@ -22,8 +22,9 @@ ORDER = [
     ("plan", "result", "robot_inertia", "arrays"),
     ("inverse", "accelerations", "self_checks", "energy_ledger"),
     ("sizing", "momentum", "forward"),
-    ("one_pass", "bench"),
-    ("loads",),
+    ("momentum_pass", "free_body"),
+    ("one_pass", "equations", "bench"),
+    ("loads", "simulation"),
     ("checks",),
     ("report",),
     ("cli",),

@@ -56,6 +56,8 @@ def torques_json(result: Result) -> str:
         "limits_exceeded": [asdict(excess) for excess in result.exceeded],
         "warnings": list(result.warnings),
     }
+    if result.momentum is not None:
+        document["momentum"] = asdict(result.momentum)
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 

@@ -22,6 +22,11 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
         methods, rows = derivation_table(result.derivation)
         parts.append(f"{methods}\n{page.table(rows) if rows else ''}")
     parts.append(_base(result, page))
+    if result.momentum:
+        from robodyn.report.text_momentum import momentum_table
+
+        title, rows = momentum_table(result.momentum)
+        parts.append(f"{title}\n{page.table(rows)}")
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         parts.append(f"Effects: {plan}\n{page.table(_effects(result))}")

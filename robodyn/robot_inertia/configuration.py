@@ -48,6 +48,24 @@ def configuration(model: Model, values: Values = ()) -> Floats:
     return q
 
 
+def rates(model: Model, values: Values = ()) -> Floats:
+    """The velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
+
+    Args:
+        values: of all joints in the order of `model.rates`, or of some by name [rad or m, per s or s^2].
+
+    Raises:
+        InputError: there are more or fewer values than joints move, or a name is none.
+    """
+    names = model.rates[6 if model.floating else 0 :]
+    if not isinstance(values, Mapping):
+        values = _by_order(model, names, values)
+    for name in values:
+        if name not in names:
+            raise InputError(f"no joint {shown(name)} to set", remedy=_instead(model, name, names), file=model.file)
+    return np.array([values.get(name, 0.0) for name in model.rates])
+
+
 def _by_order(model: Model, names: tuple[str, ...], values: Sequence[float]) -> dict[str, float]:
     if not len(values):
         return {}

@@ -23,7 +23,8 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     (("torqes",), "there is no command 'torqes'; did you mean 'torques'? (try: robodyn --help)"),
     (
         ("zebra",),
-        "there is no command 'zebra'; commands: 'torques', 'inertia', 'check', 'rule', 'bench' (try: robodyn --help)",
+        "there is no command 'zebra'; commands: 'torques', 'simulate', 'inertia', 'check', 'fbd', "
+        "'equations', 'rule', 'bench' (try: robodyn --help)",
     ),
     (("--verson",), "no such option '--verson'; did you mean '--version'? (try: robodyn --help)"),
     (("torques",), "missing argument 'URDF' (try: robodyn torques --help)"),

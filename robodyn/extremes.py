@@ -1,0 +1,35 @@
+"""The least and the greatest of several quantities along a motion, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Extremes:
+    """Where each of some columns is smallest and largest; of equal samples the first counts.
+
+    Attributes:
+        least, greatest: (k,) values.
+        least_time, greatest_time: (k,) when [s].
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        k = len(self.names)
+        self.least, self.greatest = np.full(k, np.inf), np.full(k, -np.inf)
+        self.least_time, self.greatest_time = np.zeros(k), np.zeros(k)
+
+    def update(self, time: Floats, values: Floats) -> None:
+        """Take in a block: time (N,) and values (N, k), N > 0."""
+        columns = np.arange(len(self.names))
+        low, high = values.argmin(axis=0), values.argmax(axis=0)
+        lower, higher = values[low, columns] < self.least, values[high, columns] > self.greatest
+        self.least = np.where(lower, values[low, columns], self.least)
+        self.least_time = np.where(lower, time[low], self.least_time)
+        self.greatest = np.where(higher, values[high, columns], self.greatest)
+        self.greatest_time = np.where(higher, time[high], self.greatest_time)

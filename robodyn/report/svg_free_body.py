@@ -1,0 +1,159 @@
+"""Free bodies as drawings: one SVG each, with its forces, moments and a table of their components."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import hypot
+
+import numpy as np
+
+from robodyn.free_body.types import Floats, FreeBodies, FreeBody
+from robodyn.report.svg_arrows import Arrow, arrows, on_paper
+from robodyn.report.svg_labels import Box, Point, Segment, place, text_width
+from robodyn.report.svg_text import COLOURS, component_table, short, signed, svg_text, table_height
+from robodyn.report.table import number
+
+WIDTH, TOP, BOTTOM = 800, 76, 560
+"""The drawing lies between TOP and BOTTOM; the table follows."""
+_SIZE = 15
+PAPERS = ("#ffffff", "#16181d")
+STYLE = """<style>
+text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; }
+.paper { fill: #ffffff; } .ink { fill: #1c1e22; } .soft { fill: #5c6370; } .line { stroke: #5c6370; }
+.body { stroke: #d5dae2; } .edge { stroke: #8b93a1; } .mark { fill: #ffffff; stroke: #1c1e22; }
+@media (prefers-color-scheme: dark) {
+.paper { fill: #16181d; } .ink { fill: #f0f1f3; } .soft { fill: #a7aebb; } .line { stroke: #a7aebb; }
+.body { stroke: #3a404b; } .edge { stroke: #6d7583; } .mark { fill: #16181d; stroke: #f0f1f3; }
+}
+</style>"""
+
+
+def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
+    """(name of a file, SVG) for every body."""
+    for body in found.bodies:
+        safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in body.name)
+        yield f"{body.number:02d}_{safe}.svg", drawing(body, f"{found.robot}, {state}")
+
+
+def drawing(body: FreeBody, title: str) -> str:
+    """The SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright."""
+    height = BOTTOM + table_height(body)
+    points, spots = _layout(body)
+    vectors, marks = arrows(body, spots), _apart(points)
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}">',
+        STYLE,
+        f'<rect class="paper" width="{WIDTH}" height="{height}"/>',
+        svg_text(24, 36, f"Body {body.number}: {short(body.name, 48)}", 20, "ink", bold=True),
+        svg_text(24, 60, short(title, 95), 13, "soft"),
+        *_shape([*points, *spots.values()]),
+        *(_arrow(vector) for vector in vectors),
+        *_marks(body, marks),
+        *_labels(marks, vectors),
+        *_triad(70.0, BOTTOM - 58.0, np.eye(3), "ground"),
+        *_triad(190.0, BOTTOM - 58.0, body.pose.R, "body"),
+        *component_table(body, BOTTOM, WIDTH),
+        "</svg>\n",
+    ]
+    return "\n".join(parts)
+
+
+def _layout(body: FreeBody) -> tuple[list[Point], dict[int, Point]]:
+    """Origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
+    places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
+    everything = np.array([on_paper(body.pose.R @ p) for p in [*places, *(a.point for a in body.actions)]])
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    spread = high - low
+    room = np.array([WIDTH - 440.0, BOTTOM - TOP - 310.0])
+    scale = min((r / s for r, s in zip(room, spread, strict=True) if s > 1e-9), default=1.0)
+    centre = np.array([WIDTH / 2, (TOP + BOTTOM) / 2])
+    at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
+    return at[: len(places)], dict(enumerate(at[len(places) :]))
+
+
+def _shape(points: list[Point]) -> list[str]:
+    """A bar from the mass centre to the origin and to every end."""
+    origin, com, *ends = points
+    lines = "".join(f"M{com[0]:.1f} {com[1]:.1f}L{x:.1f} {y:.1f}" for x, y in (origin, *ends))
+    path = f'd="{lines}" fill="none" stroke-linecap="round" stroke-linejoin="round"'
+    return [f'<path class="edge" {path} stroke-width="46"/>', f'<path class="body" {path} stroke-width="43"/>']
+
+
+def _apart(points: list[Point]) -> list[Point]:
+    """Where the marks of origin, mass centre and ends go: beside one another where they would coincide."""
+    origin, com, *ends = points
+    taken = [com]
+    for x, y in (origin, *ends):
+        tries = [(x + 20 * dx, y + 20 * dy) for dx, dy in _ASIDE]
+        free = [at for at in tries if all(hypot(at[0] - a, at[1] - b) >= 18 for a, b in taken)]
+        taken.append((free or tries)[0])
+    return [taken[1], com, *taken[2:]]
+
+
+_ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3, 0))
+
+
+def _marks(body: FreeBody, points: list[Point]) -> Iterator[str]:
+    """Discs at joints with their numbers, and a quartered disc at the mass centre."""
+    origin, (x, y), *ends = points
+    numbers = (body.number, *(number for number, _ in body.ends))
+    if body.mass:
+        yield f'<circle class="mark" cx="{x:.1f}" cy="{y:.1f}" r="7" stroke-width="1.5"/>'
+        quarters = f"M{x:.1f} {y:.1f}h7a7 7 0 0 0 -7 -7zM{x:.1f} {y:.1f}h-7a7 7 0 0 0 7 7z"
+        yield f'<path class="ink" d="{quarters}"/>'
+    for (px, py), joint in zip((origin, *ends), numbers, strict=True):
+        yield f'<circle class="mark" cx="{px:.1f}" cy="{py:.1f}" r="9" stroke-width="1.5"/>'
+        yield svg_text(px, py + 4.2, str(joint), 12, "ink", anchor="middle")
+
+
+def _arrow(arrow: Arrow) -> str:
+    colour = COLOURS[arrow.kind]
+    (x0, y0), (x1, y1) = arrow.start, arrow.end
+    if arrow.start == arrow.end:
+        ring = f'<circle cx="{x0:.1f}" cy="{y0:.1f}" r="9" fill="none" stroke="{colour}" stroke-width="2.5"/>'
+        if arrow.towards:
+            return f'{ring}<circle cx="{x0:.1f}" cy="{y0:.1f}" r="3.5" fill="{colour}"/>'
+        cross = f"M{x0 - 6:.1f} {y0 - 6:.1f}l12 12m0 -12l-12 12"
+        return f'{ring}<path d="{cross}" stroke="{colour}" stroke-width="2"/>'
+    dx, dy = arrow.direction
+    dashes = ' stroke-dasharray="7 4"' if arrow.turning else ""
+    stem = f'd="M{x0:.1f} {y0:.1f}L{x1 - 8 * dx:.1f} {y1 - 8 * dy:.1f}" stroke="{colour}" stroke-width="3"'
+    heads = [_head(x1 - back * dx, y1 - back * dy, dx, dy, colour) for back in ((0, 10) if arrow.turning else (0,))]
+    return f"<path {stem}{dashes}/>{''.join(heads)}"
+
+
+def _head(x: float, y: float, dx: float, dy: float, colour: str) -> str:
+    back_x, back_y = x - 14 * dx, y - 14 * dy
+    corners = (x, y), (back_x - 6 * dy, back_y + 6 * dx), (back_x + 6 * dy, back_y - 6 * dx)
+    return f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
+
+
+def _labels(points: list[Point], vectors: list[Arrow]) -> Iterator[str]:
+    """Symbol and size of each arrow beside its tip."""
+    lines: list[Segment] = [(vector.start, vector.end) for vector in vectors]
+    discs = [*points, *(vector.start for vector in vectors if vector.start == vector.end)]
+    taken = [Box(x - 11, y - 11, x + 11, y + 11) for x, y in discs]
+    taken.append(Box(0, BOTTOM - 112, 250, BOTTOM))
+    taken += [Box(x - 8, y - 8, x + 8, y + 8) for x, y in (vector.end for vector in vectors)]
+    page = Box(8, TOP, WIDTH - 8, BOTTOM)
+    for vector in vectors:
+        label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
+        size = (text_width(label, _SIZE), 20.0)
+        box = place(vector.end, vector.direction, size, taken, lines, page)
+        taken.append(box)
+        near = (min(max(vector.end[0], box.left), box.right), min(max(vector.end[1], box.top), box.bottom))
+        if abs(near[0] - vector.end[0]) + abs(near[1] - vector.end[1]) > 30:
+            ends = f'x1="{vector.end[0]:.1f}" y1="{vector.end[1]:.1f}" x2="{near[0]:.1f}" y2="{near[1]:.1f}"'
+            yield f'<line class="line" {ends} stroke-width="1" stroke-dasharray="2 3"/>'
+        middle = (box.left + box.right) / 2
+        colour = COLOURS[vector.kind]
+        yield svg_text(middle, box.bottom - 5, label, _SIZE, None, bold=True, anchor="middle", fill=colour)
+
+
+def _triad(x: float, y: float, R: Floats, name: str) -> Iterator[str]:
+    """The axes of a frame."""
+    for k, letter in enumerate("xyz"):
+        dx, dy = (34 * part for part in on_paper(R[:, k]))
+        yield f'<line class="line" x1="{x}" y1="{y}" x2="{x + dx:.1f}" y2="{y + dy:.1f}" stroke-width="2"/>'
+        yield svg_text(x + 1.3 * dx, y + 1.3 * dy + 4, letter, 13, "soft", anchor="middle")
+    yield svg_text(x, y + 60, name, 12, "soft", anchor="middle")

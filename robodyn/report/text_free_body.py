@@ -1,0 +1,118 @@
+"""Free bodies as text for a person: the joint table, and a table of forces and moments for each body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robodyn.free_body.types import Action, Floats, FreeBodies, FreeBody, JointRow
+from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.text_body import point_text
+
+AXES = ("x", "y", "z")
+
+
+def free_bodies_text(found: FreeBodies, state: str, page: Page = PLAIN) -> str:
+    """The report of one state."""
+    x, y, z = found.gravity
+    head = f"{printable(found.robot)}: {len(found.bodies)} bodies, {state}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+    scales = _scales(found)
+    parts = [head, f"Joints\n{page.table(_joints(found, scales))}{_count(found.joints)}"]
+    parts += [_body(body, scales, page) for body in found.bodies]
+    parts.append(
+        "Balance: forces, and moments about each body's origin, add up to zero within "
+        f"{_error(found.residual_force)} and {_error(found.residual_moment)} of the largest\n"
+    )
+    parts.append("".join(f"warning: {printable(line)}\n" for line in found.warnings))
+    return "\n".join(part for part in parts if part)
+
+
+def _scales(found: FreeBodies) -> tuple[float, float]:
+    actions = [action for body in found.bodies for action in body.actions]
+    forces, moments = ([np.abs(getattr(action, name)).max() for action in actions] for name in ("force", "at_origin"))
+    return float(max(forces)), float(max(moments))
+
+
+def _error(x: float) -> str:
+    return f"{x:.0e}" if x else "0"
+
+
+def _joints(found: FreeBodies, scales: tuple[float, float]) -> Content:
+    rows = []
+    for row in found.joints:
+        along = "" if row.drive is None else _amount(row, scales)
+        rows.append(
+            (
+                f"{row.number} {row.name}",
+                f"{row.parent} - {row.child}",
+                row.kind,
+                _axis(row),
+                str(row.freedom),
+                str(row.reactions),
+                *_components(row, scales),
+                along,
+            )
+        )
+    head = ("joint", "between", "type", "axis", "f", "6 - f", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz", "drive")
+    return head, rows
+
+
+def _axis(row: JointRow) -> str:
+    if row.kind not in ("revolute", "prismatic"):
+        return "-"
+    for k, name in enumerate(AXES):
+        if abs(row.axis[k]) == 1.0:
+            return name if row.axis[k] > 0 else f"-{name}"
+    return "({})".format(", ".join(f"{x:.4g}" for x in row.axis))
+
+
+def _amount(row: JointRow, scales: tuple[float, float]) -> str:
+    turning = row.kind == "revolute"
+    return f"{number(row.drive or 0.0, scales[turning])} {'N m' if turning else 'N'}"
+
+
+def _components(row: JointRow, scales: tuple[float, float]) -> list[str]:
+    """The six components that a joint transmits; a dash where it is free."""
+    cells = [number(x, scales[0]) for x in row.force] + [number(x, scales[1]) for x in row.moment]
+    if row.kind == "floating":
+        return ["-"] * 6
+    for k in range(3):
+        if row.kind in ("revolute", "prismatic") and abs(row.axis[k]) == 1.0:
+            cells[k + (3 if row.kind == "revolute" else 0)] = "-"
+    return cells
+
+
+def _count(joints: Sequence[JointRow]) -> str:
+    freedom, reactions = sum(row.freedom for row in joints), sum(row.reactions for row in joints)
+    return (
+        f"in the axes of the body that the joint carries; {len(joints)} bodies x 6 equations = {6 * len(joints)} "
+        f"= {reactions} reactions + {freedom} along the degrees of freedom\n"
+    )
+
+
+def _body(body: FreeBody, scales: tuple[float, float], page: Page) -> str:
+    others = [name for name in body.links if name != body.name]
+    fixed = f" with {', '.join(map(printable, others))}" if others else ""
+    mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
+    rows = [_row(action, scales) for action in body.actions]
+    rows.append(("sum", "", "", *_vector(body.force, scales[0]), *_vector(body.moment, scales[1])))
+    head = ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
+    title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
+    where = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
+    return f"{title}\n{where}\n{page.table((head, rows))}"
+
+
+def _row(action: Action, scales: tuple[float, float]) -> tuple[str, ...]:
+    moment = action.moment
+    return (
+        action.what,
+        action.by,
+        point_text(action.point, 1.0),
+        *_vector(action.force, scales[0]),
+        *_vector(moment, scales[1]),
+    )
+
+
+def _vector(vector: Floats, scale: float) -> list[str]:
+    return [number(x, scale) for x in vector]

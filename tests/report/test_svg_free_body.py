@@ -1,0 +1,138 @@
+"""Drawings of free bodies: well-formed, complete, on the page, and legible on light and dark paper."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from itertools import combinations
+
+import numpy as np
+import pytest
+from oracles import random_state, robot
+
+import robodyn
+from robodyn.effects.catalogue import EFFECTS
+from robodyn.report.svg_arrows import LONGEST, SHORTEST, arrows
+from robodyn.report.svg_free_body import BOTTOM, PAPERS, STYLE, TOP, WIDTH, _apart, drawing, drawings
+from robodyn.report.svg_labels import Box, place, text_width
+from robodyn.report.svg_text import COLOURS
+
+NAMES = ("puma560", "scara", "cylindrical", "satellite", "two_link_spatial")
+
+
+def found(name, seed=0):
+    model = robot(name)
+    (q,), (qd,), (qdd,) = random_state(model, np.random.default_rng(seed), 1)
+    return robodyn.free_bodies(model, q, qd, qdd)
+
+
+def texts(svg):
+    return [
+        (float(node.get("x")), float(node.get("y")), node.get("text-anchor"), float(node.get("font-size")), node.text)
+        for node in ET.fromstring(svg).iter("{http://www.w3.org/2000/svg}text")
+    ]
+
+
+def boxes(svg):
+    out = []
+    for x, y, anchor, size, text in texts(svg):
+        if TOP < y < BOTTOM and " = " in text:
+            width = text_width(text, size)
+            assert anchor == "middle"
+            out.append(Box(x - width / 2, y - size + 2, x + width / 2, y + 3))
+    return out
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_labels_stay_on_the_page_and_apart(name):
+    for _, svg in drawings(found(name), "somewhere"):
+        labels = boxes(svg)
+        for box in labels:
+            assert box.inside(Box(0, TOP, WIDTH, BOTTOM))
+        for one, other in combinations(labels, 2):
+            assert not one.meets(other), name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_force_and_moment_is_drawn_and_listed(name):
+    for body, (_, svg) in zip(found(name).bodies, drawings(found(name), "somewhere"), strict=True):
+        words = [text for *_, text in texts(svg)]
+        for action in body.actions:
+            assert any(line.startswith(action.what[:30]) for line in words)
+        for part, unit in (("force", "N"), ("moment", "N m")):
+            sizes = [np.linalg.norm(getattr(action, part)) for action in body.actions]
+            drawn = sum(bool(re.search(rf" = \S+ {unit}$", text)) for text in words)
+            assert drawn == sum(size > 1e-9 * max(sizes) for size in sizes)
+
+
+def test_arrows_are_to_scale():
+    body = found("scara").bodies[1]
+    spots = {k: (100.0 * k, 0.0) for k in range(len(body.actions))}
+    for turning, part in enumerate(("force", "moment")):
+        largest = max(np.linalg.norm(getattr(action, part)) for action in body.actions)
+        for arrow in arrows(body, spots):
+            if arrow.turning == bool(turning):
+                length = np.hypot(arrow.end[0] - arrow.start[0], arrow.end[1] - arrow.start[1])
+                assert length <= max(SHORTEST, LONGEST * arrow.value / largest) * np.sqrt(1.5) * (1 + 1e-12)
+
+
+def test_a_vector_towards_the_reader_is_a_ring():
+    body = robodyn.free_bodies(robot("scara"), [0.0] * 3, scene=robodyn.Scene(gravity=(9.0, 9.0, 9.0))).bodies[1]
+    (weight,) = (arrow for arrow in arrows(body, dict.fromkeys(range(9), (0.0, 0.0))) if arrow.symbol == "W")
+    assert weight.start == weight.end
+    assert weight.towards
+    assert 'r="3.5"' in drawing(body, "")
+
+
+def _contrast(one, other):
+    """The ratio of luminances of WCAG 2."""
+
+    def luminance(colour):
+        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
+        return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("kind", COLOURS)
+def test_colours_can_be_read_on_both_papers(kind):
+    for paper in PAPERS:
+        assert paper in STYLE
+        assert _contrast(COLOURS[kind], paper) >= 3.0
+
+
+def test_every_effect_has_its_colour():
+    inside = {"gravity", "inertia", "coriolis", "moving base", "payload", "mimic"}
+    assert {effect.name for effect in EFFECTS} <= inside | set(COLOURS)
+
+
+def test_marks_stand_apart():
+    """Also where joints and mass centre coincide, as in a robot of points."""
+    spot = (100.0, 100.0)
+    marks = _apart([spot] * 4)
+    assert marks[1] == spot
+    for (x, y), (a, b) in combinations(marks, 2):
+        assert np.hypot(x - a, y - b) >= 18
+
+
+def test_letters_are_large_enough():
+    for _, svg in drawings(found("puma560"), "somewhere"):
+        assert min(size for *_, size, _ in texts(svg)) >= 12
+
+
+def test_names_cannot_break_a_drawing():
+    model = robodyn.load(b'<robot name="a&lt;b"><link name="x"/></robot>')
+    (_, svg), *_ = drawings(robodyn.free_bodies(model, []), "<&>")
+    assert any("a<b, <&>" in text for *_, text in texts(svg))
+
+
+def test_a_label_goes_where_there_is_room():
+    page = Box(0, 0, 400, 400)
+    free = place((200, 200), (0, -1), (60, 20), [], [], page)
+    assert free.bottom <= 200
+    moved = place((200, 200), (0, -1), (60, 20), [free], [((100, 150), (300, 150))], page)
+    assert not moved.meets(free)
+    assert not moved.cut_by(((100, 150), (300, 150)))
+    assert place((399, 399), (1, 1), (60, 20), [], [], page).inside(page)
