@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 from math import prod
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -130,8 +131,8 @@ def mass_runner(model: Model, scene: Scene) -> Runner:
     return runner_of(trace(outputs), a_plan)
 
 
-def runner_of(program: Program, a_plan: Plan) -> Runner:
-    """A program of this plan, ready to run."""
+def runner_of(program: Program, a_plan: Plan, more: Mapping[str, int] = MappingProxyType({})) -> Runner:
+    """A program of this plan, ready to run; `more` are widths of sources that are its own."""
     model = a_plan.model
     widths = {"q": model.nq, "qd": model.n, "qdd": model.n, "tau": model.n, "columns": len(a_plan.scene.columns)}
-    return Runner(program, widths)
+    return Runner(program, {**widths, **more})

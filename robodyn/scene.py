@@ -96,6 +96,22 @@ class Immersed:
     drag_area: Vector = (0.0, 0.0, 0.0)
 
 
+@dataclass(frozen=True)
+class Drive:
+    """The torque at a joint in a simulation: `torque + kp (reference - q) - kd qd`.
+
+    Attributes:
+        torque: N m (N for a prismatic joint).
+        kp, kd: N m/rad and N m s/rad.
+        reference: rad.
+    """
+
+    torque: float = 0.0
+    kp: float = 0.0
+    kd: float = 0.0
+    reference: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
@@ -105,7 +121,11 @@ class Scene:
         friction: by joint; replaces what the description says of that joint.
         rotor, spring: by joint.
         immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
-        moving_base: the base follows the trajectory's base_* columns.
+        moving_base: the base follows the trajectory's base_* columns; in a simulation it is free.
+        slip_speed: Coulomb friction is f qd / sqrt(qd^2 + slip_speed^2) [rad/s]; 0: f sign(qd).
+        initial_q, initial_qd: by coordinate and by rate, where a simulation begins; 0 where nothing is said.
+        drive: by joint, what drives it in a simulation; the others are free.
+        joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look.
     """
 
     gravity: Vector = (0.0, 0.0, -9.81)
@@ -118,6 +138,11 @@ class Scene:
     fluid_density: float = 0.0
     fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
+    slip_speed: float = 0.0
+    initial_q: Mapping[str, float] = field(default_factory=dict)
+    initial_qd: Mapping[str, float] = field(default_factory=dict)
+    drive: Mapping[str, Drive] = field(default_factory=dict)
+    joint_limits: str = "stop"
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -7,18 +7,21 @@ import sys
 from typing import Any
 
 from robodyn.errors import SceneError
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene_table import SceneTable
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
+LIMITS = ("stop", "ignore")
+NOT_COMPUTED = ("contact", "ground", "floor")
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
     """The scene that a TOML file describes.
 
     Args:
-        path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `base`.
+        path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
+            `base`, `slip_speed`, `initial`, `drive`, `joint_limits`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -51,10 +54,40 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         payloads=tuple(_payload(entry) for entry in table.list("payload")),
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
         moving_base=_moving_base(table),
+        slip_speed=_slip_speed(table),
+        drive={name: _drive(entry) for name, entry in table.tables("drive")},
+        joint_limits=table.text("joint_limits", Scene.joint_limits, LIMITS),
+        **_initial(table),
         **_fluid(table),
     )
+    for key in NOT_COMPUTED:
+        if key in table.values:
+            raise table.error(f'"{key}" asks for contact, which robodyn does not compute', remedy="leave it out")
     table.finish()
     return scene
+
+
+def _slip_speed(table: SceneTable) -> float:
+    speed: float = table.number("slip_speed", 0.0)
+    if speed < 0:
+        raise table.error(f'"slip_speed" is {speed:g}', remedy="it is positive, or 0 for sign(qd)")
+    return speed
+
+
+def _drive(table: SceneTable) -> Drive:
+    drive = Drive(*(table.number(key, 0.0) for key in ("torque", "kp", "kd", "reference")))
+    table.finish()
+    return drive
+
+
+def _initial(table: SceneTable) -> dict[str, Any]:
+    initial = SceneTable(table.take("initial", {}), "[initial]", table.file)
+    found = {}
+    for key in ("q", "qd"):
+        values = SceneTable(initial.take(key, {}), f"[initial] {key}", table.file)
+        found[f"initial_{key}"] = {name: values.number(name) for name in list(values.values)}
+    initial.finish()
+    return found
 
 
 def _friction(table: SceneTable) -> Friction:

@@ -23,6 +23,13 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
         for name in named:
             _known(f"[{table}]", "joint", name, joints, file)
+    own = [joint.name for joint in model.independent if joint.kind != "floating"]
+    for name in scene.drive:
+        _known("[drive]", "joint", name, own, file)
+    for name in scene.initial_q:
+        _known("[initial] q", "coordinate", name, model.coordinates, file)
+    for name in scene.initial_qd:
+        _known("[initial] qd", "coordinate", name, model.rates, file)
     for load in scene.payloads:
         _known("[[payload]]", "link", load.link, model.links, file)
     for wrench in scene.wrenches:

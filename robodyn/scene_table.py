@@ -8,7 +8,7 @@ from typing import Any
 
 from robodyn.errors import SceneError
 from robodyn.scene import Entry, Vector
-from robodyn.wording import listed
+from robodyn.wording import shown
 
 _LARGEST = sys.float_info.max
 
@@ -80,4 +80,4 @@ class SceneTable:
 
     def finish(self) -> None:
         for key in self.values:
-            raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {listed(self.known)}")
+            raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {', '.join(map(shown, self.known))}")

@@ -40,7 +40,7 @@ def laws(plan: Plan) -> Program:
         q, qd = along_motion(sample.model, sample.q, sample.qd, sample.qdd)
         dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
         joints = motions(sample.model, q, qd, sample.qdd)
-        power = rate_of(_energy(plan, dual, terms, joints))
+        power = rate_of(stored_energy(plan, dual, terms, joints))
         return [*_base_wrench(dual, terms, joints), power, *_magnitudes(sample, terms, joints)]
 
     return trace(outputs)
@@ -106,7 +106,7 @@ def energy(plan: Plan) -> Program:
         sample = plan.sample(tape)
         terms = applied(plan.effects, sample, plan.scene)
         joints = sample.motions()
-        return [_energy(plan, sample, terms, joints), _lost(plan, sample, terms, joints)]
+        return [stored_energy(plan, sample, terms, joints), power_lost(plan, sample, terms, joints)]
 
     return trace(outputs)
 
@@ -117,19 +117,20 @@ def losses(plan: Plan) -> Program:
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)
         terms = applied(plan.effects, sample, plan.scene)
-        return [_lost(plan, sample, terms, sample.motions())]
+        return [power_lost(plan, sample, terms, sample.motions())]
 
     return trace(outputs)
 
 
-def _energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
+def stored_energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
+    """Kinetic energy and what effects store [J]."""
     total = momenta(sample.model.parents, joints, terms.inertias).T
     for effect in plan.effects:
         total = total + effect.stored(sample, terms, plan.scene, joints)
     return total
 
 
-def _lost(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
+def power_lost(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:
     """Power that friction takes, less the power f . v + n . w that wrenches give [W]."""
     total: Scalar = 0.0
     for effect in plan.effects:

@@ -47,6 +47,7 @@ def _elementary(name: str, of_float: Callable[[float], float]) -> Callable[[Scal
 sin = _elementary("sin", math.sin)
 cos = _elementary("cos", math.cos)
 exp = _elementary("exp", math.exp)
+sqrt = _elementary("sqrt", math.sqrt)
 sign = _elementary("sign", lambda x: float(x > 0) - float(x < 0))
 
 

@@ -1,8 +1,8 @@
-"""Bring README.md up to date: `python tests/make_readme.py [--benchmarks]`.
+"""Bring README.md up to date: `python tests/make_readme.py [--benchmarks [NAME ...]]`.
 
 Runs every command and every Python example and puts what they print in its place; regenerates the tables between
-`<!-- begin: NAME -->` and `<!-- end: NAME -->`. Tables of timings only change with `--benchmarks`, which takes minutes
-and wants a quiet machine.
+`<!-- begin: NAME -->` and `<!-- end: NAME -->`. Tables of timings only change with `--benchmarks`, all or those named,
+which takes minutes and wants a quiet machine.
 """
 
 from __future__ import annotations
@@ -36,8 +36,11 @@ def tables_in(text: str) -> dict[str, str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--benchmarks", action="store_true", help="measure the tables of timings too")
-    makers = {**steady_tables(), **(timed_tables() if parser.parse_args().benchmarks else {})}
+    timed = timed_tables()
+    parser.add_argument("--benchmarks", nargs="*", choices=timed, metavar="NAME", help="measure tables of timings too")
+    asked = parser.parse_args().benchmarks
+    chosen = {name: make for name, make in timed.items() if asked is not None and (not asked or name in asked)}
+    makers = {**steady_tables(), **chosen}
     tables = {name: make() for name, make in makers.items()}
     text = with_tables(README.read_text(encoding="utf-8"), tables)
     with tempfile.TemporaryDirectory() as folder:

@@ -24,6 +24,9 @@ TIMED = {
     "streaming": "bench_streaming",
     "tables": "bench_tables",
     "startup": "bench_startup",
+    "forward": "bench_forward_dynamics",
+    "meshes": "bench_cold_mesh",
+    "check": "bench_check",
 }
 
 

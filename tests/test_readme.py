@@ -59,7 +59,7 @@ def test_numbers_are_compared_and_rounding_errors_are_not():
     assert not same("a 1.0", "b 1.0")
 
 
-@pytest.mark.parametrize("name", ["effects", "robots"])
+@pytest.mark.parametrize("name", ["effects", "rules", "robots"])
 def test_tables_are_up_to_date(name):
     assert tables_in(TEXT)[name] == steady_tables()[name](), ADVICE
 

@@ -7,7 +7,7 @@ from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
 from robodyn.effects.friction import rubbing
 from robodyn.model import Model
 from robodyn.scene import Friction, Scene
-from robodyn.spatial import Scalar, exp, sign
+from robodyn.spatial import Scalar, exp, sign, sqrt
 
 
 def why(model: Model, scene: Scene, still: Still) -> Verdict:
@@ -23,7 +23,7 @@ def _any(friction: Friction) -> bool:
     return bool(friction.forward or friction.backward or friction.stribeck)
 
 
-def torque(friction: Friction, qd: Scalar) -> Scalar:
+def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed.
 
     With s = sign(qd): `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, and
@@ -31,11 +31,12 @@ def torque(friction: Friction, qd: Scalar) -> Scalar:
 
     Args:
         qd: the joint's speed [rad/s].
+        slip_speed: if not 0, s is `qd / sqrt(qd^2 + slip_speed^2)`, which leaves rest without a jump [rad/s].
 
     Returns:
         N m, along the motion: what the actuator must supply.
     """
-    s = sign(qd)
+    s = qd / sqrt(qd * qd + slip_speed * slip_speed) if slip_speed else sign(qd)
     coulomb = (0.5 * (friction.forward - friction.backward)) * s + (0.5 * (friction.forward + friction.backward)) * (
         s * s
     )
@@ -47,7 +48,8 @@ def torque(friction: Friction, qd: Scalar) -> Scalar:
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return terms.with_torques(
-        (i, torque(friction, sample.speed(joint))) for i, joint, friction in rubbing(sample.model, scene)
+        (i, torque(friction, sample.speed(joint), scene.slip_speed))
+        for i, joint, friction in rubbing(sample.model, scene)
     )
 
 
@@ -55,7 +57,8 @@ def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> S
     """sum of torque times speed [W]."""
     power: Scalar = 0.0
     for _, joint, friction in rubbing(sample.model, scene):
-        power = power + torque(friction, sample.speed(joint)) * sample.speed(joint)
+        speed = sample.speed(joint)
+        power = power + torque(friction, speed, scene.slip_speed) * speed
     return power
 
 

@@ -107,13 +107,14 @@ class Signals:
         return None
 
     def is_dependent(self, column: str) -> bool:
-        """Whether a column belongs to a joint without a coordinate of its own."""
+        """Whether a column belongs to a joint without a coordinate of its own, or is a torque: known and not used."""
         names = set(self.dependent)
         stem, _, last = column.rpartition(".")
         head, _, rest = column.partition("_")
         parts = column.strip("/").split("/")
         return (
             column in names
+            or (head == "tau" and (rest in names or rest in self.velocities))
             or (last in _DOTTED.values() and stem in names)
             or (head in _DOTTED and rest in names)
             or (parts[-1] in SUFFIXES and any("/".join(parts[i:-1]) in names for i in range(len(parts) - 1)))

@@ -15,6 +15,7 @@ SCENES = {
     "satellite": ("satellite", "satellite_slew"),
     "rigid_body": ("rigid_body", "rigid_body_flip"),
     "gripper": ("gripper", "gripper_pick"),
+    "two_link_planar_swing_down": ("two_link_planar", "two_link_planar_swing"),
 }
 KEYS = {
     "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
@@ -22,7 +23,10 @@ KEYS = {
     "spring": {"stiffness", "rest"},
     "payload": {"link", "mass", "com", "inertia"},
     "wrench": {"link", "point", "frame", "force", "moment"},
+    "drive": {"torque", "kp", "kd", "reference"},
+    "initial": {"q", "qd"},
 }
+SINGLE = {"gravity", "base", "slip_speed"}
 
 
 def test_every_scene_is_listed():
@@ -34,8 +38,8 @@ def test_scene_names_joints_links_and_columns_that_exist(name):
     robot, motion = SCENES[name]
     scene, columns = read_scene(name), set(read_csv(motion))
     description = load_description(FOLDER / f"{robot}.urdf")
-    assert set(scene) <= {"gravity", "base", *KEYS}
-    for part in ("friction", "rotor", "spring"):
+    assert set(scene) <= {*SINGLE, *KEYS}
+    for part in ("friction", "rotor", "spring", "drive"):
         assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
         assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
     for part in ("payload", "wrench"):

@@ -94,7 +94,10 @@ def test_frames(frame):
 
 
 UNKNOWN = {
-    "gravty = [0, 0, 0]": ("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base"),
+    "gravty = [0, 0, 0]": (
+        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base"),
+        *("slip_speed", "initial", "drive", "joint_limits"),
+    ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
     "[spring]\na = { stiffness = 1, k = 2 }": ("stiffness", "rest"),
@@ -103,6 +106,8 @@ UNKNOWN = {
     "[fluid]\ndensity = 1\nspeed = [0, 0, 0]": ("density", "velocity", "link"),
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\narea = 1': ("link", "volume", "centre", "drag_area"),
     '[base]\nmoving = "yes"': ("motion",),
+    "[drive]\na = { torqe = 1 }": ("torque", "kp", "kd", "reference"),
+    "[initial]\nqdd = { a = 1 }": ("q", "qd"),
 }
 
 
@@ -160,6 +165,13 @@ WRONG = {
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\nvolume = -1': "volume and drag_area are positive or zero",
     '[base]\nmotion = "free"': '"motion" is "free" (one of: fixed, moving)',
     "base = 1": "[base] is 1, not a table",
+    "slip_speed = -1": '"slip_speed" is -1',
+    'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore)',
+    "[initial]\nq = 3": "[initial] q is 3, not a table",
+    '[initial]\nqd = { a = "fast" }': "[initial] qd: \"a\" is 'fast', not a finite number",
+    "[drive]\na = { kp = true }": '[drive] a: "kp" is True, not a finite number',
+    "[contact]\nstiffness = 1e5": '"contact" asks for contact, which robodyn does not compute (leave it out)',
+    "ground = 0": '"ground" asks for contact, which robodyn does not compute',
     "gravity = [": "is not TOML",
     "gravity = [0, 0, 0]\ngravity = [0, 0, 0]": "is not TOML",
     "\x00": "is not TOML",

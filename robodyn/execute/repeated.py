@@ -1,0 +1,121 @@
+"""Programs that are repeated, each run from the results of the one before: in machine code, or by NumPy."""
+
+from __future__ import annotations
+
+from ctypes import c_int64, c_void_p
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.execute.compiled_blocks import rows_of
+from robodyn.execute.llvm.build import built
+from robodyn.execute.llvm.kernel import kernel
+from robodyn.execute.llvm.machine import Function
+from robodyn.execute.llvm.rollout import DONE, NEAR, rollout
+from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.trace.program import Program
+
+Floats = NDArray[np.float64]
+LANES = 8
+"""Rollouts worked on at a time."""
+SINGLE = 1
+"""Lanes for one rollout: a step waits for its divisions and roots, which are quicker one by one."""
+SWEEPS = 60
+"""At most so many sweeps of an implicit step."""
+
+
+class Done(NamedTuple):
+    """How far a run came.
+
+    Attributes:
+        steps: that were done.
+        settled: whether it is not sweeps that failed.
+    """
+
+    steps: int
+    settled: bool
+
+
+class CompiledSteps:
+    """The programs of a step, repeated in machine code on some rollouts at a time."""
+
+    def __init__(self, source: str, width: int, step: Program, sweep: Program | None, lanes: int) -> None:
+        """
+        Args:
+            source: the name of the only source of both programs, of `width` columns.
+            step: a program of `width` outputs.
+            sweep: None, or a program with a further output, its change.
+
+        Raises:
+            ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile them.
+        """
+        self.width, self.lanes = width, lanes
+        self._step = _kernel(step, source, width, lanes)
+        self._sweep = None if sweep is None else _kernel(sweep, source, width, lanes)
+        self._run = _rollout(lanes)
+
+    def __call__(self, slots: Floats, every: int) -> Done:
+        """Fills the slots from the first on.
+
+        Args:
+            slots: (records + 1, width, rollouts), contiguous; a multiple of `lanes` rollouts.
+            every: steps from one record to the next.
+        """
+        records, width, samples = len(slots) - 1, *slots.shape[1:]
+        spare = np.empty((4, width + 1, samples))
+        table, flags = np.empty(2 * width + 1, np.int64), np.zeros(samples, np.uint8)
+        kernels = 0 if self._sweep is None else self._sweep.address, self._step.address
+        places = (array.ctypes.data for array in (slots, spare, table, flags))
+        sizes = width, 8 * samples, samples // self.lanes, records, every, SWEEPS
+        done = self._run(*kernels, *places, *sizes)
+        return Done(done, True) if done >= 0 else Done(-1 - done, False)
+
+
+class NumpySteps:
+    """The same by NumPy, one call per operation and step."""
+
+    def __init__(self, source: str, width: int, step: Program, sweep: Program | None) -> None:
+        """Args: as for `CompiledSteps`."""
+        self.source, self.width, self.lanes = source, width, 1
+        self._step = NumpyBlocks(step, {source: width})
+        self._sweep = None if sweep is None else NumpyBlocks(sweep, {source: width})
+
+    def __call__(self, slots: Floats, every: int) -> Done:
+        """As `CompiledSteps`."""
+        state = slots[0].T
+        for k in range(every * (len(slots) - 1)):
+            if self._sweep is not None:
+                found = self._settled(self._sweep, state)
+                if found is None:
+                    return Done(k, False)
+                state = found
+            state = np.asarray(self._step({self.source: state}, len(state)), dtype=float)
+            if not np.isfinite(state).all():
+                return Done(k, True)
+            if (k + 1) % every == 0:
+                slots[(k + 1) // every] = state.T
+        return Done(every * (len(slots) - 1), True)
+
+    def _settled(self, sweep: NumpyBlocks, state: Floats) -> Floats | None:
+        before = np.inf
+        for _ in range(SWEEPS):
+            swept = sweep({self.source: state}, len(state))
+            state, change = np.asarray(swept[:, :-1], dtype=float), float(swept[:, -1].max())
+            if change <= DONE or (change <= NEAR and change >= before):
+                return state
+            before = change
+        return None
+
+
+def _kernel(program: Program, source: str, width: int, lanes: int) -> Function:
+    rows = {**rows_of(program, {source: width})[1], source: 0, "": width}
+    content = "repeated", program.operations, program.outputs, width, lanes
+    return built("kernel", content, lambda: kernel(program, rows, "double", lanes))
+
+
+@cache
+def _rollout(lanes: int) -> Function:
+    arguments = (*[c_void_p] * 6, *[c_int64] * 6)
+    return built("rollout", ("rollout", lanes), lambda: rollout(lanes), *arguments)

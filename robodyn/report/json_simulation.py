@@ -1,0 +1,40 @@
+"""The result of `simulate` as one JSON document with stable keys and full precision."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robodyn.simulation.result import Simulation
+
+
+def simulation_json(result: Simulation) -> str:
+    """The document; see README for its keys. Units are SI."""
+    import json
+
+    energy = result.figures.energy
+    document: dict[str, Any] = {
+        "robot": result.model.name,
+        "duration": float(result.time[-1]),
+        "gravity": result.scene.gravity,
+        "method": {"name": result.method.name, "order": result.method.order, "step": result.step, "rtol": result.rtol},
+        "steps": result.steps,
+        "evaluations": result.evaluations,
+        "executor": result.executor,
+        "ended": result.ended or None,
+        "final": {
+            "q": dict(zip(result.model.coordinates, result.q[-1].tolist(), strict=True)),
+            "qd": dict(zip(result.model.rates, result.qd[-1].tolist(), strict=True)),
+        },
+        "energy": {
+            "start": float(energy[0]),
+            "end": float(energy[-1]),
+            "work": float(result.work[-1]),
+            "drift": result.energy_drift,
+        },
+        "momentum_drift": dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None,
+        "effects": [
+            {"name": effect.name, "active": why.active, "reason": why.reason} for effect, why in result.effects
+        ],
+        "notes": list(result.notes),
+    }
+    return json.dumps(document, indent=2) + "\n"

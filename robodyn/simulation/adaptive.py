@@ -1,0 +1,62 @@
+"""Steps as long as a tolerance allows: DOP853 and Radau of SciPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError
+from robodyn.inverse import runner_of
+from robodyn.plan import Plan
+from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.fixed import Motion
+from robodyn.simulation.limits import Limits
+from robodyn.simulation.methods import Method
+
+Floats = NDArray[np.float64]
+EXPECTED = 4000
+"""Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
+
+
+def adaptive_motion(
+    plan: Plan, method: Method, state: Floats, duration: float, rtol: float, limits: Limits, executor: str
+) -> tuple[Motion, int]:
+    """The motion from a state (width,), recorded at every step that the method takes, and its evaluations.
+
+    The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Quaternions are four numbers here, of any
+    length; those of the record have unit length.
+
+    Raises:
+        InputError: the method gives up.
+    """
+    from scipy.integrate import solve_ivp
+
+    equations = Equations(plan)
+    runner = runner_of(equations.derivatives(), plan, {STATE: equations.width})
+
+    def rates(_: float, y: Any) -> Any:
+        columns = y.reshape(len(y), -1)
+        given = np.vstack((columns, np.zeros(columns.shape[1])))
+        found = runner({STATE: given.T}, columns.shape[1], executor=executor, expected=EXPECTED).T
+        return found.reshape(y.shape)
+
+    def room(_: float, y: Any) -> float:
+        return float(limits.room(y[: plan.model.nq]).min())
+
+    room.terminal, room.direction = True, -1.0  # type: ignore[attr-defined]
+    events = [room] if limits.stops else None
+    how = {"method": method.scipy, "rtol": rtol, "atol": rtol, "events": events, "vectorized": True}
+    with np.errstate(all="ignore"):
+        found = solve_ivp(rates, (0.0, duration), state[:-1], **how)
+    if found.status < 0 or not np.isfinite(found.y).all():
+        at = f"{method.name} gives up at {found.t[-1]:.6g} s: {str(found.message).lower().rstrip('.')}"
+        raise InputError(at, remedy="give a larger --rtol, or --method radau where friction or a drive is stiff")
+    states = np.column_stack((found.y.T, np.zeros(len(found.t))))
+    for joint in plan.model.independent:
+        if joint.kind == "floating":
+            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
+            h /= np.linalg.norm(h, axis=1)[:, None]
+    ended = limits.nearest(states[-1]).reached(float(found.t[-1])) if found.status == 1 else ""
+    return Motion(found.t, states, len(found.t) - 1, 1, runner.choice.executor, ended), int(found.nfev)

@@ -1,0 +1,89 @@
+"""Integrators as data: tables of coefficients, and the names of those that SciPy has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from robodyn.errors import InputError
+from robodyn.wording import alternatives
+
+Rows = tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A Runge-Kutta method `K_i = f(y + h sum_j A_ij K_j)`, `y_1 = y + h sum_i b_i K_i`, or one of SciPy's.
+
+    Attributes:
+        order: the error at a given time falls with this power of the step.
+        about: what it is good for, in a few words.
+        A, b: its table.
+        semi: the position moves at the speed that the step ends with (symplectic Euler); K is then the speed's alone.
+        scipy: the name of the method that `scipy.integrate.solve_ivp` has; A and b are then empty.
+    """
+
+    name: str
+    order: int
+    about: str
+    A: Rows = ()
+    b: tuple[float, ...] = ()
+    semi: bool = False
+    scipy: str = ""
+
+    @property
+    def implicit(self) -> bool:
+        """Whether a stage needs itself or a later one."""
+        return any(x != 0.0 for i, row in enumerate(self.A) for x in row[i:])
+
+    @property
+    def adaptive(self) -> bool:
+        return bool(self.scipy)
+
+
+_R3, _R15 = sqrt(3.0), sqrt(15.0)
+METHODS: tuple[Method, ...] = (
+    Method("euler", 1, "explicit Euler: gains energy; for comparison", ((0.0,),), (1.0,)),
+    Method("symplectic-euler", 1, "semi-implicit Euler: the new speed moves the position", ((0.0,),), (1.0,), True),
+    Method("midpoint", 2, "explicit midpoint rule", ((0.0, 0.0), (0.5, 0.0)), (0.0, 1.0)),
+    Method(
+        "rk4",
+        4,
+        "the classical Runge-Kutta method",
+        ((0.0, 0.0, 0.0, 0.0), (0.5, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)),
+        (1 / 6, 1 / 3, 1 / 3, 1 / 6),
+    ),
+    Method("gauss2", 2, "implicit midpoint rule: reversible, energy does not drift", ((0.5,),), (1.0,)),
+    Method(
+        "gauss4",
+        4,
+        "Gauss-Legendre with two stages: reversible, energy does not drift",
+        ((1 / 4, 1 / 4 - _R3 / 6), (1 / 4 + _R3 / 6, 1 / 4)),
+        (1 / 2, 1 / 2),
+    ),
+    Method(
+        "gauss6",
+        6,
+        "Gauss-Legendre with three stages: reversible, energy does not drift",
+        (
+            (5 / 36, 2 / 9 - _R15 / 15, 5 / 36 - _R15 / 30),
+            (5 / 36 + _R15 / 24, 2 / 9, 5 / 36 - _R15 / 24),
+            (5 / 36 + _R15 / 30, 2 / 9 + _R15 / 15, 5 / 36),
+        ),
+        (5 / 18, 4 / 9, 5 / 18),
+    ),
+    Method("dop853", 8, "Dormand and Prince's, SciPy's: steps as long as --rtol allows", scipy="DOP853"),
+    Method("radau", 5, "Radau IIA, SciPy's: implicit, for stiff friction and stiff drives", scipy="Radau"),
+)
+
+
+def method_named(name: str) -> Method:
+    """The method of this name.
+
+    Raises:
+        InputError: there is none.
+    """
+    found = {method.name: method for method in METHODS}
+    if name not in found:
+        raise InputError(f"there is no method {name!r}", remedy=alternatives(name, tuple(found), "methods"))
+    return found[name]

@@ -1,0 +1,119 @@
+"""What a simulation yields: the motion, the torques that drove it, and what should have stayed as it was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.effects.effect import Effect, Verdict
+from robodyn.model import Model
+from robodyn.scene import Scene
+from robodyn.simulation.methods import Method
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Figures:
+    """At the recorded times, N of them.
+
+    Attributes:
+        qdd, tau: (N, n) accelerations, and torques of the drives.
+        energy, kinetic: (N,) stored energy, kinetic and potential of gravity and springs; the kinetic part [J].
+        linear, angular: (N, 3) momentum, and angular momentum about the centre of mass, in the ground's axes.
+    """
+
+    qdd: Floats
+    tau: Floats
+    energy: Floats
+    kinetic: Floats
+    linear: Floats
+    angular: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """The simulated motion of a robot.
+
+    Attributes:
+        scene: as it was integrated, with the slip speed of friction.
+        step: of a fixed-step method [s].
+        rtol: of an adaptive one.
+        time, q, qd: (N,), (N, nq), (N, n), the first as the scene says.
+        work: (N,) done by drives and wrenches, less what friction took [J].
+        steps: how many were done.
+        evaluations: of the equations of motion; None where an implicit method's sweeps are not counted.
+        effects: of every effect whether it is on, and why.
+        ended: why the motion ended before its time; empty if it did not.
+        notes: what was assumed.
+    """
+
+    model: Model
+    scene: Scene
+    method: Method
+    step: float | None
+    rtol: float | None
+    time: Floats
+    q: Floats
+    qd: Floats
+    work: Floats
+    figures: Figures
+    steps: int
+    evaluations: int | None
+    executor: str
+    effects: tuple[tuple[Effect, Verdict], ...]
+    ended: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def qdd(self) -> Floats:
+        return self.figures.qdd
+
+    @property
+    def tau(self) -> Floats:
+        return self.figures.tau
+
+    @property
+    def energy_drift(self) -> float:
+        """max |E - E_0 - work| over the motion [J]."""
+        energy = self.figures.energy
+        return float(np.abs(energy - energy[0] - (self.work - self.work[0])).max())
+
+    @property
+    def free(self) -> bool:
+        """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
+        bodies = self.model.bodies
+        roots = [body for body in bodies if body.parent < 0]
+        if roots[0].joint.kind == "fixed":
+            roots = [body for body in bodies if body.parent == 0]
+        alone = bool(roots) and all(body.joint.kind == "floating" for body in roots) and len(roots) == 1
+        return alone and not self.scene.wrenches and not self.scene.fluid_density
+
+    @property
+    def momentum_drift(self) -> tuple[float, float]:
+        """Of a free robot, max |P - P_0 - m g t| [N s] and max |H_c - H_c0| [N m s] over the motion."""
+        weight = sum(payload.mass for payload in self.scene.payloads) + self.model.total_mass
+        impulse = weight * np.outer(self.time - self.time[0], self.scene.gravity)
+        linear, angular = self.figures.linear, self.figures.angular
+        largest = (np.abs(x).max() for x in (linear - linear[0] - impulse, angular - angular[0]))
+        first, second = map(float, largest)
+        return first, second
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of `columns`: `q_`, `qd_`, `qdd_` of every coordinate and rate, `tau_` of every joint."""
+        q = [f"q_{name}" for name in self.model.coordinates]
+        rates = [f"{kind}_{name}" for kind in ("qd", "qdd") for name in self.model.rates]
+        return (*q, *rates, *(f"tau_{self.model.rates[i]}" for i in self.driven))
+
+    @property
+    def driven(self) -> list[int]:
+        """The places in tau of hinges and slides: nothing drives a floating joint."""
+        return [joint.rate for joint in self.model.independent if joint.kind != "floating"]
+
+    @property
+    def columns(self) -> Floats:
+        """(N, k) in the order of `names`, which `robodyn torques` reads."""
+        return np.hstack((self.q, self.qd, self.qdd, self.tau[:, self.driven]))

@@ -1,0 +1,102 @@
+"""Many motions of one robot at once, a vector of them in each step of machine code."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robodyn.arrays import arrays_of
+from robodyn.errors import InputError
+from robodyn.execute.repeated import LANES, SINGLE
+from robodyn.execute.runner import cores
+from robodyn.model import Model
+from robodyn.plan import plan
+from robodyn.scene import DEFAULT, Scene
+from robodyn.simulation.equations import Equations
+from robodyn.simulation.fixed import SHORTER, stepper
+from robodyn.simulation.methods import method_named
+
+Floats = NDArray[np.float64]
+TOGETHER = 64
+"""Rollouts whose states go through all steps together: they stay in the first cache."""
+
+
+class Rollouts(NamedTuple):
+    """Records of N motions.
+
+    Attributes:
+        time: (K,) s.
+        q, qd: (K, N, nq) and (K, N, n).
+        work: (K, N) done on each robot [J].
+    """
+
+    time: Floats
+    q: Floats
+    qd: Floats
+    work: Floats
+
+
+def rollouts(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    steps: int,
+    step: float,
+    *,
+    every: int = 1,
+    scene: Scene = DEFAULT,
+    method: str = "rk4",
+    executor: str = "auto",
+    threads: int | None = None,
+) -> Rollouts:
+    """The motions from N initial states, recorded every `every` steps; joint limits are not looked at.
+
+    Coulomb friction is that of the scene, whose `slip_speed` must not be 0 where a joint has some.
+
+    Args:
+        q, qd: (N, nq) and (N, n), as for `forward_dynamics`.
+        steps, step: how many, a multiple of `every`, and how long [s].
+        method: one with steps of a fixed length.
+        executor, threads: as for `inverse_dynamics`.
+
+    Raises:
+        InputError: shapes or numbers do not fit; a motion cannot be followed.
+
+    Accuracy: of an explicit method, each motion is the same to the last bit however many go with it.
+    """
+    chosen = method_named(method)
+    if chosen.adaptive or step <= 0 or every < 1 or steps < 1 or steps % every:
+        raise InputError(f"{steps} steps of {step:g} s by {method}, recorded every {every}", remedy="fixed steps only")
+    sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene)
+    if len(shape) != 1:
+        raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")
+    a_plan, count, workers = plan(model, scene), shape[0], cores(threads)
+    lanes = SINGLE if count == 1 else LANES
+    run = stepper(a_plan, chosen, executor, steps * -(-count // LANES), lanes)
+    first = np.zeros((count, run.width))
+    first[:, : model.nq + model.n] = np.hstack((sources["q"], sources["qd"]))
+    own = Equations(a_plan).width
+    first[:, own - 1] = step
+
+    def part(start: int) -> Floats:
+        given = first[start : start + TOGETHER]
+        slots = np.empty((steps // every + 1, run.width, -(-len(given) // run.lanes) * run.lanes))
+        slots[0] = given[-1][:, None]
+        slots[0, :, : len(given)] = given.T
+        if run(slots, every).steps < steps or not np.isfinite(slots[-1]).all():
+            raise InputError(f"a motion of rows {start} to {start + len(given) - 1} cannot be followed", remedy=SHORTER)
+        return slots[:, : own - 1, : len(given)]
+
+    starts = range(0, count, TOGETHER)
+    if min(workers, len(starts)) == 1:
+        parts = list(map(part, starts))
+    else:
+        with ThreadPoolExecutor(workers) as pool:
+            parts = list(pool.map(part, starts))
+    states = np.concatenate(parts, axis=2).transpose(0, 2, 1)
+    nq = model.nq
+    time: Floats = np.arange(float(len(states))) * (every * step)
+    return Rollouts(time, states[:, :, :nq], states[:, :, nq:-1], states[:, :, -1])

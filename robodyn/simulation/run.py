@@ -1,0 +1,169 @@
+"""The second job: how a robot moves, from where it begins and what drives it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.effects import coulomb_friction
+from robodyn.effects.friction import rubbing
+from robodyn.errors import InputError, SceneError
+from robodyn.inverse import runner_of
+from robodyn.model import Model
+from robodyn.plan import Plan, plan
+from robodyn.scene import DEFAULT, Scene
+from robodyn.simulation.adaptive import adaptive_motion
+from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.fixed import FixedSteps, Motion
+from robodyn.simulation.limits import Limits
+from robodyn.simulation.methods import Method, method_named
+from robodyn.simulation.result import Figures, Simulation
+
+Floats = NDArray[np.float64]
+STEP = 1e-3
+"""s, where neither a step nor a tolerance is given."""
+RTOL = 1e-9
+"""Of an adaptive method, where none is given."""
+LEAST_RTOL = 1e-13
+"""Below, SciPy's methods only follow rounding."""
+SLIP_SPEED = 1e-3
+"""rad/s, where a joint has Coulomb friction and the scene gives none."""
+
+
+def simulate(
+    model: Model,
+    scene: Scene = DEFAULT,
+    duration: float = 10.0,
+    *,
+    step: float | None = None,
+    rtol: float | None = None,
+    method: str | None = None,
+    executor: str = "auto",
+) -> Simulation:
+    """The motion of a robot: M(q) qdd + c + g + friction + springs - J^T w = tau, from the scene's initial state.
+
+    The torques are those of the scene's drives. A floating base is free, and turns by the exponential map within a
+    step. Coulomb friction is `f qd / sqrt(qd^2 + slip_speed^2)`: a joint at rest creeps instead of chattering. There
+    is no contact. The motion ends where a joint reaches a limit.
+
+    Args:
+        model: of `robodyn.load`, with moving_base=True for a robot that is free.
+        duration: s.
+        step: s; of a method with a fixed step; by default 1 ms.
+        rtol: of an adaptive method.
+        method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", with `rtol` "dop853".
+        executor: "numpy", "compiled", or "auto": the quicker.
+
+    Raises:
+        InputError: the scene does not fit the robot or names columns; a joint begins beyond a limit; a number is out of
+            range; the method does not get through.
+
+    Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
+    """
+    how = _how(step, rtol, method)
+    _check_positive(duration=duration, step=step, rtol=rtol)
+    if scene.columns:
+        what = f"a wrench of the scene names the column {scene.columns[0]!r}"
+        raise SceneError(what, remedy="a simulation has no trajectory; write a number")
+    scene, notes = _with_friction(model, scene)
+    a_plan = plan(model, scene)
+    motion, evaluations = _integrated(a_plan, how, duration, executor)
+    q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
+    return Simulation(
+        model=model,
+        scene=scene,
+        method=how.method,
+        step=None if how.method.adaptive else float(motion.states[0, -1]),
+        rtol=how.rtol if how.method.adaptive else None,
+        time=motion.time,
+        q=q,
+        qd=qd,
+        work=motion.states[:, -2],
+        figures=_figures(a_plan, motion, executor),
+        steps=motion.steps,
+        evaluations=evaluations,
+        executor=motion.executor,
+        effects=a_plan.verdicts,
+        ended=motion.ended,
+        notes=(*model.notes, *notes, *([f"recorded every {motion.every} steps"] if motion.every > 1 else [])),
+    )
+
+
+class How(NamedTuple):
+    """A method, with the step of one that has fixed steps, or the tolerance of one that has not."""
+
+    method: Method
+    step: float
+    rtol: float
+
+
+def _integrated(a_plan: Plan, how: How, duration: float, executor: str) -> tuple[Motion, int | None]:
+    """The motion from the scene's initial state, and how often the equations were evaluated if that was counted."""
+    method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
+    state = initial_state(a_plan.model, a_plan.scene)
+    limits.check_start(state)
+    if method.adaptive:
+        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor)
+    ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)))
+    motion = ready.motion(state, duration, how.step, limits)
+    return motion, None if method.implicit else motion.steps * len(method.b)
+
+
+def initial_state(model: Model, scene: Scene) -> Floats:
+    """(width,) q, qd, no work done, and no step yet; where the scene says nothing, 0 and no turn.
+
+    Raises:
+        InputError: a quaternion is zero.
+    """
+    q = dict.fromkeys(model.coordinates, 0.0)
+    for joint in model.independent:
+        if joint.kind == "floating":
+            q[f"{joint.name}_qw"] = 1.0
+    q |= scene.initial_q
+    qd = dict.fromkeys(model.rates, 0.0) | dict(scene.initial_qd)
+    state = np.array([*q.values(), *qd.values(), 0.0, 0.0])
+    for joint in model.independent:
+        if joint.kind == "floating":
+            h = state[joint.coordinate + 3 : joint.coordinate + 7]
+            if not h.any():
+                raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
+            h /= np.linalg.norm(h)
+    return state
+
+
+def _how(step: float | None, rtol: float | None, name: str | None) -> How:
+    method = method_named(name or ("rk4" if rtol is None else "dop853"))
+    if method.adaptive and step is not None:
+        raise InputError(f"{method.name} chooses its own steps", remedy="give --rtol instead of --step")
+    if not method.adaptive and rtol is not None:
+        raise InputError(f"{method.name} has steps of a fixed length", remedy="give --step instead of --rtol")
+    return How(method, STEP if step is None else step, max(RTOL if rtol is None else rtol, LEAST_RTOL))
+
+
+def _check_positive(**given: float | None) -> None:
+    for name, value in given.items():
+        if value is not None and not 0.0 < value < np.inf:
+            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
+
+
+def _with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
+    """The scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
+    if not coulomb_friction.why(model, scene, frozenset()).active:
+        return scene, []
+    chosen = scene.slip_speed or SLIP_SPEED
+    steepest = max(max(abs(f.forward), abs(f.backward), abs(f.stribeck or 0.0)) for _, _, f in rubbing(model, scene))
+    said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
+    return replace(scene, slip_speed=chosen), [f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest"]
+
+
+def _figures(a_plan: Plan, motion: Motion, executor: str) -> Figures:
+    equations, n = Equations(a_plan), a_plan.model.n
+    runner = runner_of(equations.figures(), a_plan, {STATE: equations.width})
+    columns = runner({STATE: motion.states}, len(motion.states), executor=executor)
+    if not np.isfinite(columns).all():
+        raise InputError("accelerations are not finite", remedy="give every link that moves mass and inertia")
+    qdd, tau, energy, kinetic, linear, angular = np.split(columns, np.cumsum([n, n, 1, 1, 3]), axis=1)
+    return Figures(qdd, tau, energy[:, 0], kinetic[:, 0], linear, angular)

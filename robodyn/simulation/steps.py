@@ -1,0 +1,106 @@
+"""One step of a Runge-Kutta method as programs: from a state to the next, rotations by the exponential map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from robodyn.simulation.equations import STATE, Equations, Rates, State
+from robodyn.simulation.methods import Method
+from robodyn.simulation.turning import moved, unit
+from robodyn.spatial import Scalar
+from robodyn.trace.program import Program, trace
+from robodyn.trace.scalar import Tape
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The programs of a method for the equations of a robot. Both read and write a state and its stages.
+
+    Of an implicit method the stages `K_i` (rates of u, qd and work) follow the state: `sweep` puts
+    `f(y + h sum_j A_ij K_j)` in place of every K_i, again and again until they stay, and tells their change; `step`
+    then ends the step and keeps them as a guess for the next one. Of an explicit one there are no stages to keep.
+    """
+
+    equations: Equations
+    method: Method
+
+    @property
+    def width(self) -> int:
+        """Numbers that both programs read, and write but for the change."""
+        n = self.equations.model.n
+        return self.equations.width + (len(self.method.b) * (2 * n + 1) if self.method.implicit else 0)
+
+    def step(self) -> Program:
+        """The program of the state (and stages) after a step."""
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state = self.equations.state(tape)
+            if self.method.implicit:
+                stages = self._given(tape)
+                return [*self._end(state, stages), *_flat(stages)]
+            stages = []
+            for row in self.method.A:
+                stages.append(self._stage(state, stages, row[: len(stages)]))
+            return self._end(state, stages)
+
+        return trace(outputs)
+
+    def sweep(self) -> Program | None:
+        """The program of the state, the stages after a sweep, and `|change|^2 / |stages|^2`; None if explicit."""
+        if not self.method.implicit:
+            return None
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            state, old = self.equations.state(tape), self._given(tape)
+            new = [self._stage(state, old, row) for row in self.method.A]
+            before, after = _flat(old), _flat(new)
+            change = _square(a - b for a, b in zip(after, before, strict=True))
+            return [*state.q, *state.qd, state.work, state.step, *after, change / (_square(after) + 1e-300)]
+
+        return trace(outputs)
+
+    def _given(self, tape: Tape) -> list[Rates]:
+        """The stages that a program is given."""
+        n, at = self.equations.model.n, self.equations.width
+        stages = []
+        for _ in self.method.b:
+            values = [tape.input(STATE, at + k) for k in range(2 * n + 1)]
+            stages.append(Rates(values[:n], values[n:-1], values[-1]))
+            at += len(values)
+        return stages
+
+    def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float]) -> Rates:
+        """The rates at `y + h sum_j row_j K_j`."""
+        h, n = state.step, self.equations.model.n
+        u = [h * total for total in _sums(row, [K.u for K in stages], n)]
+        gains = _sums(row, [K.qd for K in stages], n)
+        return self.equations.rates(state.q, u, [x + h * gain for x, gain in zip(state.qd, gains, strict=True)])
+
+    def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
+        """The state after the step."""
+        h, b, model = state.step, self.method.b, self.equations.model
+        gains = _sums(b, [K.qd for K in stages], model.n)
+        qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]
+        u = [h * total for total in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
+        work = _sums(b, [[K.work] for K in stages], 1)[0]
+        return [*unit(model, moved(model, state.q, u)), *qd, state.work + h * work, h]
+
+
+def _flat(stages: Iterable[Rates]) -> list[Scalar]:
+    return [x for K in stages for x in (*K.u, *K.qd, K.work)]
+
+
+def _square(values: Iterable[Scalar]) -> Scalar:
+    total: Scalar = 0.0
+    for x in values:
+        total = total + x * x
+    return total
+
+
+def _sums(weights: Sequence[float], stages: Sequence[Sequence[Scalar]], n: int) -> list[Scalar]:
+    totals: list[Scalar] = [0.0] * n
+    for weight, values in zip(weights, stages, strict=True):
+        if weight:
+            totals = [total + weight * value for total, value in zip(totals, values, strict=True)]
+    return totals

@@ -1,0 +1,129 @@
+"""`robodyn simulate`: its report, its table, which `torques` reads back, and calls that are wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import ROBOTS, run, write_arm
+
+SWING = (str(ROBOTS / "two_link_planar.urdf"), "--scene", str(ROBOTS / "two_link_planar_swing_down.toml"))
+TUMBLE = '[initial]\nqd = { base_wx = 0.1, base_wy = 0.3, left_array = 0.05 }\n[base]\nmotion = "moving"\n'
+
+
+def rows(path: Path) -> tuple[list[str], np.ndarray]:
+    with open(path, encoding="utf-8") as lines:
+        return next(lines).strip().split(","), np.loadtxt(lines, delimiter=",")
+
+
+def simulate(*args: str) -> str:
+    outcome = run("simulate", *args)
+    assert (outcome.status, outcome.err) == (0, "")
+    return outcome.out
+
+
+def test_report() -> None:
+    text = simulate(*SWING, "--duration", "2")
+    assert text.startswith(
+        "two_link_planar: 2 s, gravity (0, 0, -9.81) m/s^2\neffects on: gravity, inertia, coriolis, "
+    )
+    assert "viscous friction, coulomb friction; no contact\n" in text
+    assert "method: rk4 of order 4 (the classical Runge-Kutta method), 2000 steps of 0.001 s, 8000 evaluations" in text
+    assert "note: Coulomb friction is regularised, f qd / sqrt(qd^2 + 0.01^2): up to 40 N m s/rad near rest\n" in text
+    assert "momentum" not in text
+
+
+def test_explained_effects() -> None:
+    text = simulate(*SWING, "--duration", "0.1", "--explain")
+    assert "viscous friction  on   1 damped joints\n" in text
+    assert "payload           off  the scene has no payload" in text
+
+
+def test_torques_of_the_simulated_motion_are_those_applied(tmp_path: Path) -> None:
+    motion, loads = tmp_path / "motion.csv", tmp_path / "tau.csv"
+    text = simulate(*SWING, "--duration", "2", "--out", str(motion))
+    assert text.endswith(f"\nwritten: {motion}, 2001 rows of time and 8 columns\n")
+    again = run("torques", SWING[0], str(motion), *SWING[1:], "--out", str(loads))
+    assert again.status == 0
+    assert "columns not used: 'tau_shoulder', 'tau_elbow'" in again.out
+    names, table = rows(motion)
+    assert names == [
+        "time",
+        *(f"{kind}_{joint}" for kind in ("q", "qd", "qdd", "tau") for joint in ("shoulder", "elbow")),
+    ]
+    _, found = rows(loads)
+    assert np.abs(found[:, 1:] - table[:, -2:]).max() <= 1e-13 * np.abs(table[:, -2:]).max()
+
+
+def test_a_free_robot_comes_back_without_loads(tmp_path: Path) -> None:
+    (tmp_path / "tumble.toml").write_text("gravity = [0, 0, 0]\n" + TUMBLE)
+    motion, loads = tmp_path / "motion.csv", tmp_path / "tau.csv"
+    call = (str(ROBOTS / "satellite.urdf"), "--scene", str(tmp_path / "tumble.toml"))
+    text = simulate(*call, "--duration", "3", "--rtol", "1e-12", "--out", str(motion))
+    assert "momentum: drift " in text
+    assert run("torques", call[0], str(motion), *call[1:], "--reactions", "--out", str(loads)).status == 0
+    names, found = rows(loads)
+    scale = 1e-12 * np.abs(found).max()
+    assert all(np.abs(found[:, names.index(f"base_{part}")]).max() <= scale for part in ("fx", "fy", "fz", "mx"))
+
+
+def test_json() -> None:
+    document = json.loads(simulate(*SWING, "--duration", "0.5", "--format", "json", "--method", "gauss4"))
+    assert list(document) == [
+        *("robot", "duration", "gravity", "method", "steps", "evaluations", "executor", "ended", "final", "energy"),
+        *("momentum_drift", "effects", "notes"),
+    ]
+    assert document["method"] == {"name": "gauss4", "order": 4, "step": 0.001, "rtol": None}
+    assert document["ended"] is document["momentum_drift"] is document["evaluations"] is None
+    assert set(document["final"]["q"]) == {"shoulder", "elbow"}
+
+
+def test_a_limit_ends_it(tmp_path: Path) -> None:
+    write_arm(tmp_path)
+    (tmp_path / "free.toml").write_text("[initial]\nqd = { elbow = 4 }\n")
+    text = simulate(str(tmp_path / "arm.urdf"), "--scene", str(tmp_path / "free.toml"), "--duration", "9")
+    assert 'ENDED EARLY: "' in text
+    assert " limit of " in text
+
+
+WRONG = [
+    (("--method", "rk5"), "", "there is no method 'rk5' (did you mean 'rk4'?)"),
+    (("--step", "0"), "", "step is 0 (give a positive number)"),
+    (("--duration", "nan"), "", "duration is nan (give a positive number)"),
+    (("--rtol", "-1"), "", "rtol is -1 (give a positive number)"),
+    (("--duration", "1e30"), "", "1e+33 steps are too many (give a longer --step)"),
+    (("--method", "dop853", "--step", "1"), "", "dop853 chooses its own steps (give --rtol instead of --step)"),
+    (("--method", "rk4", "--rtol", "1e-9"), "", "rk4 has steps of a fixed length (give --step instead of --rtol)"),
+    (("--out", "x.xlsx"), "", "x.xlsx: unknown type of table by this suffix"),
+    ((), "[drive]\nelbw = {}", "scene.toml: [drive]: the robot has no joint 'elbw' that moves (did you mean 'elbow'?)"),
+    ((), "[initial]\nq = { wrist = 1 }", "scene.toml: [initial] q: the robot has no coordinate 'wrist'"),
+    ((), "[initial]\nq = { elbow = 4 }", '"elbow" begins at 4, beyond its limit of 3 (begin within the limits, or'),
+    ((), "[contact]\n", 'scene.toml: the scene: "contact" asks for contact, which robodyn does not compute'),
+    ((), '[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]', "a wrench of the scene names the column 'fx'"),
+    ((), "[drive]\nelbow = { kp = -1e8 }\n[initial]\nq = { elbow = 1 }", "the motion cannot be followed at "),
+]
+
+
+@pytest.mark.parametrize(("more", "scene", "line"), WRONG)
+def test_wrong_calls(
+    more: tuple[str, ...], scene: str, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_arm(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(scene)
+    outcome = run("simulate", "arm.urdf", "--scene", "scene.toml", *more)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
+def test_a_stiff_drive_needs_a_stiff_method(tmp_path: Path) -> None:
+    write_arm(tmp_path)
+    (tmp_path / "stiff.toml").write_text("[drive]\nelbow = { kp = 1e4, kd = 1e4 }\nshoulder = { kp = 1e4, kd = 1e4 }\n")
+    call = ("simulate", str(tmp_path / "arm.urdf"), "--scene", str(tmp_path / "stiff.toml"), "--duration", "1")
+    outcome = run(*call, "--method", "gauss4")
+    assert outcome.status == 2
+    assert "(give a shorter --step, or --method radau where friction or a drive is stiff)" in outcome.err
+    assert run(*call, "--method", "radau").status == 0

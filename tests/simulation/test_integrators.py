@@ -1,0 +1,153 @@
+"""Every method: its order, what it keeps, and that machine code and NumPy do the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from oracles import robot
+from simulated_robots import pendulum, tumbling
+from small_robots import random_tree
+
+import robodyn
+from robodyn.errors import InputError
+from robodyn.scene import Scene
+from robodyn.simulation.methods import METHODS
+
+FIXED = [method for method in METHODS if not method.adaptive]
+ADAPTIVE = [method for method in METHODS if method.adaptive]
+
+
+@pytest.fixture(scope="module")
+def settled():
+    model, scene = tumbling()
+    found = robodyn.simulate(model, scene, 0.5, rtol=1e-13)
+    return np.array([*found.q[-1], *found.qd[-1], found.work[-1]])
+
+
+@pytest.mark.parametrize("method", FIXED, ids=lambda method: method.name)
+def test_order(method, settled):
+    model, scene = tumbling()
+    errors = []
+    for steps in {"gauss4": (16, 32), "gauss6": (8, 16)}.get(method.name, (128, 256)):
+        found = robodyn.simulate(model, scene, 0.5, method=method.name, step=0.5 / steps, executor="compiled")
+        assert found.steps == steps
+        errors.append(np.abs([*found.q[-1], *found.qd[-1], found.work[-1]] - settled).max())
+    assert abs(np.log2(errors[0] / errors[1]) - method.order) <= 0.15
+    assert errors[1] <= 0.05
+
+
+@pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
+def test_tolerance(method, settled):
+    model, scene = tumbling()
+    for rtol in (1e-6, 1e-9):
+        found = robodyn.simulate(model, scene, 0.5, method=method.name, rtol=rtol)
+        assert np.abs([*found.q[-1], *found.qd[-1], found.work[-1]] - settled).max() <= 100 * rtol
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+def test_tables_are_consistent(method):
+    if method.adaptive:
+        assert not method.A
+        return
+    A, b = np.array(method.A), np.array(method.b)
+    c = A.sum(axis=1)
+    for k in range(min(method.order, 4)):
+        assert abs(b @ c**k - 1 / (k + 1)) <= 1e-15
+
+
+@pytest.mark.parametrize("name", ["gauss2", "gauss4", "gauss6"])
+def test_energy_of_gauss_methods_does_not_drift(name):
+    scene = Scene(initial_q={"j1": 0.8})
+    found = robodyn.simulate(pendulum(masses=2), scene, 400.0, method=name, step=0.02)
+    error = np.abs(found.figures.energy - found.figures.energy[0])
+    halves = [part.max() for part in np.array_split(error, 2)]
+    assert halves[1] <= 1.3 * halves[0]
+    assert halves[0] <= {"gauss2": 0.5, "gauss4": 5e-3, "gauss6": 1e-4}[name]
+
+
+def test_energy_of_explicit_methods_drifts_and_the_drift_is_reported():
+    scene = Scene(initial_q={"j1": np.pi / 2})
+    found = robodyn.simulate(pendulum(masses=2), scene, 400.0, step=0.02)
+    error = np.abs(found.figures.energy - found.figures.energy[0])
+    assert found.energy_drift == error.max()
+    assert error[-1] > 2 * error[len(error) // 2] > 0
+
+
+def test_momenta_of_a_free_robot_stay():
+    model, scene = tumbling()
+    found = robodyn.simulate(model, scene, 2.0, method="gauss6", step=2e-3)
+    assert found.free
+    linear, angular = found.momentum_drift
+    assert linear <= 1e-12 * np.abs(found.figures.linear).max()
+    assert angular <= 1e-12 * np.abs(found.figures.angular).max()
+    assert np.abs(found.figures.linear[-1] - found.figures.linear[0]).max() > 1.0
+    assert found.energy_drift <= 1e-11 * found.figures.kinetic.max()
+
+
+def test_a_robot_on_the_ground_is_not_free():
+    assert not robodyn.simulate(pendulum(), Scene(), 0.01).free
+
+
+@pytest.mark.parametrize("method", FIXED, ids=lambda method: method.name)
+def test_machine_code_and_numpy_agree(method):
+    model, scene = tumbling()
+    runs = [
+        robodyn.simulate(model, scene, 0.03, method=method.name, step=1e-3, executor=executor)
+        for executor in ("numpy", "compiled")
+    ]
+    assert [run.executor for run in runs] == ["numpy", "compiled"]
+    first, second = (np.hstack((run.columns, run.work[:, None])) for run in runs)
+    assert np.abs(first - second).max() <= 1e-11 * np.abs(first).max()
+
+
+def test_quaternions_keep_their_length_over_fast_turns():
+    scene = Scene(gravity=(0, 0, 0), initial_qd={"base_wx": 40.0, "base_wy": 0.3})
+    found = robodyn.simulate(robot("rigid_body"), scene, 5.0, step=0.01)
+    h = found.q[:, 3:]
+    assert np.abs(np.linalg.norm(h, axis=1) - 1).max() <= 4e-16
+
+
+def test_a_steady_turn_is_exact_at_any_step():
+    scene = Scene(gravity=(0, 0, 0), initial_qd={"base_wz": 40.0})
+    found = robodyn.simulate(robot("rigid_body"), scene, 5.0, method="euler", step=0.02)
+    assert np.abs(found.q[-1, 3:] - [0, 0, np.sin(100), np.cos(100)]).max() <= 1e-12
+
+
+def test_long_motions_are_recorded_every_few_steps(monkeypatch):
+    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 30)
+    scene = Scene(initial_q={"j1": 1.0})
+    whole, thin = (robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor=e) for e in ("numpy", "compiled"))
+    monkeypatch.undo()
+    full = robodyn.simulate(pendulum(), scene, 0.1, step=1e-3)
+    assert (len(thin.time), thin.steps) == (26, 100)
+    assert "recorded every 4 steps" in thin.notes
+    assert (np.abs(thin.q - full.q[::4]) <= 1e-13).all()
+    assert (np.abs(whole.q - full.q[::4]) <= 1e-13).all()
+
+
+def test_motions_in_several_chunks_are_one(monkeypatch):
+    scene = Scene(initial_q={"j1": 1.0})
+    full = robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor="compiled")
+    monkeypatch.setattr("robodyn.simulation.fixed.CHUNK", 7)
+    parts = robodyn.simulate(pendulum(), scene, 0.1, step=1e-3, executor="compiled")
+    assert (parts.q == full.q).all()
+    assert (parts.time == full.time).all()
+
+
+def test_the_limit_is_found_between_records(monkeypatch):
+    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 5)
+    model = random_tree(1, n=1, kinds=("prismatic",))
+    scene = Scene(gravity=(0, 0, 0), initial_qd={"j1": 9.7})
+    found = robodyn.simulate(model, scene, 2.0, step=0.01)
+    assert abs(found.time[-1] - 9 / 9.7) <= 1e-12
+    assert found.steps == 93
+    assert not robodyn.simulate(model, replace(scene, joint_limits="ignore"), 2.0, step=0.01).ended
+
+
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_sweeps_that_do_not_settle(executor, monkeypatch):
+    monkeypatch.setattr("robodyn.execute.repeated.SWEEPS", 2)
+    with pytest.raises(InputError, match="the steps of gauss4 do not settle at 0 s"):
+        robodyn.simulate(pendulum(), Scene(initial_q={"j1": 1.0}), 1.0, method="gauss4", step=0.1, executor=executor)

@@ -1,0 +1,132 @@
+"""Simulated motions against closed forms and references of 30 digits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from oracles import reference, robot
+from simulated_robots import pendulum, slide
+from small_robots import built, joint, link
+
+import robodyn
+from robodyn.scene import Drive, Friction, Scene, Spring
+
+G = 9.81
+PERIODS = {float(k): float(v) for k, v in reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"].items()}
+DOUBLE = reference("double_pendulum")["data"]
+
+
+@pytest.mark.parametrize("method", ["dop853", "gauss6"])
+@pytest.mark.parametrize("degrees", [1, 30, 90, 150, 179])
+def test_a_pendulum_hangs_down_after_a_quarter_of_its_period(degrees, method):
+    scene, quarter = Scene(initial_q={"j1": np.radians(degrees)}), PERIODS[degrees] / 4
+    how = {"rtol": 1e-13} if method == "dop853" else {"step": quarter / 100}
+    found = robodyn.simulate(pendulum(), scene, quarter, method=method, **how)
+    assert abs(found.q[-1, 0]) <= 1e-11
+    speed = -np.sqrt(2 * G * (1 - np.cos(np.radians(degrees))))
+    assert abs(found.qd[-1, 0] - speed) <= 1e-11 * abs(speed)
+
+
+@pytest.mark.parametrize(("case", "start", "bound"), [("large(pi/2,0)", 0.5, 1e-11), ("chaotic(3pi/4,0)", 0.75, 1e-9)])
+@pytest.mark.parametrize("time", ["1", "2", "5"])
+def test_double_pendulum(case, start, bound, time):
+    scene = Scene(initial_q={"j1": start * np.pi})
+    found = robodyn.simulate(pendulum(masses=2), scene, float(time), rtol=1e-13)
+    expected = np.array(DOUBLE[case][time], dtype=float)
+    assert np.abs([*found.q[-1], *found.qd[-1]] - expected).max() <= bound
+
+
+def test_a_plate_flips_over_and_back():
+    period = 55.061681107466372
+    scene = Scene(gravity=(0, 0, 0), initial_qd={"base_wx": 1e-3, "base_wy": 1.0, "base_wz": 1e-3})
+    found = robodyn.simulate(robot("rigid_body"), scene, period, method="gauss6", step=0.05)
+    w = found.qd[:, :3]
+    assert w[:, 1].min() < -0.999
+    assert np.abs(w[-1] - w[0]).max() <= 1e-9
+    twice, H = w**2 @ [1, 2, 3], np.linalg.norm(w * [1, 2, 3], axis=1)
+    assert np.ptp(twice) <= 1e-13 * twice[0]
+    assert np.ptp(H) <= 1e-13 * H[0]
+
+
+def test_a_body_in_free_fall():
+    scene = Scene(initial_qd={"base_vx": 1.0, "base_vz": 2.0, "base_wz": 3.0})
+    found = robodyn.simulate(robot("rigid_body"), scene, 1.0, step=0.01)
+    assert np.abs(found.q[-1] - [1, 0, 2 - G / 2, 0, 0, np.sin(1.5), np.cos(1.5)]).max() <= 1e-13
+    assert found.free
+    assert max(found.momentum_drift) <= 1e-12 * 12 * G
+
+
+def test_a_damped_spring():
+    m, k, d, t = 2.0, 50.0, 3.0, 1.7
+    scene = Scene(friction={"j1": Friction(viscous=d)}, spring={"j1": Spring(k, 0.1)}, initial_q={"j1": 0.3})
+    found = robodyn.simulate(slide(m), scene, t, rtol=1e-13)
+    decay, w = d / (2 * m), np.sqrt(k / m - (d / (2 * m)) ** 2)
+    expected = 0.1 + 0.2 * np.exp(-decay * t) * (np.cos(w * t) + decay / w * np.sin(w * t))
+    assert abs(found.q[-1, 0] - expected) <= 1e-12
+    assert found.energy_drift <= 1e-12 * found.figures.energy[0]
+
+
+def test_a_drive_settles_where_it_balances_gravity():
+    kp, kd = 200.0, 40.0
+    scene = Scene(drive={"j1": Drive(torque=1.0, kp=kp, kd=kd, reference=0.5)})
+    found = robodyn.simulate(pendulum(), scene, 20.0)
+    q = found.q[-1, 0]
+    assert abs(found.qd[-1, 0]) <= 1e-12
+    assert abs(1.0 + kp * (0.5 - q) - G * np.sin(q)) <= 1e-10
+    assert np.abs(found.tau[:, 0] - (1.0 + kp * (0.5 - found.q[:, 0]) - kd * found.qd[:, 0])).max() <= 1e-12
+
+
+def test_friction_stops_a_slide_without_chatter():
+    m, f, v = 2.0, 3.0, 1.5
+    scene = Scene(friction={"j1": Friction(forward=f, backward=-f)}, initial_qd={"j1": v}, slip_speed=1e-3)
+    found = robodyn.simulate(slide(m), scene, 3.0)
+    stop = m * v / f
+    assert abs(found.q[-1, 0] - m * v**2 / (2 * f)) <= 2e-3 * stop
+    after = found.qd[found.time > stop + 0.01, 0]
+    assert (np.diff(after) <= 0).all()
+    assert (after >= 0).all()
+    assert found.energy_drift <= 1e-6 * found.figures.kinetic[0]
+
+
+def test_a_fall_ends_at_the_limit():
+    found = robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, step=0.01)
+    fall = np.sqrt(18 / G)
+    assert abs(found.time[-1] - fall) <= 1e-14 * fall
+    assert -9.0 <= found.q[-1, 0] <= -9.0 + 1e-12
+    assert found.ended == f'"j1" reaches its lower limit of -9 m at {fall:.6g} s'
+
+
+def test_a_fall_ends_at_the_limit_by_adaptive_steps():
+    found = robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, rtol=1e-10)
+    assert abs(found.time[-1] - np.sqrt(18 / G)) <= 1e-9
+    assert found.ended.startswith('"j1" reaches its lower limit of -9 m at 1.354')
+
+
+def test_friction_without_a_slip_speed_is_given_one_and_the_note_says_so():
+    scene = Scene(friction={"j1": Friction(forward=3.0, backward=-2.0)}, initial_qd={"j1": 1.5})
+    found = robodyn.simulate(slide(), scene, 0.01)
+    assert found.scene.slip_speed == 1e-3
+    assert (
+        "Coulomb friction is regularised, f qd / sqrt(qd^2 + 0.001^2): up to 3e+03 N m s/rad near rest" in found.notes
+    )
+    assert not robodyn.simulate(slide(), Scene(), 0.01).notes
+
+
+def test_stiff_friction_at_rest_by_radau():
+    m, f, push = 2.0, 3.0, 2.0
+    scene = Scene(friction={"j1": Friction(forward=f, backward=-f)}, drive={"j1": Drive(torque=push)}, slip_speed=1e-6)
+    found = robodyn.simulate(slide(m), scene, 1.0, method="radau", rtol=1e-10)
+    creep = 1e-6 * push / np.sqrt(f**2 - push**2)
+    assert abs(found.qd[-1, 0] - creep) <= 1e-6 * creep
+    assert found.evaluations < 2000
+
+
+def test_a_follower_of_a_mimicked_joint_has_its_limit_too():
+    parts = [link("l0"), link("l1", 1.0), link("l2", 1.0)]
+    lead = joint("lead", "l0", "l1", "prismatic", (1, 0, 0))
+    follow = joint(
+        "follow", "l0", "l2", "prismatic", (1, 0, 0), more='<mimic joint="lead" multiplier="-3" offset="1"/>'
+    )
+    found = robodyn.simulate(built(*parts, lead, follow), Scene(initial_qd={"lead": 2.0}), 5.0, step=0.01)
+    assert found.ended == '"follow" reaches its lower limit of -9 m at 1.66667 s'
+    assert abs(found.q[-1, 0] - 10 / 3) <= 1e-12
