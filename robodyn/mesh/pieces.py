@@ -49,3 +49,17 @@ def joined(parts: list[Pieces]) -> Pieces:
     return Pieces(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("column", "start", "stop", "weight"))
     )
+
+
+def centred(totals: Floats, region: Floats) -> Floats:
+    """Integrals (..., 4, 4) of y y^T, y = (x, 1), with x from the centre of a region that has such integrals (4, 4)."""
+    shift = np.eye(4)
+    shift[:3, 3] = -region[:3, 3] / region[3, 3]
+    about: Floats = shift @ totals @ shift.T
+    return about
+
+
+def relative(error: Floats, region: Floats) -> float:
+    """The larger of the error of the volume, of that, and of the largest of second moments, of the largest."""
+    S_c = centred(region, region)[:3, :3]
+    return max(float(error[3, 3] / region[3, 3]), float(error[:3, :3].max() / np.abs(S_c).max()))

@@ -6,16 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.mesh.columns import Hits, Lattice
+from robodyn.mesh.columns import Hits, Integers, Lattice, in_order
 from robodyn.mesh.indexed import Indexed, Mask
-from robodyn.mesh.pieces import Pieces, joined, pieces
+from robodyn.mesh.pieces import Pieces, joined
 from robodyn.mesh.triangles import Floats
-from robodyn.mesh.winding import winding_numbers
+from robodyn.mesh.winding_tree import WindingTree
 
 _NEAR_END = 1e-6
 """Share of a piece from its end at which the winding number there is taken."""
 
-_HALVINGS = 10
+_STEPS = 4
+"""In the search for where a winding number passes a level."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,35 +27,49 @@ class Field:
     few, is taken off.
 
     Attributes:
+        caps: of the surface.
         ends: pieces between hits of the surface or of caps, weighted with the winding number of both.
         values: (3, n) that of the surface alone at the start, in the middle and at the stop of each.
+        met: how many hits are of caps.
     """
 
     lattice: Lattice
-    caps: Indexed
+    caps: WindingTree
     ends: Pieces
     values: Floats
+    met: int
 
     @classmethod
-    def along(cls, lattice: Lattice, corners: Floats, caps: Indexed) -> Field:
-        """Args: corners: (m, 3, 3) of the surface with its caps."""
-        ends = pieces(_with_margins(lattice.hits(corners)))
-        field = cls(lattice, caps, ends, np.zeros((3, len(ends.start))))
-        length = ends.stop - ends.start
-        shares = (_NEAR_END, 0.5, 1 - _NEAR_END)
-        values = np.stack([field._at(ends, ends.start + share * length) for share in shares])
-        return replace(field, values=values)
+    def along(cls, lattice: Lattice, surface: Floats, caps: Indexed, tree: WindingTree) -> Field:
+        """Args: surface: (m, 3, 3) without its caps. tree: of these."""
+        found, closing = lattice.hits(surface), lattice.hits(caps.corners)
+        ends, after_cap = _pieces(found, closing)
+        field = cls(lattice, tree, ends, np.zeros((3, len(ends.start))), len(closing.sign))
+        return replace(field, values=field._values(after_cap))
+
+    def _values(self, after_cap: Mask) -> Floats:
+        """That of caps passes from a piece to the next without a jump unless a cap is between them."""
+        start, length = self.ends.start, self.ends.stop - self.ends.start
+        column = self.ends.column
+        new = after_cap.copy()
+        new[:1] = True
+        new[1:] |= (column[1:] != column[:-1]) | (length[:-1] <= _NEAR_END * np.ptp(start))
+        depths = start + np.array([[_NEAR_END], [0.5], [1 - _NEAR_END]]) * length
+        chosen = np.stack([new, np.ones_like(new), np.ones_like(new)])
+        off = np.zeros(depths.shape)
+        off[chosen] = self._of_caps(np.broadcast_to(column, depths.shape)[chosen], depths[chosen])
+        off[0, 1:] = np.where(new[1:], off[0, 1:], off[2, :-1])
+        values: Floats = self.ends.weight - off
+        return values
 
     def above(self, level: float) -> Pieces:
         """The pieces with more than this winding number, less those with a positive one with caps."""
         middle = (self.ends.start + self.ends.stop) / 2
-        depths = self.ends.start, middle, self.ends.stop
+        halves = joined([replace(self.ends, stop=middle), replace(self.ends, start=middle)])
+        first, last = self.values[:2].ravel() - level, self.values[1:].ravel() - level
         with_caps = self.ends.of(self.ends.weight > 0)
-        parts = [replace(with_caps, weight=-np.ones(len(with_caps.start)))]
-        for k in (0, 1):
-            half = replace(self.ends, start=depths[k], stop=depths[k + 1])
-            parts += self._parts(half, self.values[k] - level, self.values[k + 1] - level, level)
-        return joined(parts)
+        less = replace(with_caps, weight=-np.ones(len(with_caps.start)))
+        return joined([less, *self._parts(halves, first, last, level)])
 
     @property
     def inside(self) -> float:
@@ -84,32 +99,38 @@ class Field:
         return [replace(piece, weight=np.ones(len(piece.start))) for piece in (whole, part)]
 
     def _root(self, within: Pieces, first: Floats, last: Floats, level: float) -> Floats:
+        """Regula falsi, in which the value at an end that stays is halved (Illinois)."""
         a, b = within.start, within.stop
-        for _ in range(_HALVINGS):
-            middle = (a + b) / 2
-            value = self._at(within, middle) - level
+        before = np.zeros(len(a))
+        for _ in range(_STEPS):
+            between = a + (b - a) * (first / (first - last))
+            value = within.weight - self._of_caps(within.column, between) - level
             left = (value > 0) == (first > 0)
-            a, first = np.where(left, middle, a), np.where(left, value, first)
-            b, last = np.where(left, b, middle), np.where(left, last, value)
-        root: Floats = a + (b - a) * first / (first - last)
+            side = np.where(left, 1, -1)
+            stays = np.where(side == before, 0.5, 1.0)
+            a, b, before = np.where(left, between, a), np.where(left, b, between), side
+            first, last = np.where(left, value, first * stays), np.where(left, last * stays, value)
+        root: Floats = a + (b - a) * (first / (first - last))
         return root
 
-    def _at(self, where: Pieces, depth: Floats) -> Floats:
-        points = np.stack([*self.lattice.places(where.column), depth], axis=1) @ self.lattice.frame
-        return where.weight - winding_numbers(points, self.caps)
+    def _of_caps(self, column: Integers, depth: Floats) -> Floats:
+        return self.caps.numbers(np.stack([*self.lattice.places(column), depth], axis=1) @ self.lattice.frame)
 
 
-def _with_margins(hits: Hits) -> Hits:
-    """With a hit that changes nothing before the first and after the last of each column."""
-    column = np.unique(hits.column)
-    if not len(column):
-        return hits
-    lo, hi = hits.depth.min(), hits.depth.max()
-    margin = (hi - lo) / 8
-    ends = np.repeat([lo - margin, hi + margin], len(column))
-    nothing = np.zeros(2 * len(column), hits.sign.dtype)
-    return Hits(
-        np.concatenate([hits.column, column, column]),
-        np.concatenate([hits.depth, ends]),
-        np.concatenate([hits.sign, nothing]),
-    )
+def _pieces(surface: Hits, caps: Hits) -> tuple[Pieces, Mask]:
+    """What lies between hits of each column, with a margin at both ends; and which pieces follow a cap."""
+    hit = np.concatenate([surface.column, caps.column])
+    depth = np.concatenate([surface.depth, caps.depth])
+    columns = np.unique(hit)
+    margins = np.empty(0)
+    if len(columns):
+        lo, hi = depth.min(), depth.max()
+        margins = np.repeat([lo - (hi - lo) / 8, hi + (hi - lo) / 8], len(columns))
+    column, depth = np.concatenate([hit, columns, columns]), np.concatenate([depth, margins])
+    sign = np.concatenate([surface.sign, caps.sign, np.zeros(len(margins), caps.sign.dtype)])
+    order = in_order(column, depth)
+    of_cap = ((order >= len(surface.sign)) & (order < len(hit)))[:-1]
+    column, depth = column[order], depth[order]
+    within = column[1:] == column[:-1]
+    winding = np.cumsum(sign[order])[:-1][within].astype(np.float64)
+    return Pieces(column[:-1][within], depth[:-1][within], depth[1:][within], winding), of_cap[within]
