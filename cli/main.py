@@ -13,7 +13,10 @@ import click
 from robodyn.cli.failures import reported
 from robodyn.wording import alternatives
 
-COMMANDS = ("torques", "simulate", "inertia", "check", "fbd", "equations", "rule", "bench")
+COMMANDS = (
+    *("torques", "simulate", "inertia", "check", "fbd", "equations"),
+    *("info", "accuracy", "rule", "bench", "doctor"),
+)
 
 
 class Commands(click.Group):
@@ -22,8 +25,10 @@ class Commands(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
 
-    def get_command(self, ctx: click.Context, name: str) -> click.Command:
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
+            if ctx.resilient_parsing:  # a shell completes what is being typed
+                return None
             ctx.fail(f"there is no command {name!r}; {alternatives(name, COMMANDS, 'commands')}")
         command: click.Command = import_module(f"robodyn.cli.{name}").command
         return command

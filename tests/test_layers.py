@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
-    ("errors", "spatial", "wording", "overlap"),
+    ("errors", "spatial", "wording", "overlap", "installed"),
     ("inertia", "scene", "trace", "overflow", "statistics", "extremes"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
     ("model", "scene_file", "part"),
@@ -24,8 +24,9 @@ ORDER = [
     ("sizing", "momentum", "forward"),
     ("momentum_pass", "free_body"),
     ("one_pass", "equations", "bench"),
-    ("loads", "simulation"),
+    ("loads", "simulation", "accuracy"),
     ("checks",),
+    ("overview", "doctor"),
     ("report",),
     ("cli",),
 ]

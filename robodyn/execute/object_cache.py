@@ -104,6 +104,14 @@ class ObjectCache:
             return any(name.startswith(_short(content)) for name in os.listdir(self._folder))
         return False
 
+    def held(self) -> tuple[int, int]:
+        """How many files are kept, and their bytes."""
+        sizes: list[int] = []
+        if self._folder is not None:
+            with suppress(OSError):
+                sizes = [status.st_size for _, status in _files(self._folder)]
+        return len(sizes), sum(sizes)
+
 
 def _prune(folder: Path, largest: int) -> None:
     """Removes the files used longest ago and those never finished, but nothing that was not written here."""

@@ -1,0 +1,26 @@
+"""`robodyn doctor`: whether robodyn can work here."""
+
+from __future__ import annotations
+
+import click
+
+from robodyn.cli.options import FORMAT
+from robodyn.cli.screen import show
+from robodyn.doctor import doctor, healthy
+from robodyn.report.json_doctor import doctor_json
+from robodyn.report.text_doctor import doctor_text
+
+
+@click.command("doctor")
+@FORMAT
+def command(form: str) -> int:
+    """What robodyn finds on this machine: libraries, processor, executors, cache; what is missing and what that costs.
+    The exit status is 1 if something is broken that should be repaired.
+
+    \b
+    Example:
+      robodyn doctor
+    """
+    lines = doctor()
+    show(doctor_json(lines) if form == "json" else doctor_text(lines))
+    return int(not healthy(lines))

@@ -1,0 +1,31 @@
+"""`robodyn info`: a robot description at a glance."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.options import FORMAT
+from robodyn.cli.screen import page, show
+from robodyn.overview import overview
+from robodyn.report.json_overview import overview_json
+from robodyn.report.text_overview import overview_text
+
+
+@click.command("info")
+@click.argument("urdf", type=click.Path(readable=False))
+@click.option("--package-path", multiple=True, metavar="DIR", help="Where package:// names are looked up first.")
+@FORMAT
+def command(urdf: str, package_path: tuple[str, ...], form: str) -> None:
+    """A robot at a glance: tree, joints, masses, degrees of freedom, meshes, and what to run next.
+    A file named - is standard input; a .xacro file is expanded first.
+
+    \b
+    Example:
+      robodyn info robots/puma.urdf
+    """
+    check_names([urdf], None)
+    found = overview(sys.stdin.buffer.read() if urdf == STANDARD_INPUT else urdf, package_path)
+    show(overview_json(found) if form == "json" else overview_text(found, page()))

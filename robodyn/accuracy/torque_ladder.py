@@ -1,0 +1,160 @@
+"""What the digits of torques cost, and what effects and derivatives that are left out or derived cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from robodyn.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung
+from robodyn.accuracy.timing import timed
+from robodyn.bench.executors import Executor, available, compile_anew
+from robodyn.bench.timing import largest_difference
+from robodyn.errors import InputError
+from robodyn.execute.multiprecision import Multiprecision
+from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.inverse import runner_of
+from robodyn.model import Model
+from robodyn.motion_input import motion, read_motion, sources_of
+from robodyn.overflow import REMEDY
+from robodyn.plan import Plan, plan
+from robodyn.scene import DEFAULT, Scene
+from robodyn.trace.program import Program
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.reader import MODES, Derivatives
+
+SAMPLES = 16
+"""Of the motion, evenly spaced, on which errors are measured."""
+DIGITS = 50
+FEWER_DIGITS = 20
+
+Sources = Mapping[str, np.ndarray[Any, Any]]
+
+
+@np.errstate(all="ignore")
+def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -> Accuracy:
+    """Errors of the torques of a motion by every executor against 50 digits, their times, and what effects cost.
+
+    An error is the largest difference of a torque over the largest torque, on at most 16 samples. Times are for one
+    sample of the whole motion, by one thread.
+
+    Raises:
+        InputError: mpmath is not installed, the robot has no joints, or a torque overflows.
+    """
+    if model.n == 0:
+        raise InputError("the robot has no joints: there is nothing to compute", file=model.file)
+    a_plan = plan(model, scene)
+    program, sources = a_plan.torques(), _columnar(sources_of(samples, scene))
+    widths = runner_of(program, a_plan).widths
+    ways = _executors()
+    executors, notes = _executor_ladder(program, widths, ways, sources, len(samples))
+    ladders = [executors]
+    if samples.derivation is None:
+        ladders.append(_derivative_ladder(a_plan, samples))
+    else:
+        notes.append("derivatives: the trajectory gives no accelerations to measure those against that are derived")
+    acts: dict[str, Callable[[], object]] = {"tracing the recursion": a_plan.torques}
+    for way in ways:
+        if way.ready is not NumpyBlocks:
+            acts[f"machine code, {way.name}"] = partial(compile_anew, program, widths, way.dtype)
+    prices = tuple(Price(name, time) for name, (_, time) in timed(acts).items())
+    return Accuracy(model.name, tuple(ladders), prices, _effects(a_plan, sources, len(samples)), tuple(notes))
+
+
+def file_accuracy(model: Model, scene: Scene, trajectory: str) -> Accuracy:
+    """`torque_accuracy` of the first block of a trajectory in a file, 32768 samples.
+
+    Raises:
+        InputError: the trajectory is wrong or empty, or what `torque_accuracy` raises.
+    """
+    with read_motion(trajectory, model, scene) as reader:
+        for block in reader.blocks():
+            if len(block):
+                return torque_accuracy(model, block, scene)
+    raise InputError("the trajectory has no samples", file=trajectory)
+
+
+def _executors() -> tuple[Executor, ...]:
+    return (Executor("numpy float32", np.float32, NumpyBlocks), *available())
+
+
+def _executor_ladder(
+    program: Program, widths: Mapping[str, int], ways: tuple[Executor, ...], sources: Sources, count: int
+) -> tuple[Ladder, list[str]]:
+    """The ladder, and which executors are left out, and why."""
+    reference, digits = (Multiprecision(program, digits=digits) for digits in (DIGITS, FEWER_DIGITS))
+    acts: dict[str, Callable[[], Any]] = {}
+    for way in ways:
+        run, given = way.ready(program, widths), {name: np.asarray(a, way.dtype, "F") for name, a in sources.items()}
+        out = np.empty((count, len(program.outputs)), way.dtype, "F")
+        acts[_named(way)] = partial(run, given, count, out, *(() if way.ready is NumpyBlocks else (1,)))
+    results = timed(acts, 1 / count)
+    if not np.isfinite(results["numpy float64"][0]).all():
+        raise InputError("the torques of some samples overflow", remedy=REMEDY)
+    rows = np.unique(np.linspace(0, count - 1, SAMPLES).astype(int))
+    few = {name: values[rows] for name, values in sources.items()}
+    expected = reference(few, len(rows))
+    found = {name: (tau[rows], time) for name, (tau, time) in results.items()}
+    name = f"mpmath, {FEWER_DIGITS} digits"
+    found |= timed({name: partial(digits, few, len(rows))}, 1 / len(rows))
+    finite = {name: each for name, each in found.items() if np.isfinite(each[0].astype(float)).all()}
+    rungs = [Rung(name, (_error(tau, expected),), time, float(program.size)) for name, (tau, time) in finite.items()]
+    against = f"{DIGITS} digits on {len(rows)} of {count} samples"
+    notes = [f"{name}: the torques overflow" for name in found.keys() - finite.keys()]
+    return Ladder("torques", ("torque",), against, "sample", tuple(rungs)), notes
+
+
+def _named(way: Executor) -> str:
+    return way.name if "float" in way.name else f"{way.name} float64"
+
+
+def _error(tau: Any, expected: Any) -> float:
+    """max |tau - expected| / max |expected|, in the arithmetic of what is expected."""
+    largest = abs(expected).max()
+    difference = abs(expected - tau.astype(object)).max()
+    return float(difference / largest) if largest else float(difference)
+
+
+def _derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
+    """Torques with rates and accelerations that are derived from positions alone, against those with the given ones."""
+    model, scene = a_plan.model, a_plan.scene
+    program = a_plan.torques()
+    run = NumpyBlocks(program, runner_of(program, a_plan).widths)
+
+    def torques(of: Trajectory) -> Any:
+        return run(_columnar(sources_of(of, scene)), len(of))
+
+    def derived(mode: Derivatives) -> Trajectory:
+        return motion(model, samples.time, samples.q, columns=samples.extra, derivatives=mode)
+
+    expected = torques(samples)
+    modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode != "given")
+    found = timed({str(mode): partial(derived, mode) for mode in modes}, 1 / len(samples))
+    rungs = [Rung(name, (largest_difference(torques(way), expected),), time) for name, (way, time) in found.items()]
+    return Ladder("derivatives", ("torque",), "the velocities and accelerations given", "sample", tuple(rungs))
+
+
+def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
+    """Each by its own program, not by subtraction; the largest torque of each at any joint."""
+    model, total = a_plan.model, a_plan.torques().size
+    found = []
+    for effect in a_plan.effects:
+        share = a_plan.share(effect)
+        tau = abs(NumpyBlocks(share, runner_of(share, a_plan).widths)(sources, count)).max(axis=0)
+        place = int(np.argmax(tau))
+        saved = total - a_plan.without(effect).size
+        found.append(EffectPrice(effect.name, float(tau[place]), _unit(model, place), model.rates[place], saved))
+    return tuple(found)
+
+
+def _unit(model: Model, place: int) -> str:
+    """Of an entry of tau; a floating joint has three moments, then three forces."""
+    joint = max((joint for joint in model.independent if joint.rate <= place), key=lambda joint: joint.rate)
+    forces = joint.kind == "prismatic" or place - joint.rate >= 3
+    return "N" if forces else "N m"
+
+
+def _columnar(sources: Sources) -> dict[str, Any]:
+    return {name: np.asfortranarray(values) for name, values in sources.items()}

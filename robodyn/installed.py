@@ -1,0 +1,94 @@
+"""Which libraries are installed, and whether they load: tried in a process of its own, which some of them may end."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
+from typing import NamedTuple
+
+_LONGEST = 60.0
+"""Seconds that all of them may take."""
+_MARK = "\x1e"
+"""Before an answer, for modules may print too."""
+_TRY = """
+import json, sys
+sys.path[:] = json.loads(sys.argv[1])
+for name in sys.argv[2:]:
+    try:
+        __import__(name)
+        problem = ""
+    except BaseException as error:
+        problem = (str(error).partition("\\n")[0] or type(error).__name__)[:200]
+    print("\\x1e" + json.dumps([name, problem]), flush=True)
+"""
+
+
+class Library(NamedTuple):
+    """A library that robodyn uses.
+
+    Attributes:
+        name: to pip.
+        module: to import.
+        cost: what does not work without it.
+        install: what to give to pip; its name if empty.
+    """
+
+    name: str
+    module: str
+    cost: str
+    install: str = ""
+
+
+class Installed(NamedTuple):
+    """The version, None where it is not installed; and why it does not load, empty if it does."""
+
+    version: str | None
+    problem: str
+
+
+def installed(libraries: Sequence[Library]) -> dict[str, Installed]:
+    """Version and problem of each library, by its name."""
+    versions = {library.name: version_of(library.name) for library in libraries}
+    there = [library for library in libraries if versions[library.name] is not None]
+    problems = dict(loading([library.module for library in there]))
+    return {each.name: Installed(versions[each.name], problems.get(each.module, "")) for each in libraries}
+
+
+def version_of(name: str) -> str | None:
+    """The version that is installed; None where it is not."""
+    with suppress(PackageNotFoundError):
+        return version(name)
+    return None
+
+
+def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Each module with the reason why it does not load, empty if it does.
+
+    Method: one process imports them in turn; where it ends before the last, the next one has ended it, and another
+    process goes on behind that.
+    """
+    waiting = list(modules)
+    while waiting:
+        answers, ended = _tried(waiting)
+        yield from answers
+        waiting = waiting[len(answers) :]
+        if waiting:
+            yield waiting.pop(0), ended
+
+
+def _tried(modules: Sequence[str]) -> tuple[list[tuple[str, str]], str]:
+    """What the process says of the modules until it ends, and how it ends."""
+    call = [sys.executable, "-c", _TRY, json.dumps(sys.path), *modules]
+    try:
+        done = subprocess.run(call, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL)
+        said, status = done.stdout, done.returncode
+        ended = f"it ends the process, {f'signal {-status}' if status < 0 else f'exit status {status}'}"
+    except subprocess.TimeoutExpired as error:
+        said, ended = error.stdout or b"", f"it does not end within {_LONGEST:.0f} s"
+    lines = said.decode(errors="replace").split("\n")
+    answers = [json.loads(line.rpartition(_MARK)[2]) for line in lines if _MARK in line]
+    return [(name, problem) for name, problem in answers], ended

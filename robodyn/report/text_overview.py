@@ -1,0 +1,147 @@
+"""A description at a glance as text for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robodyn.checks.rule import Severity
+from robodyn.overview import Branch, Meshes, Overview
+from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.text_body import point_text
+from robodyn.urdf.description import Joint, Limit
+from robodyn.wording import shown
+
+_UNITS = {"prismatic": ("m", "N", "m/s")}
+_ANGULAR = ("rad", "N m", "rad/s")
+_MOST_MISSING = 5
+_DEEPEST = 40
+_NAMED = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
+
+
+def overview_text(found: Overview, page: Page = PLAIN) -> str:
+    """Counts and mass, the tree as a table, then meshes, findings and what to run next."""
+    return "\n".join(
+        (
+            _head(found),
+            page.table(_tree(found.branches)),
+            _meshes(found.meshes) + _check(found),
+            *((_lines(["next:", *(f"  {command}" for command in found.next)]),) if found.next else ()),
+        )
+    )
+
+
+def _lines(lines: Sequence[str]) -> str:
+    return "".join(f"{printable(line)}\n" for line in lines)
+
+
+def _head(found: Overview) -> str:
+    massive = sum(bool(branch.mass) for branch in found.branches)
+    joints = ", ".join(f"{count} {kind}" for kind, count in found.types.items())
+    merged = found.types.get("fixed", 0)
+    freedoms = f"degrees of freedom: {found.freedoms}"
+    if found.base_freedoms:
+        freedoms += f", {found.base_freedoms} of them the base's"
+    if merged:
+        freedoms += f"; {merged} fixed joint{' is' if merged == 1 else 's are'} merged"
+    if found.mimics:
+        freedoms += f"; {found.mimics} joint{' mimics another' if found.mimics == 1 else 's mimic others'}"
+    lines = [
+        f"{found.file}: robot {shown(found.name)}",
+        f"links: {len(found.branches)}, {massive} with mass",
+        f"joints: {sum(found.types.values())}{joints and f' ({joints})'}",
+        freedoms,
+        f"mass: {number(found.mass)} kg{_centre(found)}",
+        *(f"note: {note}" for note in found.notes),
+    ]
+    return _lines(lines)
+
+
+def _centre(found: Overview) -> str:
+    if found.com is None:
+        return ""
+    where = "where every joint is zero"
+    if found.moved:
+        values = ", ".join(f"{name} {value:.6g}" for name, value in found.moved.items())
+        where = f"where every joint is zero or at its limit nearest to zero: {values}"
+    point = point_text(found.com, float(np.abs(found.com).max()))
+    return f", centre of mass {point} m in the frame of {shown(found.base)}, {where}"
+
+
+def _tree(branches: tuple[Branch, ...]) -> Content:
+    deepest = max(branch.depth for branch in branches)
+    step = 2 if deepest <= _DEEPEST // 2 else 1
+    rows = [_row(branch, min(branch.depth * step, _DEEPEST)) for branch in branches]
+    head = ["link", "mass [kg]", "joint", "type", "axis", "lower", "upper", "effort", "velocity", "mimics"]
+    kept = [k for k in range(len(head)) if k < 2 or any(row[k] for row in rows)]
+    return [head[k] for k in kept], [[row[k] for k in kept] for row in rows]
+
+
+def _row(branch: Branch, indent: int) -> list[str]:
+    name = " " * indent + branch.name
+    mass = "" if branch.mass is None else number(branch.mass)
+    joint = branch.joint
+    if joint is None:
+        return [name, mass, *[""] * 8]
+    return [name, mass, joint.name, joint.type, _axis(joint), *_limits(joint), _mimic(joint)]
+
+
+def _axis(joint: Joint) -> str:
+    """The direction, as a letter where it is one of the joint's axes."""
+    if joint.type in ("fixed", "floating"):
+        return ""
+    axis = np.array(joint.axis) / max(map(abs, joint.axis))
+    axis = axis / np.sqrt(axis @ axis)
+    x, y, z = axis.tolist()
+    for sign in (1.0, -1.0):
+        letter = _NAMED.get((sign * x, sign * y, sign * z))
+        if letter:
+            return letter if sign > 0 else f"-{letter}"
+    return f"({', '.join(f'{value:.4g}' for value in (x, y, z))})"
+
+
+def _limits(joint: Joint) -> list[str]:
+    """Lower, upper, effort and velocity; - where a limit is to be expected but not given."""
+    if joint.type not in ("revolute", "prismatic", "continuous"):
+        return [""] * 4
+    length, effort, speed = _UNITS.get(joint.type, _ANGULAR)
+    limit = joint.limit or Limit()
+    position = ["", ""]
+    if joint.type != "continuous":
+        position = [_with(limit.lower, ""), _with(limit.upper, f" {length}")]
+    return [*position, _with(limit.effort, f" {effort}"), _with(limit.velocity, f" {speed}")]
+
+
+def _with(value: float | None, unit: str) -> str:
+    return "-" if value is None else number(value) + unit
+
+
+def _mimic(joint: Joint) -> str:
+    if joint.mimic is None:
+        return ""
+    factor = "" if joint.mimic.multiplier == 1 else f" * {joint.mimic.multiplier:.6g}"
+    offset = f" {'+' if joint.mimic.offset > 0 else '-'} {abs(joint.mimic.offset):.6g}" if joint.mimic.offset else ""
+    return f"{joint.mimic.joint}{factor}{offset}"
+
+
+def _meshes(meshes: Meshes) -> str:
+    if not meshes.references:
+        return "meshes: none\n"
+    count = f"meshes: {meshes.references} in {meshes.names} file{'' if meshes.names == 1 else 's'}"
+    if not meshes.missing:
+        return f"{count}, all found\n"
+    lines = [
+        f"  {geometry.filename} (link {shown(link)}, line {geometry.line})"
+        for link, geometry in meshes.missing[:_MOST_MISSING]
+    ]
+    rest = len(meshes.missing) - len(lines)
+    lines += [f"  and {rest} more"] if rest else []
+    return _lines([f"{count}, {len(meshes.missing)} not found:", *lines])
+
+
+def _check(found: Overview) -> str:
+    names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
+    counts = [(found.checked.count(severity), name) for severity, name in names.items()]
+    text = ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts)
+    return f"check: {text if found.checked.findings else 'nothing found'}\n"

@@ -1,0 +1,91 @@
+"""Errors of torques against many digits, and what effects are worth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import ROBOTS
+from hurried import hurry
+
+from robodyn.accuracy.torque_ladder import file_accuracy
+from robodyn.assemble import load
+from robodyn.errors import InputError
+from robodyn.inverse import inverse_dynamics
+from robodyn.motion_input import read_motion
+from robodyn.scene import DEFAULT
+
+SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
+
+pytest.importorskip("mpmath")
+
+
+@pytest.fixture(autouse=True)
+def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
+    hurry(monkeypatch)
+    monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 1)
+
+
+def test_scara() -> None:
+    model = load(SCARA)
+    found = file_accuracy(model, DEFAULT, MOTION)
+    executors, derivatives = found.ladders
+    errors = {rung.name: rung.error for rung in executors.rungs}
+    assert errors["numpy float64"] <= 1e-14
+    assert 1e-12 < errors["numpy float32"] <= 1e-6
+    assert errors["mpmath, 20 digits"] <= 1e-19
+    assert {rung.operations for rung in executors.rungs} == {float(_operations(found))}
+    assert [rung.name for rung in derivatives.rungs] == ["auto", "spline", "savgol", "central"]
+    with read_motion(MOTION, model) as reader:
+        block = next(iter(reader.blocks()))
+    tau = inverse_dynamics(model, block.q, block.qd, block.qdd)
+    still = inverse_dynamics(model, block.q, block.qd, block.qdd, scene=_weightless())
+    gravity = found.effects[0]
+    assert (gravity.name, gravity.unit, gravity.joint) == ("gravity", "N", "quill")
+    assert gravity.torque == pytest.approx(np.abs(tau - still).max(), rel=1e-12)
+    assert all(effect.saved >= 0 for effect in found.effects)
+
+
+def _operations(found) -> float:
+    return found.ladders[0].rungs[0].operations
+
+
+def _weightless():
+    from dataclasses import replace
+
+    return replace(DEFAULT, gravity=(0.0, 0.0, 0.0))
+
+
+def test_derived_accelerations_are_no_reference() -> None:
+    found = file_accuracy(load(ROBOTS / "puma.urdf"), DEFAULT, str(ROBOTS / "puma_waves.csv"))
+    assert [ladder.title for ladder in found.ladders] == ["torques"]
+    assert found.notes[0].startswith("derivatives: the trajectory gives no accelerations")
+
+
+def test_without_mpmath_there_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "mpmath", None)
+    with pytest.raises(InputError, match="mpmath"):
+        file_accuracy(load(SCARA), DEFAULT, MOTION)
+
+
+def test_what_single_precision_cannot_hold_is_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "fast.csv"
+    path.write_text("time,q_shoulder,q_elbow,q_quill,qd_shoulder,qd_elbow,qd_quill,qdd_shoulder,qdd_elbow,qdd_quill\n")
+    with path.open("a") as file:
+        file.writelines(f"{k / 100},0.1,0.2,0.3,1e30,1e30,0,0,0,0\n" for k in range(9))
+    found = file_accuracy(load(SCARA), DEFAULT, str(path))
+    assert "numpy float32: the torques overflow" in found.notes
+    assert "numpy float64" in [rung.name for rung in found.ladders[0].rungs]
+
+
+def test_torques_that_overflow(tmp_path: Path) -> None:
+    path = tmp_path / "wild.csv"
+    path.write_text("time,q_shoulder,q_elbow,q_quill,qd_shoulder,qd_elbow,qd_quill,qdd_shoulder,qdd_elbow,qdd_quill\n")
+    with path.open("a") as file:
+        file.writelines(f"{k / 100},0.1,0.2,0.3,1e200,1e200,0,0,0,0\n" for k in range(9))
+    with pytest.raises(InputError, match="overflow"):
+        file_accuracy(load(SCARA), DEFAULT, str(path))

@@ -1,0 +1,147 @@
+"""`robodyn doctor`: what it finds here, and what it says of what is missing or broken."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import Outcome, run
+
+from robodyn import doctor
+from robodyn.doctor import Line, healthy
+from robodyn.execute.trial import TOLERANCE, Trial, trial
+from robodyn.installed import Installed, Library, installed, loading
+from robodyn.report.text_doctor import doctor_text
+
+LIBRARIES = (*doctor.NEEDED, doctor.COMPILER, doctor.SCENES, *doctor.OPTIONAL)
+WORKS = Trial(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
+
+
+def here(**changed: Installed) -> dict[str, Installed]:
+    return {library.name: Installed("1.2.3", "") for library in LIBRARIES} | changed
+
+
+def diagnosed(
+    monkeypatch: pytest.MonkeyPatch, libraries: dict[str, Installed] | None = None, tried: Trial = WORKS
+) -> Outcome:
+    monkeypatch.setattr(doctor, "installed", lambda _: libraries or here())
+    monkeypatch.setattr(doctor, "tried_apart", lambda: tried)
+    return run("doctor")
+
+
+def test_here_in_full() -> None:
+    outcome = run("doctor", "--format", "json")
+    document = json.loads(outcome.out)
+    assert (outcome.status, outcome.err) == (0 if document["ok"] else 1, "")
+    lines = {line["name"]: line for line in document["lines"]}
+    assert next(line["found"] for line in document["lines"] if line["name"] == "numpy") == np.__version__
+    assert {"robodyn", "Python", "llvmlite", "drake", "processor", "cores", "compiled", "cache folder"} <= lines.keys()
+    assert all(set(line) == {"group", "name", "found", "verdict", "remark", "figures"} for line in document["lines"])
+
+
+def test_all_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = diagnosed(monkeypatch)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert outcome.out.endswith("\n\neverything that is needed works\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "found", "status", "said"),
+    [
+        ("scipy", Installed(None, ""), 1, "broken   without it no splines"),
+        ("polars", Installed("1.0", "bad ELF"), 1, "broken   1.0: does not load (bad ELF): no reading"),
+        ("drake", Installed(None, ""), 0, "missing  without it no Drake in `bench --peers`; pip install drake"),
+        ("sympy", Installed(None, ""), 0, "pip install 'robodyn[symbolic]'"),
+        ("llvmlite", Installed(None, ""), 0, "missing  without it no machine code"),
+    ],
+)
+def test_libraries(monkeypatch: pytest.MonkeyPatch, name: str, found: Installed, status: int, said: str) -> None:
+    outcome = diagnosed(monkeypatch, here(**{name: found}))
+    line = next(line for line in outcome.out.splitlines() if line.startswith(f"  {name} "))
+    assert (outcome.status, said in line) == (status, True), line
+    assert f"{'to be repaired' if status else 'missing'}: {name}" in outcome.out.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("tried", "status", "said"),
+    [
+        (Trial("llvmlite is not installed; pip install llvmlite", False, 1e-4), 0, "missing  llvmlite is not"),
+        (Trial("machine code ends the process", True, 0.0), 1, "broken   machine code ends the process; long"),
+        (Trial("results differ", True, 1e-4, difference=0.5), 1, "results may be wrong: --executor numpy"),
+    ],
+)
+def test_executors(monkeypatch: pytest.MonkeyPatch, tried: Trial, status: int, said: str) -> None:
+    outcome = diagnosed(monkeypatch, tried=tried)
+    assert (outcome.status, said in outcome.out) == (status, True), outcome.out
+
+
+def test_executors_agree_here() -> None:
+    found = trial()
+    assert found.problem is None or not found.broken
+    assert found.difference <= TOLERANCE
+
+
+def test_wrong_machine_code_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("llvmlite")
+    from robodyn.execute import compiled_blocks
+
+    right = compiled_blocks.CompiledBlocks.__call__
+    monkeypatch.setattr(compiled_blocks.CompiledBlocks, "__call__", lambda *args: right(*args) * (1 + 1e-9))
+    found = trial()
+    assert found.broken
+    assert "results differ from NumPy's by 1.0e-09" in str(found.problem)
+
+
+@pytest.mark.parametrize(
+    ("place", "status", "verdict"), [("kept", 0, "ok"), ("file", 1, "broken"), ("0", 0, "note"), ("open", 1, "broken")]
+)
+def test_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, place: str, status: int, verdict: str) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "open" / "objects").mkdir(parents=True)
+    (tmp_path / "open" / "objects").chmod(0o777)
+    monkeypatch.setenv("ROBODYN_CACHE", place if place == "0" else str(tmp_path / place))
+    outcome = diagnosed(monkeypatch)
+    line = next(line for line in outcome.out.splitlines() if "cache folder" in line)
+    assert (outcome.status, line.split()[2]) == (status, verdict), line
+    if place == "kept":
+        assert line.endswith("in 1 file")
+
+
+def test_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:/nowhere/at/all")
+    outcome = diagnosed(monkeypatch)
+    line = next(line for line in outcome.out.splitlines() if "ROS_PACKAGE_PATH" in line)
+    assert (outcome.status, line.split()[1]) == (0, "note")
+    assert line.endswith("no such folder: /nowhere/at/all")
+
+
+def test_modules_are_loaded_apart(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "loud_module.py").write_text("print('hello', end='')")
+    (tmp_path / "dying_module.py").write_text("import os; os._exit(7)")
+    (tmp_path / "failing_module.py").write_text("raise OSError('no libX.so\\nmore')")
+    monkeypatch.syspath_prepend(tmp_path)
+    answers = list(loading(["loud_module", "dying_module", "failing_module", "json"]))
+    assert answers == [
+        ("loud_module", ""),
+        ("dying_module", "it ends the process, exit status 7"),
+        ("failing_module", "no libX.so"),
+        ("json", ""),
+    ]
+
+
+def test_what_is_not_installed_is_not_tried() -> None:
+    assert installed([Library("no-such-library-here", "os", "")]) == {"no-such-library-here": Installed(None, "")}
+
+
+def test_text_escapes_what_it_is_given() -> None:
+    lines = (Line("environment", "X", "a\x1b[31m", "broken", "b"),)
+    assert doctor_text(lines) == "environment\n  X  broken   a\\x1b[31m: b\n\nto be repaired: X\n"
+    assert not healthy(lines)
+
+
+def test_wrong_call() -> None:
+    outcome = run("doctor", "robot.urdf")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == "error: got unexpected extra argument (robot.urdf) (try: robodyn doctor --help)\n"
