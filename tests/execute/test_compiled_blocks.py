@@ -141,6 +141,20 @@ def test_threads_that_begin_late(patience, busy_threads, monkeypatch):
         np.testing.assert_array_equal(bits(ready()(arrays, samples, None, 3)), bits(expected(arrays)))
 
 
+def test_a_thread_takes_over_what_others_leave(busy_threads, monkeypatch):
+    """Its own part first, then those after it and before it."""
+    done = []
+
+    class Eager:
+        def submit(self, task, part):
+            task(part)
+            done.append(task.args[2][0])
+
+    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Eager())
+    ready()(state(4097), 4097, None, 3)
+    assert done == [4097, 4097]
+
+
 def test_a_thread_that_never_begins(busy_threads, monkeypatch):
     class Idle:
         def submit(self, *task):
