@@ -91,11 +91,11 @@ def test_the_action_is_one() -> None:
     assert "${{" not in "".join(step["run"] for step in action["runs"]["steps"])
 
 
-def test_the_hooks_start_commands_that_exist() -> None:
+def test_the_hooks_start_commands_that_exist(tmp_path: Path) -> None:
     hooks = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
     assert [hook["id"] for hook in hooks] == ["robodyn-check", "robodyn-fix"]
     for hook in hooks:
         words = hook["entry"].split()
         assert words[0] == "robodyn"
-        done = subprocess.run(command(*words[1:], "--help"), capture_output=True, check=False)
+        done = subprocess.run(command(*words[1:], "--help"), capture_output=True, check=False, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, b"")

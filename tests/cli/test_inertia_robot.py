@@ -281,7 +281,8 @@ def with_bar(*call):
 
 
 @pytest.mark.parametrize("call", [(ARM, "--compare"), (str(ROBOTS / "meshes" / "hub.stl"),)], ids=["robot", "mesh"])
-def test_progress_is_shown_on_a_terminal_alone(call):
+def test_progress_is_shown_on_a_terminal_alone(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     shown, piped = on_terminal(with_bar(*call), stdout=False, stderr=True)
     assert "measuring" in shown
     assert json.loads(piped) == document(*call)
