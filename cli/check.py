@@ -16,6 +16,7 @@ from robodyn.cli.check_fix import fix_files
 from robodyn.cli.check_options import OPTIONS, check_flags
 from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
 
 
@@ -39,7 +40,8 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     tasks = tasks_for(sources, given, flags["config"])
     if (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"]):
         return 1
-    checked = check_tasks(tasks)
+    with robots_done(len(tasks)) as done:
+        checked = check_tasks(tasks, done)
     if flags["write_baseline"]:
         count = write_baseline(checked.findings, flags["baseline"])
         click.echo(f"written: {flags['baseline']}, {count} findings", err=True)

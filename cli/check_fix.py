@@ -8,13 +8,18 @@ import click
 
 from robodyn.checks.project import Task, fix_task
 from robodyn.checks.whole import write_whole
+from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
 from robodyn.report.fixes_check import check_diff, fix_lines
 
 
 def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
-    files = [fix_task(task, unsafe) for task in tasks]
+    files = []
+    with robots_done(len(tasks), "fixing") as done:
+        for task in tasks:
+            files.append(fix_task(task, unsafe))
+            done()
     changed = [one for one in files if one.after != one.before]
     for one in changed:
         if diff:

@@ -15,6 +15,8 @@ LONG = 20_000_000
 """Bytes of trajectory from which a bar is worth its lines."""
 LONG_MESHES = 2_000_000
 """Bytes of meshes from which it is."""
+MANY_ROBOTS = 10
+"""Descriptions from which it is."""
 
 
 @contextmanager
@@ -49,6 +51,24 @@ def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("measuring", total=len(files) if len(files) > 1 else None)
         yield lambda: bar.advance(task)
+
+
+@contextmanager
+def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], None]]:
+    """A function to call after each of some descriptions; it moves the bar, if there is one, and the time left.
+
+    The bar has no thread of its own, so that processes can be started while it is shown.
+    """
+    if count < MANY_ROBOTS or not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
+        task = bar.add_task(what, total=count)
+        yield lambda: bar.update(task, advance=1, refresh=True)
 
 
 def _size(path: Path) -> int:

@@ -64,7 +64,7 @@ def pairs(context: Context) -> tuple[Pair, ...]:
     for their names and signs. Whatever hangs on a pair that is not confirmed is not confirmed either, since from there
     on the poses differ.
     """
-    description = context.description_or_none
+    description = None if context.tree_or_none is None else context.description_or_none
     if description is None:
         return ()
     above = {joint.child: joint for joint in description.joints}

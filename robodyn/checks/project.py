@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from robodyn.checks.config import Config, find_config, read_config
@@ -62,15 +62,25 @@ def tasks_for(
     return tuple(Task(file, _options(file, given, fixed, known)) for file in files_of(sources))
 
 
-def check_tasks(tasks: Sequence[Task]) -> Checked:
+def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
     """The findings in all of them; many files are shared out among processes, one for each core.
+
+    Args:
+        tasks: the files.
+        done: called after each.
 
     Raises:
         InputError: a file cannot be read.
     """
     shared_out = worth_processes([task.source for task in tasks])
-    found = each_in_a_process(_check, tasks, None) if shared_out else [check_task(task) for task in tasks]
-    return Checked(tuple(task.name for task in tasks), tuple(one for findings in found for one in findings))
+    each: Iterable[tuple[Finding, ...]] = (
+        each_in_a_process(_check, tasks, None) if shared_out else (check_task(task) for task in tasks)
+    )
+    found: list[Finding] = []
+    for findings in each:
+        found += findings
+        done()
+    return Checked(tuple(task.name for task in tasks), tuple(found))
 
 
 def check_task(task: Task) -> tuple[Finding, ...]:

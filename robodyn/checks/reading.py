@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+from robodyn.checks.long_tokens import LONGEST, long_token
 from robodyn.checks.xml_reader import Reader, TextFault, unexpanded
 from robodyn.errors import DescriptionError
 from robodyn.urdf.document import Document
@@ -16,6 +17,9 @@ from robodyn.urdf.places import Places
 from robodyn.urdf.sources import as_utf8, read_source
 
 __all__ = ["Reading", "TextFault", "read", "unexpanded"]
+
+_SHOWN = 200
+"""Bytes kept of a token that is too long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +61,19 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Rea
     except DescriptionError as error:
         fault = TextFault("RD001", Places(original, "latin-1").span(0, 0), error.what, error.remedy or "save as UTF-8")
         return Reading(file, original, "latin-1", (fault,), None)
+    if (long := long_token(data)) is not None:
+        return _unread(file, data, *long)
     reader = Reader(data, "utf-8" if transcoded else None)
     root = reader.run()
     places = reader.places
     document = None if root is None else Document(file, data, root, places.encoding)
     faults = tuple(sorted(reader.faults, key=lambda fault: fault.at.start))
     return Reading(file, data, places.encoding, faults, document)
+
+
+def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Reading:
+    """The reading of a file with a token that is too long: its data end soon after that has begun."""
+    what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
+    seen = data[: min(start + _SHOWN, end)]
+    at = Places(seen, "utf-8").span(start, len(seen))
+    return Reading(file, seen, "utf-8", (TextFault("RD001", at, what, "shorten it; no robot needs as much"),), None)

@@ -76,7 +76,7 @@ def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING)
     rules_for(options)
     files = files_of(given)
     if worth_processes(files):
-        found = each_in_a_process(check_one, files, options)
+        found = list(each_in_a_process(check_one, files, options))
     else:
         found = [check_one(file, options) for file in files]
     names = tuple("<stdin>" if isinstance(file, bytes) else file for file in files)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from robodyn.errors import InputError
@@ -12,8 +12,10 @@ from robodyn.errors import InputError
 R = TypeVar("R")
 T = TypeVar("T")
 O = TypeVar("O")
-_LEAST_WORK = 1_000_000
-"""Bytes of XML in files that take longer to check than processes take to start."""
+_LEAST_WORK = 500_000
+"""Bytes of XML in files that take longer to check than processes take to start: half a second."""
+_MESH = 5_000
+"""Bytes of XML that take as long as a mesh of usual size, read anew."""
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
@@ -48,17 +50,25 @@ def _some(names: list[str], folder: str, what: str, path: str) -> list[str]:
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
-    """Whether there is more work than starting processes is."""
+    """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
     if len(files) < 2 or (os.cpu_count() or 1) < 2:
         return False
-    return sum(os.path.getsize(file) for file in files if isinstance(file, str) and os.path.isfile(file)) > _LEAST_WORK
+    return sum(map(_work, files)) > _LEAST_WORK
 
 
-def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O) -> list[R]:
-    """`work(file, options)` of every file, in their order, on all cores."""
+def _work(file: str | bytes) -> int:
+    if isinstance(file, bytes) or not os.path.isfile(file):
+        return 0
+    with open(file, "rb") as stream:
+        data = stream.read()
+    return len(data) + _MESH * data.count(b"<mesh")
+
+
+def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O) -> Iterator[R]:
+    """`work(file, options)` of every file, in their order, on all cores, as they are done."""
     from concurrent.futures import ProcessPoolExecutor
     from itertools import repeat
 
     count = min(len(files), os.cpu_count() or 1)
     with ProcessPoolExecutor(count) as pool:
-        return list(pool.map(work, files, repeat(options), chunksize=max(1, len(files) // (8 * count))))
+        yield from pool.map(work, files, repeat(options))

@@ -71,6 +71,15 @@ def test_small_work_stays_in_this_process() -> None:
     assert not sources.worth_processes(["one.urdf"])
 
 
+def test_meshes_count_as_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    files = [str(tmp_path / name) for name in ("a.urdf", "b.urdf")]
+    for text, worth in (("<mesh/>" * 30, False), ("<mesh/>" * 60, True), (" " * 150_000, False), (" " * 300_000, True)):
+        for file in files:
+            Path(file).write_text(text)
+        assert sources.worth_processes(files) is worth
+
+
 def test_findings_stand_in_the_order_of_the_text(folder: Path) -> None:
     text = HEALTHY.replace('value="3.5"', 'value="-3.5"').replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"')
     findings = check_one(text.encode())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from robodyn.checks.long_tokens import LONGEST, long_token
+from robodyn.checks.reading import read
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_one
 
@@ -72,6 +74,43 @@ def test_a_long_attribute(text: str) -> None:
     ]
     assert len(finding.message) < 300
     assert len(finding.excerpt.text) < 300
+
+
+LINK = b"""<robot name="r">
+  <link name="a">"""
+LONG = {
+    "attribute": (b'<inertial><mass unit="kg" value="@', b"9", b'"/>'),
+    "attribute of blanks": (b"<inertial><mass unit='' value='@", b"1 ", b"'/>"),
+    "attribute without an end": (b'<visual name="@', b"x", b""),
+    "attribute full of >": (b'<visual name="@', b">", b'"/>'),
+    "tag": (b"@<visual ", b"a='1' ", b"/>"),
+    "text": (b'<visual name=">"/>@', b"\n", b""),
+    "text of letters": (b"<visual/>@", b"x", b"<visual/>"),
+    "comment": (b"<visual/>@<!--", b"x", b"-->"),
+    "comment full of tags": (b"<visual/>@<!--", b"<a/>", b"-->"),
+    "comment without an end": (b"<visual/><!-- --> @<!--", b"<", b""),
+}
+
+
+@pytest.mark.parametrize("size", [LONGEST + 1000, pytest.param(100_000_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", LONG)
+def test_a_token_that_is_too_long_is_not_read(kind: str, size: int) -> None:
+    before, piece, after = LONG[kind]
+    data = LINK + before.replace(b"@", b"") + piece * (size // len(piece)) + after + b"</link></robot>"
+    (finding,) = check_one(data)
+    column = len("  <link name='a'>") + before.index(b"@") + 1
+    assert (finding.code, finding.line, finding.column) == ("RD001", 2, column)
+    assert finding.message.startswith(f"{kind.partition(' ')[0]} of {size}"[:-4])
+    assert len(finding.excerpt.text) < 300
+    assert len(read(data).data) < 1000
+
+
+@pytest.mark.parametrize("kind", LONG)
+def test_shorter_tokens_are_read(kind: str) -> None:
+    before, piece, after = LONG[kind]
+    data = LINK + before.replace(b"@", b"") + piece * (10_000 // len(piece)) + after + b"</link></robot>"
+    assert long_token(data * (LONGEST // 5_000)) is None or not after
+    assert long_token(data) is None
 
 
 def test_deep_nesting_ends_the_reading() -> None:

@@ -148,6 +148,20 @@ def test_no_progress_without_a_terminal_nor_for_a_short_file() -> None:
     assert shown == ""
 
 
+def test_progress_of_many_robots(tmp_path: Path) -> None:
+    files = [f"{k}.urdf" for k in range(12)]
+    for file in files:
+        Path(file).write_text(ARM)
+    shown, piped = on_terminal(command("check", "--format", "json", *files), stdout=False, stderr=True)
+    assert all(f"{k}/12" in shown for k in range(13))
+    assert "0:00:00" in shown
+    assert piped == run("check", "--format", "json", *files).out
+    assert on_terminal(command("check", *files[:9]), stdout=False, stderr=True)[0] == ""
+    assert on_terminal(command("check", *files), stdout=True, stderr=False)[1] == ""
+    shown, _ = on_terminal(command("check", "--fix", *files), stdout=False, stderr=True)
+    assert "fixing" in shown
+
+
 def test_names_that_the_terminal_cannot_show() -> None:
     Path("arm.urdf").write_text(ARM.replace('name="arm"', 'name="\u8155&#155;31m"'), encoding="utf-8")
     outcome = spawn("torques", "arm.urdf", "arm.csv", PYTHONIOENCODING="latin-1", PYTHONUTF8="0")
