@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from robodyn.scene import ExternalWrench as ExternalWrench
     from robodyn.scene import Friction as Friction
     from robodyn.scene import Immersed as Immersed
+    from robodyn.scene import Loop as Loop
     from robodyn.scene import Payload as Payload
     from robodyn.scene import Rotor as Rotor
     from robodyn.scene import Scene as Scene
@@ -50,7 +51,7 @@ _HOMES = {
     "momentum": ("momenta",),
     "motion_input": ("motion", "read_motion"),
     "part": ("mass_properties",),
-    "scene": ("Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Scene", "Spring"),
+    "scene": ("Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 Vector = tuple[float, float, float]
 Entry = float | str
 """A number, or the name of the trajectory column that holds one for every sample."""
+GROUND = "ground"
+"""What a loop calls the ground, where no link of the robot has that name."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +114,32 @@ class Drive:
     reference: float = 0.0
 
 
+@dataclass(frozen=True)
+class Loop:
+    """A closure, by which the tree of links that a description is becomes a closed chain.
+
+    Attributes:
+        name: as reports call it.
+        link, point: a point of this link, in its frame [m], is held at
+        to, to_point: a point of that link, in its frame [m]; `to` may be GROUND.
+        kind: "point", a ball joint of 3 equations; "hinge", of 5; or "weld", of 6.
+        axis, to_axis: of a hinge, in the axes of `link` and of `to`.
+        rpy: of a weld, how `link` is turned in the axes of `to` [rad].
+        directions: of a point, the directions in the axes of `to` along which it is held; all if empty.
+    """
+
+    name: str
+    link: str
+    point: Vector = (0.0, 0.0, 0.0)
+    to: str = GROUND
+    to_point: Vector = (0.0, 0.0, 0.0)
+    kind: str = "point"
+    axis: Vector = (0.0, 0.0, 0.0)
+    to_axis: Vector = (0.0, 0.0, 0.0)
+    rpy: Vector = (0.0, 0.0, 0.0)
+    directions: tuple[Vector, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
@@ -126,6 +154,9 @@ class Scene:
         initial_q, initial_qd: by coordinate and by rate, where a simulation begins; 0 where nothing is said.
         drive: by joint, what drives it in a simulation; the others are free.
         joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look.
+        loops: closures of a simulated robot.
+        baumgarte: 0: positions and speeds are projected onto the loops after each step; else the rate [1/s] at which
+            Baumgarte's terms let errors of the loops decay.
     """
 
     gravity: Vector = (0.0, 0.0, -9.81)
@@ -143,6 +174,8 @@ class Scene:
     initial_qd: Mapping[str, float] = field(default_factory=dict)
     drive: Mapping[str, Drive] = field(default_factory=dict)
     joint_limits: str = "stop"
+    loops: tuple[Loop, ...] = ()
+    baumgarte: float = 0.0
 
     @property
     def columns(self) -> tuple[str, ...]:

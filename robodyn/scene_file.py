@@ -8,6 +8,7 @@ from typing import Any
 
 from robodyn.errors import SceneError
 from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene_loop import loops_of
 from robodyn.scene_table import SceneTable
 
 FRAMES = ("link", "base", "world")
@@ -21,7 +22,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 
     Args:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
-            `base`, `slip_speed`, `initial`, `drive`, `joint_limits`.
+            `base`, `slip_speed`, `initial`, `drive`, `joint_limits`, `loop`, `baumgarte`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -57,6 +58,8 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         slip_speed=_slip_speed(table),
         drive={name: _drive(entry) for name, entry in table.tables("drive")},
         joint_limits=table.text("joint_limits", Scene.joint_limits, LIMITS),
+        loops=loops_of(table),
+        baumgarte=_rate(table, "baumgarte"),
         **_initial(table),
         **_fluid(table),
     )
@@ -72,6 +75,13 @@ def _slip_speed(table: SceneTable) -> float:
     if speed < 0:
         raise table.error(f'"slip_speed" is {speed:g}', remedy="it is positive, or 0 for sign(qd)")
     return speed
+
+
+def _rate(table: SceneTable, key: str) -> float:
+    rate: float = table.number(key, 0.0)
+    if rate < 0:
+        raise table.error(f'"{key}" is {rate:g}', remedy="it is positive, or 0 for projection after each step")
+    return rate
 
 
 def _drive(table: SceneTable) -> Drive:

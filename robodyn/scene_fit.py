@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from robodyn.errors import SceneError
 from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.scene import GROUND, Loop, Scene
 from robodyn.wording import alternatives, shown
 
 
@@ -36,10 +36,23 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         _known("[[wrench]]", "link", wrench.link, model.links, file)
     for immersed in scene.immersed:
         _known("[[fluid.link]]", "link", immersed.link, model.links, file)
+    for loop in scene.loops:
+        _check_loop(loop, model, file)
     if scene.moving_base and not model.floating:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
         )
+
+
+def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
+    where = f"[[loop]] {shown(loop.name)}"
+    _known(where, "link", loop.link, model.links, file)
+    if loop.to != GROUND:
+        _known(where, "link", loop.to, (*model.links, GROUND), file)
+    bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
+    if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
+        what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
+        raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
 
 
 def _known(table: str, kind: str, name: str, names: Collection[str], file: str | None) -> None:

@@ -53,6 +53,12 @@ class SceneTable:
         vector: Vector = self.numbers(key, 3, default)
         return vector
 
+    def vectors(self, key: str, most: int) -> tuple[Vector, ...]:
+        value = self.take(key, ())
+        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) > most:
+            raise self.error(f'"{key}" is {value!r:.60}, not at most {most} vectors of 3 numbers')
+        return tuple(SceneTable({key: each}, self.what, self.file).vector(key) for each in value)
+
     def entries(self, key: str) -> tuple[Entry, Entry, Entry]:
         value = self.take(key, (0.0, 0.0, 0.0))
         if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:

@@ -96,7 +96,7 @@ def test_frames(frame):
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
         *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base"),
-        *("slip_speed", "initial", "drive", "joint_limits"),
+        *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
