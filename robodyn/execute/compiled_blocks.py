@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from array import array
 from collections.abc import Mapping
-from ctypes import c_int64, c_void_p
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.execute.llvm.build import built
-from robodyn.execute.llvm.driver import FIELDS, driver, waiting
+from robodyn.execute.llvm.driver import driver
 from robodyn.execute.llvm.kernel import kernel
 from robodyn.execute.llvm.machine import Function
+from robodyn.execute.llvm.team import LINE
 from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.execute.team import the_team
 from robodyn.trace.program import Program
-
-if TYPE_CHECKING:
-    from concurrent.futures import ThreadPoolExecutor
 
 SCALARS = {"float64": "double", "float32": "float"}
 LANES = {"double": 8, "float": 16}
@@ -30,9 +27,7 @@ BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 PITCH = BLOCK + 8
 """Numbers from one gathered column to the next: no power of two, or columns would share sets of the cache."""
-PATIENCE = 50_000
-"""Looks for the end of other threads' shares, some 40 microseconds, before waiting as one who is to be woken."""
-SHARE = 8 * BLOCK
+STEP = 8 * BLOCK
 """Samples that a thread takes at a time."""
 MOST_STREAMS = 64
 """More columns than these, or more than 8 at distances of whole pages, are gathered even where they are contiguous."""
@@ -65,7 +60,7 @@ class CompiledBlocks:
         self.sources, first_row = rows_of(program, widths)
         self.rows = first_row[""] + len(program.outputs)
         self._kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
-        self._run = _driver(SCALARS[self.dtype.name])
+        self._share = _driver(SCALARS[self.dtype.name])
 
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int = 1
@@ -116,32 +111,18 @@ class CompiledBlocks:
 
     def _in_threads(self, fields: list[Fields], flags: int, samples: int, threads: int) -> bool:
         """Runs over the samples; whether any is flagged."""
-        threads = min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK)
-        each = -(-samples // (max(threads, 1) * BLOCK)) * BLOCK
+        threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
+        each = -(-samples // (threads * BLOCK)) * BLOCK
         parts = range(0, samples, each)
-        common = array("q", (0, 0, *parts))
-        work = partial(self._work, array("q", chain.from_iterable(fields)), flags, common, each, samples)
-        others = [_pool(os.getpid(), len(parts) - 1).submit(work, k) for k in range(1, len(parts))]
-        work(0)
-        if others and not _wait()(common.buffer_info()[0], samples, PATIENCE):
-            for other in others:
-                other.result()
-        return bool(common[1])
-
-    def _work(self, arrays: array[int], flags: int, common: array[int], each: int, samples: int, first: int) -> None:
-        """A thread's work: its own part of the samples, then what is left of the others'.
-
-        Args:
-            common: of all threads: how many samples are done, whether any is flagged, and the next one of each part.
-        """
-        table = array("q", bytes(8 * self.rows))
-        work = np.empty((self.rows, PITCH), self.dtype)
-        given = arrays.buffer_info()[0], len(arrays) // len(FIELDS)
-        room = table.buffer_info()[0], work.__array_interface__["data"][0], work.strides[0]
-        shared, parts = common.buffer_info()[0], len(common) - 2
-        for part in (*range(first, parts), *range(first)):
-            share = shared, shared + 8 * (2 + part), SHARE, min((part + 1) * each, samples)
-            self._run(self._kernel.address, *given, *room, flags, *share, BLOCK)
+        arrays, common = array("q", chain.from_iterable(fields)), array("q", (0, *parts))
+        table, row = -(-self.rows // LINE) * 8 * LINE, PITCH * self.dtype.itemsize
+        room = table + self.rows * row
+        rooms = np.empty(len(parts) * room, np.uint8)
+        pointers = self._share.address, self._kernel.address, arrays.buffer_info()[0], _address(rooms), flags
+        numbers = len(fields), room, table, row, STEP, BLOCK, samples, each, len(parts)
+        job = array("q", (*pointers, common.buffer_info()[0], *numbers))
+        the_team()(job.buffer_info()[0], len(parts))
+        return bool(common[0])
 
     def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flags: NDArray[np.uint8]) -> None:
         """Computes the flagged samples by NumPy."""
@@ -181,28 +162,14 @@ def _fields(given: Numbers, few: bool) -> Fields:
     columns = given.shape[1]
     apart = columns <= 8 or column_stride % 4096 != 0
     direct = few and apart and sample_stride == given.itemsize
-    return given.__array_interface__["data"][0], sample_stride, column_stride, columns, direct
+    return _address(given), sample_stride, column_stride, columns, direct
+
+
+def _address(given: Numbers | NDArray[np.uint8]) -> int:
+    return int(given.__array_interface__["data"][0])
 
 
 @cache
 def _driver(scalar: str) -> Function:
-    whole, pointer = c_int64, c_void_p
-    return built(
-        "run",
-        ("driver", scalar, LANES[scalar]),
-        lambda: driver(scalar, LANES[scalar]),
-        *(pointer, pointer, whole, pointer, pointer, whole, pointer, pointer, pointer, whole, whole, whole),
-    )
-
-
-@cache
-def _wait() -> Function:
-    return built("wait", "wait", waiting, c_void_p, c_int64, c_int64)
-
-
-@cache
-def _pool(process: int, threads: int) -> ThreadPoolExecutor:
-    """Threads that wait for work, and so begin sooner than new ones; a fork, another process, has its own."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    return ThreadPoolExecutor(threads, thread_name_prefix="robodyn")
+    lanes = LANES[scalar]
+    return built("share", ("driver", scalar, lanes), lambda: driver(scalar, lanes))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from array import array
-from concurrent.futures import Future, ThreadPoolExecutor
-from threading import Event
+from concurrent.futures import ThreadPoolExecutor
+from ctypes import CFUNCTYPE, c_int64, c_void_p
 
 import numpy as np
 import pytest
@@ -111,72 +110,27 @@ def test_many_threads_at_once():
 def test_work_is_shared_among_threads(monkeypatch):
     """No more threads than asked for, and each has work enough."""
     started = []
-
-    class Noted(ThreadPoolExecutor):
-        def submit(self, *task):
-            started.append(task)
-            return super().submit(*task)
-
-    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Noted(threads))
+    monkeypatch.setattr(compiled_blocks, "the_team", lambda: lambda job, threads: started.append(threads))
     for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
-        started.clear()
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
-        assert 1 + len(started) == threads
+        assert started.pop() == threads
 
 
-@pytest.mark.parametrize("patience", [0, compiled_blocks.PATIENCE])
-def test_threads_that_begin_late(patience, busy_threads, monkeypatch):
-    """The others take over; their shares are waited for, however long."""
-    begin = Event()
+@pytest.mark.parametrize("begin", [(0,), (1,), (2,), (2, 0), (3, 1)])
+def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch):
+    """Its own part first, then those after it and before it; a number that has no part does nothing."""
 
-    class Late(ThreadPoolExecutor):
-        def submit(self, task, part):
-            return super().submit(lambda: (begin.wait(0.05 * part), task(part)))
+    def some(job, threads):
+        assert threads == 3
+        share = CFUNCTYPE(c_int64, c_void_p, c_int64)(c_int64.from_address(job).value)
+        for number in begin:
+            share(job, number)
 
-    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Late(threads))
-    monkeypatch.setattr(compiled_blocks, "PATIENCE", patience)
-    for samples in SAMPLES:
-        arrays = state(samples)
-        np.testing.assert_array_equal(bits(ready()(arrays, samples, None, 3)), bits(expected(arrays)))
-
-
-def test_a_thread_takes_over_what_others_leave(busy_threads, monkeypatch):
-    """Its own part first, then those after it and before it."""
-    done = []
-
-    class Eager:
-        def submit(self, task, part):
-            task(part)
-            done.append(task.args[2][0])
-
-    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Eager())
-    ready()(state(4097), 4097, None, 3)
-    assert done == [4097, 4097]
-
-
-def test_a_thread_that_never_begins(busy_threads, monkeypatch):
-    class Idle:
-        def submit(self, *task):
-            return Future()
-
-    monkeypatch.setattr(compiled_blocks, "_pool", lambda process, threads: Idle())
     arrays = state(4097)
-    np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(expected(arrays)))
-
-
-def test_waiting_sees_the_end():
-    common = array("q", [41, 0])
-    waits = compiled_blocks._wait()
-    assert not waits(common.buffer_info()[0], 42, 100)
-    common[0] = 42
-    assert waits(common.buffer_info()[0], 42, 100)
-
-
-def test_a_fork_has_threads_of_its_own():
-    here = compiled_blocks._pool(1, 1)
-    assert compiled_blocks._pool(1, 1) is here
-    assert compiled_blocks._pool(2, 1) is not here
+    right = expected(arrays)
+    monkeypatch.setattr(compiled_blocks, "the_team", lambda: some)
+    np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
 
 
 def test_a_robot_in_blocks_and_at_once():

@@ -7,6 +7,11 @@ from robodyn.execute.llvm.code import BYTES, SUFFIXES
 FIELDS = ("address", "sample_stride", "column_stride", "columns", "direct")
 """What the driver is told of an array, in 64 bits each: strides in bytes, `direct` 1 where columns are contiguous."""
 
+POINTERS = ("share", "kernel", "arrays", "rooms", "flags", "common")
+NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "samples", "each", "parts")
+JOB = (*POINTERS, *NUMBERS)
+"""What a job is, in 64 bits each, in this order."""
+
 TEXT = """\
 declare {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr, i32, {mask}, {vector})
 declare void @llvm.masked.store.v{lanes}{suffix}.p0({vector}, ptr, i32, {mask})
@@ -107,8 +112,8 @@ done:
   ret i64 %end
 }}
 
-define i64 @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, ptr %common,
-    ptr %taken, i64 %share, i64 %stop, i64 %size) #0 {{
+define internal void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags,
+    ptr %flagged, ptr %taken, i64 %share, i64 %stop, i64 %size) #0 {{
 entry:
   %last = sub i64 %count, 1
   %last_at = mul i64 %last, {array_bytes}
@@ -121,8 +126,6 @@ take:
   %work_left = icmp slt i64 %first, %stop
   br i1 %work_left, label %shared, label %done
 shared:
-  %taken_now = sub i64 %until, %first
-  %flagged = getelementptr i64, ptr %common, i64 1
   br label %block
 block:
   %start = phi i64 [ %first, %shared ], [ %end, %used ]
@@ -157,8 +160,35 @@ used:
   br i1 %again, label %block, label %finished
 finished:
   %was_flagged = atomicrmw or ptr %flagged, i64 %total monotonic, align 8
-  %was_done = atomicrmw add ptr %common, i64 %taken_now release, align 8
   br label %take
+done:
+  ret void
+}}
+
+define i64 @share(ptr %job, i64 %me) #0 {{
+entry:
+{job}
+  %known = icmp slt i64 %me, %parts
+  br i1 %known, label %begin, label %done
+begin:
+  %room_at = mul i64 %me, %room_bytes
+  %table = getelementptr i8, ptr %rooms, i64 %room_at
+  %work = getelementptr i8, ptr %table, i64 %table_bytes
+  %taken = getelementptr i64, ptr %common, i64 1
+  br label %part
+part:
+  %k = phi i64 [ 0, %begin ], [ %k1, %part ]
+  %turn = add i64 %me, %k
+  %this = urem i64 %turn, %parts
+  %next = add i64 %this, 1
+  %end = mul i64 %next, %each
+  %stop = call i64 @llvm.smin.i64(i64 %end, i64 %samples)
+  %taken_here = getelementptr i64, ptr %taken, i64 %this
+  call void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, ptr %common,
+    ptr %taken_here, i64 %step, i64 %stop, i64 %size)
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %parts
+  br i1 %more, label %part, label %done
 done:
   ret i64 0
 }}
@@ -166,47 +196,24 @@ declare i64 @llvm.smin.i64(i64, i64)
 attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 """
 
-WAIT = """\
-define i64 @wait(ptr %common, i64 %samples, i64 %looks) nounwind {
-entry:
-  br label %look
-look:
-  %k = phi i64 [ 0, %entry ], [ %k1, %next ]
-  %done = load atomic i64, ptr %common acquire, align 8
-  %all = icmp sge i64 %done, %samples
-  br i1 %all, label %end, label %next
-next:
-  fence syncscope("singlethread") seq_cst
-  %k1 = add i64 %k, 1
-  %more = icmp slt i64 %k1, %looks
-  br i1 %more, label %look, label %end
-end:
-  %found = zext i1 %all to i64
-  ret i64 %found
-}
-"""
-
-
-def waiting() -> str:
-    """The LLVM IR of `i64 wait(common, samples, looks)`: 1 once so many samples are done, 0 after so many looks."""
-    return WAIT
-
 
 def driver(scalar: str, lanes: int) -> str:
-    """The LLVM IR of `i64 run(kernel, arrays, count, table, work, pitch, flags, common, taken, share, stop, size)`.
+    """The LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job of `robodyn.execute.llvm.team`.
 
-    Runs a kernel of `robodyn.execute.llvm.kernel` over samples in blocks of `size`, a multiple of 16. It takes the next
-    `share` samples, a multiple of `size`, from `taken` on until those before `stop` are taken: threads that run it at
-    once share that count, and none waits for another that began late. At `common` is counted how many are done, and
-    after it stands a number that is not 0 if any is flagged. `table` and `work` are each thread's own.
-    Columns are handed to the kernel where they lie if they are contiguous and the block is a whole number of groups;
-    else they are gathered into rows of `work`, `pitch` bytes apart, and results are scattered from there.
+    Runs a kernel of `robodyn.execute.llvm.kernel`, at the address `kernel`, over samples in blocks of `size`, a
+    multiple of 16. The `samples` are in `parts` of `each`. A thread takes the next `step` samples of its own part, a
+    multiple of `size`, until none is left, then of the others': none depends on another that began late. `common` is a
+    number that is not 0 in the end if any sample is flagged, and after it the next sample of each part.
+    Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
+    are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there.
 
     Args:
         scalar: "double" or "float".
         lanes: samples in a group.
     """
     return TEXT.format(
+        job="\n".join(_field(k, name) for k, name in enumerate(JOB) if name != "share"),
         scalar=scalar,
         suffix=SUFFIXES[scalar],
         bytes=BYTES[scalar],
@@ -219,3 +226,9 @@ def driver(scalar: str, lanes: int) -> str:
         mask=f"<{lanes} x i1>",
         numbers=f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
     )
+
+
+def _field(k: int, name: str) -> str:
+    """Loads one of what a job is."""
+    kind = "ptr" if name in POINTERS else "i64"
+    return f"  %{name}_at = getelementptr i64, ptr %job, i64 {k}\n  %{name} = load {kind}, ptr %{name}_at"
