@@ -151,3 +151,20 @@ def test_glued_tetrahedra(places, data):
     dropped = data.draw(st.lists(st.integers(0, len(whole) - 1), max_size=2))
     for array in (whole, np.delete(whole, dropped, axis=0)):
         assert found(array) == visited(array)
+
+
+SCARCE = 52
+"""Bits for strips that leave so few for hashes that hundreds of edges share theirs."""
+
+
+@pytest.mark.parametrize("held", [one_shell.HELD, 2000])
+def test_edges_with_a_hash_in_common_are_told_apart(monkeypatch, held):
+    monkeypatch.setattr(one_shell, "HELD", held)
+    body = torus(2.0, 0.5, 40, 30)
+    mesh = counted(np.random.default_rng(5).permutation(body))
+    split = (3 * len(body) // held).bit_length()
+    assert one_shell._linked(mesh, SCARCE) is True
+    assert len(mesh.reads) == (1 << split) + 1
+    pair = np.concatenate([body, moved(body, (9, 0, 0))])
+    for other in (pair, body[1:], np.concatenate([body, body[:2]]), np.concatenate([body, body])):
+        assert not one_shell._linked(MemoryTriangles("body", np.random.default_rng(5).permutation(other)), SCARCE)
