@@ -16,12 +16,16 @@ class Rung:
         errors: true relative errors, one for each of the ladder's `measures`.
         time: seconds.
         operations: floating-point operations, None where they cannot be counted.
+        evaluations: of the equations of motion, None where there are none or they are not counted.
+        drift: of the energy along a motion, relative to the largest kinetic energy; None where there is none.
     """
 
     name: str
     errors: tuple[float, ...]
     time: Spread
     operations: float | None = None
+    evaluations: int | None = None
+    drift: float | None = None
 
     @property
     def error(self) -> float:

@@ -36,7 +36,7 @@ class Multiprecision:
             InputError: mpmath is not installed, or `digits` is less than 1.
         """
         self.program = program
-        self.context = _context(digits)
+        self.context = context_of(digits)
         self._functions = _functions(self.context)
 
     def __call__(self, sources: Mapping[str, Any], samples: int) -> NDArray[np.object_]:
@@ -70,7 +70,7 @@ class Multiprecision:
         return result
 
 
-def _context(digits: int) -> Any:
+def context_of(digits: int) -> Any:
     try:
         import mpmath
     except ImportError:

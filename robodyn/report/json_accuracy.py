@@ -43,5 +43,6 @@ def _rung(ladder: Ladder, rung: Rung) -> dict[str, Any]:
         "error": rung.error,
         "time": asdict(rung.time),
         "operations": rung.operations,
+        **({} if rung.drift is None else {"evaluations": rung.evaluations, "drift": rung.drift}),
         "dominated_by": other and other.name,
     }

@@ -6,7 +6,8 @@ from robodyn.accuracy.ladder import Accuracy, Ladder, Price, Rung
 from robodyn.accuracy.timing import Spread
 from robodyn.report.table import PLAIN, Page, printable
 
-_UNITS = {"mesh": (1e3, "ms"), "sample": (1e9, "ns")}
+_UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
+_WHERE = {"end": "error at the end", "way": "along the way"}
 
 
 def accuracy_text(accuracy: Accuracy, target: float | None = None, page: Page = PLAIN) -> str:
@@ -31,11 +32,21 @@ def accuracy_text(accuracy: Accuracy, target: float | None = None, page: Page = 
 
 def _ladder(name: str, ladder: Ladder, target: float | None, page: Page) -> str:
     scale, unit = _UNITS[ladder.per]
-    per = "" if ladder.per == "mesh" else f" per {ladder.per}"
-    errors = [f"error of {measure}" for measure in ladder.measures]
-    head = ("method", *errors, f"time [{unit}]", f"quartiles [{unit}]", "operations", "verdict")
+    per = f" per {ladder.per}" if ladder.per == "sample" else ""
+    errors = [_WHERE.get(measure, f"error of {measure}") for measure in ladder.measures]
+    moves = any(rung.drift is not None for rung in ladder.rungs)
+    more = ("energy drift", "evaluations") if moves else ()
+    head = ("method", *errors, *more[:1], f"time [{unit}]", f"quartiles [{unit}]", *more[1:], "operations", "verdict")
     rows = [
-        (rung.name, *map(_error, rung.errors), *_time(rung.time, scale), _count(rung), _verdict(ladder, rung))
+        (
+            rung.name,
+            *map(_error, rung.errors),
+            *((_error(rung.drift or 0.0),) if moves else ()),
+            *_time(rung.time, scale),
+            *((_count(rung.evaluations),) if moves else ()),
+            _count(rung.operations),
+            _verdict(ladder, rung),
+        )
         for rung in sorted(ladder.rungs, key=lambda rung: rung.time.median)
     ]
     title = f"{printable(name)}: {ladder.title}{per}, errors against {ladder.reference}\n"
@@ -63,8 +74,8 @@ def _time(time: Spread, scale: float) -> tuple[str, str]:
     return _digits(scale * time.median), f"{_digits(scale * time.low)} .. {_digits(scale * time.high)}"
 
 
-def _count(rung: Rung) -> str:
-    return "-" if rung.operations is None else f"{rung.operations:.0f}"
+def _count(number: float | None) -> str:
+    return "-" if number is None else f"{number:.0f}" if number < 1e7 else f"{number:.2e}"
 
 
 def _digits(x: float) -> str:

@@ -59,9 +59,9 @@ def test_a_target_beyond_reach() -> None:
 @pytest.mark.parametrize(
     ("call", "line"),
     [
-        ((), "missing argument 'MESH|URDF TRAJECTORY' (try: robodyn accuracy --help)"),
-        ((SCARA[0],), "give one mesh, or a URDF and a trajectory"),
-        ((BRACKET, *SCARA), "give one mesh, or a URDF and a trajectory"),
+        ((), "missing argument 'MESH|URDF TRAJECTORY|URDF SCENE.toml' (try: robodyn accuracy --help)"),
+        ((SCARA[0],), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
+        ((BRACKET, *SCARA), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
         ((BRACKET, "--gravity", "0,0,1"), "--scene and --gravity are for robots, not for a mesh"),
         ((BRACKET, "--target", "-1"), "invalid value for '--target': -1 is no positive finite error"),
         ((BRACKET, "--target", "nan"), "invalid value for '--target': nan is no positive finite error"),

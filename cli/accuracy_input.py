@@ -1,0 +1,58 @@
+"""What the files given to `robodyn accuracy` ask for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import click
+
+from robodyn.accuracy.ladder import Accuracy
+from robodyn.cli.files import robot_in_scene
+from robodyn.cli.options import Vector
+
+DURATION = 2.0
+"""s of a simulated motion."""
+
+
+def accuracy_of(
+    files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None
+) -> Accuracy:
+    """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml."""
+    ctx = click.get_current_context()
+    robot = len(files) == 2 or files[0].lower().endswith(".urdf")
+    if len(files) != 1 + robot:
+        raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
+    if not robot and (scene_file or gravity):
+        raise click.UsageError("--scene and --gravity are for robots, not for a mesh", ctx)
+    moved = robot and files[1].lower().endswith(".toml")
+    if duration is not None and not moved:
+        raise click.UsageError("--duration is for a URDF and a scene, which make a motion", ctx)
+    if duration is not None and not (math.isfinite(duration) and duration > 0):
+        raise click.BadParameter(f"{duration:g} is no positive time", ctx, param_hint="'--duration'")
+    if not robot:
+        return _of_mesh(files[0])
+    if not moved:
+        return _of_torques(files[0], files[1], scene_file, gravity)
+    if scene_file:
+        raise click.UsageError(f"the scene is given twice: {files[1]} and --scene {scene_file}", ctx)
+    return _of_motion(files[0], files[1], gravity, DURATION if duration is None else duration)
+
+
+def _of_mesh(mesh: str) -> Accuracy:
+    from robodyn.accuracy.mesh_ladder import mesh_accuracy
+    from robodyn.mesh.load import load_triangles
+
+    return mesh_accuracy(load_triangles(mesh))
+
+
+def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vector | None) -> Accuracy:
+    from robodyn.accuracy.torque_ladder import file_accuracy
+
+    return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory)
+
+
+def _of_motion(urdf: str, scene_file: str, gravity: Vector | None, duration: float) -> Accuracy:
+    from robodyn.accuracy.simulation_ladder import simulation_accuracy
+
+    return simulation_accuracy(*robot_in_scene(urdf, scene_file, gravity), duration)

@@ -1,0 +1,155 @@
+"""Motions to measure others by, with a bound of their own error: that of two which were found independently."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.accuracy.motion_error import MotionError
+from robodyn.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
+from robodyn.errors import InputError
+from robodyn.plan import Plan
+from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.result import Simulation
+from robodyn.simulation.run import initial_state, simulate
+
+Floats = NDArray[np.float64]
+COARSE, FINE = (16, 1e-18), (24, 1e-22)
+"""Orders of series and their tolerances."""
+PATIENCE = 10.0
+"""Seconds for a series; motions that need more are measured by two methods in doubles."""
+CHECKED = 200
+"""Times at which two motions are compared, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A motion that is known to a bound.
+
+    Attributes:
+        at: states (N, nq + n) at times (N,).
+        error: measures other states.
+        bound: of the error of `at`, measured like those.
+        how: it was found, in words.
+    """
+
+    at: Callable[[Floats], Floats]
+    error: MotionError
+    bound: float
+    how: str
+
+
+def motion_reference(plan: Plan, duration: float) -> Reference:
+    """The motion of a plan's robot from its scene's initial state; joint limits are not looked at.
+
+    By power series in 77 digits, of two orders with tolerances of their own, where that takes seconds; else by DOP853
+    (or Radau) and by a Gauss-Legendre method of order 6, in doubles. The bound is the largest difference of the two.
+
+    Raises:
+        InputError: mpmath is not installed, or no method gets through.
+    """
+    times = np.linspace(0.0, duration, CHECKED)
+    try:
+        coarse, fine = (_series(plan, duration, *how) for how in (COARSE, FINE))
+    except (InputError, ZeroDivisionError, ValueError, OverflowError):
+        return _in_doubles(plan, duration)
+    expected = fine(times)
+    measure = MotionError.over(plan.model, expected)
+    bound = float(measure(coarse(times), expected).max()) + float(np.finfo(float).eps)
+    how = f"power series of orders {COARSE[0]} and {FINE[0]} in 77 digits, which agree to {bound:.0e}"
+    return Reference(fine, measure, bound, how)
+
+
+class Piece(NamedTuple):
+    """A step of a solution by series: from when, and the coefficients (order + 1, width) of its numbers."""
+
+    start: int
+    series: Floats
+
+
+def _series(plan: Plan, duration: float, order: int, tolerance: float) -> Callable[[Floats], Floats]:
+    """The motion at any times, from pieces that are series.
+
+    Raises:
+        InputError: it has no series, or they take more than `PATIENCE`.
+    """
+    equations, model = Equations(plan), plan.model
+    taylor = Taylor(equations.derivatives(), STATE, equations.width, order)
+    state = [fixed(x) for x in initial_state(model, plan.scene)]
+    now, end, begun = 0, fixed(duration), perf_counter()
+    pieces = []
+    while now < end:
+        series = taylor(state)
+        step = fixed(min(step_of(series, tolerance), duration))
+        pieces.append(Piece(now, np.array([[_float(c) for c in each] for each in series[: model.nq + model.n]]).T))
+        state, now = summed(series, step), now + step
+        spent = perf_counter() - begun
+        if step == 0 or spent > PATIENCE or (spent > 0.5 and spent * end > PATIENCE * now):
+            raise InputError("series take too long")
+    starts = [piece.start for piece in pieces]
+
+    def at(times: Floats) -> Floats:
+        rows = []
+        for when in map(fixed, times.tolist()):
+            piece = pieces[max(int(np.searchsorted(starts, when, "right")) - 1, 0)]
+            rows.append(_horner(piece.series, _float(when - piece.start)))
+        return _unit(plan, np.array(rows))
+
+    return at
+
+
+def _horner(series: Floats, x: float) -> Floats:
+    total: Floats = series[-1]
+    for coefficients in series[-2::-1]:
+        total = total * x + coefficients
+    return total
+
+
+def _float(number: int) -> float:
+    return number / (1 << BITS)
+
+
+def _unit(plan: Plan, states: Floats) -> Floats:
+    """With quaternions of unit length."""
+    for joint in plan.model.independent:
+        if joint.kind == "floating":
+            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
+            h /= np.linalg.norm(h, axis=1)[:, None]
+    return states
+
+
+def _in_doubles(plan: Plan, duration: float) -> Reference:
+    """By the two that agree best of three methods in doubles."""
+    fine = _first(plan, duration, [("gauss6", {"step": duration / 2**k}) for k in (16, 14, 18)])
+    other = _first(plan, duration, [("dop853", {"rtol": 1e-13}), ("radau", {"rtol": 1e-11})])
+    at = _between(fine)
+    some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
+    found = np.hstack((other.q, other.qd))[some]
+    measure = MotionError.over(plan.model, found)
+    bound = float(measure(at(other.time[some]), found).max()) + float(np.finfo(float).eps)
+    return Reference(at, measure, bound, f"{fine.method.name} and {other.method.name}, which agree to {bound:.0e}")
+
+
+def _first(plan: Plan, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
+    """The first of some simulations that gets through."""
+    problem: InputError | None = None
+    for method, how in ways:
+        try:
+            return simulate(plan.model, plan.scene, duration, method=method, **how)
+        except InputError as error:
+            problem = error
+    assert problem is not None
+    raise InputError(f"no reference: {problem.what}", remedy="give a shorter --duration, or a softer friction or drive")
+
+
+def _between(motion: Simulation) -> Callable[[Floats], Floats]:
+    """The motion at any times, by cubic polynomials between those recorded (quaternions and rates alike)."""
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(motion.time, np.hstack((motion.q, motion.qd)))
+    return lambda times: np.asarray(spline(times), dtype=float)
