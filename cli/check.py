@@ -16,12 +16,13 @@ from robodyn.cli.check_fix import fix_files
 from robodyn.cli.check_options import OPTIONS, check_flags
 from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names
+from robodyn.cli.options import PATH
 from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
 
 
-@click.command("check")
-@click.argument("urdfs", nargs=-1, required=True, metavar="URDF...")
+@click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
+@click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @OPTIONS
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.

@@ -7,6 +7,8 @@ from typing import Any
 
 import click
 
+from robodyn.cli.options import FOLDER, PATH
+
 
 class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     """Codes of rules, or their beginnings, between commas."""
@@ -34,12 +36,16 @@ _OPTIONS = (
     click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
     click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
     click.option("--statistics", is_flag=True, help="Count findings by rule in place of listing them."),
-    click.option("--package-path", "packages", multiple=True, metavar="DIR", help="Where package:// is; repeatable."),
+    click.option(
+        "--package-path", "packages", multiple=True, type=FOLDER, metavar="DIR", help="Where package:// is; repeatable."
+    ),
     click.option("--target", "targets", type=PROGRAMS, metavar="NAMES", help="What mujoco, drake, gz, kdl, isaac do."),
     click.option("--against", metavar="REF", help="Compare the dynamics with the file's version at a git revision."),
-    click.option("--trajectory", metavar="FILE", help="Hold the limits against the loads along a motion."),
-    click.option("--config", metavar="FILE", help="Settings, in place of robodyn.toml or pyproject.toml above a file."),
-    click.option("--baseline", metavar="FILE", help="Pass over the findings that this file has."),
+    click.option("--trajectory", type=PATH, metavar="FILE", help="Hold the limits against the loads along a motion."),
+    click.option(
+        "--config", type=PATH, metavar="FILE", help="Settings, in place of robodyn.toml or pyproject.toml above a file."
+    ),
+    click.option("--baseline", type=PATH, metavar="FILE", help="Pass over the findings that this file has."),
     click.option("--write-baseline", is_flag=True, help="Write today's findings to the file of --baseline."),
     click.option("--fix", is_flag=True, help="Edit the files where an edit is right and leaves the dynamics alone."),
     click.option("--unsafe-fixes", is_flag=True, help="With --fix or --diff: edits that change the dynamics, too."),

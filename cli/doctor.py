@@ -11,7 +11,7 @@ from robodyn.report.json_doctor import doctor_json
 from robodyn.report.text_doctor import doctor_text
 
 
-@click.command("doctor")
+@click.command("doctor", short_help="What this machine and installation can do.")
 @FORMAT
 def command(form: str) -> int:
     """What robodyn finds on this machine: libraries, processor, executors, cache; what is missing and what that costs.

@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli.equations_options import ASKED, check_asked
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import GRAVITY, SCENE, Vector
+from robodyn.cli.options import GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
@@ -18,8 +18,8 @@ from robodyn.report.latex_equations import closed_latex
 from robodyn.report.text_equations import closed_text, ode_text
 
 
-@click.command("equations")
-@click.argument("urdf")
+@click.command("equations", short_help="Equations of motion in numbers, letters, LaTeX or C.")
+@click.argument("urdf", type=PATH)
 @ASKED
 @SCENE
 @GRAVITY

@@ -8,19 +8,19 @@ import click
 
 from robodyn.cli.fbd_state import STATE, state_of
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, GRAVITY, SCENE, Vector
+from robodyn.cli.options import FOLDER, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.free_body.bodies import free_bodies
 from robodyn.report.json_free_body import free_bodies_json
 from robodyn.report.text_free_body import free_bodies_text
 
 
-@click.command("fbd")
-@click.argument("urdf")
+@click.command("fbd", short_help="Free-body diagrams: all forces and moments on each body.")
+@click.argument("urdf", type=PATH)
 @STATE
 @SCENE
 @GRAVITY
-@click.option("--svg", metavar="FOLDER", help="Write a drawing of each body there.")
+@click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there.")
 @FORMAT
 def command(
     urdf: str, scene_file: str | None, gravity: Vector | None, svg: str | None, form: str, **given: Any

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from robodyn.cli.options import AtType
+from robodyn.cli.options import PATH, AtType
 from robodyn.model import Model
 from robodyn.motion_input import read_motion
 from robodyn.robot_inertia.configuration import configuration, rates
@@ -23,7 +23,7 @@ def STATE(command: Callback) -> Callback:
         click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
         click.option("--qd", type=AtType(), metavar="QD", help="Velocities, likewise; default at rest."),
         click.option("--qdd", type=AtType(), metavar="QDD", help="Accelerations, likewise; default none."),
-        click.option("--traj", metavar="FILE", help="Take the state from a trajectory, at --time."),
+        click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
         click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
     )
     for option in reversed(options):

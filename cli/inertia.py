@@ -8,12 +8,12 @@ import click
 
 from robodyn.cli.files import check_names
 from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
-from robodyn.cli.options import Vector
+from robodyn.cli.options import PATH, Vector
 from robodyn.inertia.view import View
 
 
-@click.command("inertia")
-@click.argument("files", nargs=-1, required=True, metavar="MESH...|URDF")
+@click.command("inertia", short_help="What meshes, links and robots weigh, and how it is spread.")
+@click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH...|URDF")
 @WEIGHT
 @MESH
 @COMBINE

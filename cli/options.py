@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from robodyn.execute.choice import EXECUTORS
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
@@ -21,6 +24,22 @@ def finite_numbers(text: str) -> list[float]:
     except ValueError:
         return []
     return numbers if all(map(math.isfinite, numbers)) else []
+
+
+class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """A name that shells complete; whether it is there, and readable, is for those to say who read it."""
+
+    def __init__(self, name: str) -> None:
+        """Args: name: "file" or "dir", as shells know them."""
+        self.name = name
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type=self.name)]
+
+
+PATH, FOLDER = PlaceType("file"), PlaceType("dir")
 
 
 class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -69,7 +88,11 @@ class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 
 SCENE = click.option(
-    "--scene", "scene_file", metavar="FILE", help="TOML: friction, rotors, springs, payloads, wrenches, fluid, base."
+    "--scene",
+    "scene_file",
+    type=PATH,
+    metavar="FILE",
+    help="TOML: friction, rotors, springs, payloads, wrenches, fluid, base.",
 )
 GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
 FORMAT = click.option(

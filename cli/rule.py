@@ -11,7 +11,7 @@ from robodyn.report.text_check_rules import rules_text
 from robodyn.wording import alternatives, shown
 
 
-@click.command("rule")
+@click.command("rule", short_help="Explain the rules of check.")
 @click.argument("codes", nargs=-1, metavar="CODE...")
 @click.option("--all", "everything", is_flag=True, help="Every rule.")
 def command(codes: tuple[str, ...], everything: bool) -> None:

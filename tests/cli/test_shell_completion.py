@@ -27,6 +27,10 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ("robodyn in", ["plain,inertia", "plain,info"]),
         ("robodyn info --f", ["plain,--format"]),
         ("robodyn info rob", ["file,rob"]),
+        ("robodyn torques robot.urdf mot", ["file,mot"]),
+        ("robodyn simulate robot.urdf --scene sc", ["file,sc"]),
+        ("robodyn inertia a.stl par", ["file,par"]),
+        ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
     ],
 )
