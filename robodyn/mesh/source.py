@@ -43,6 +43,10 @@ class Source:
                 raise MeshError("has changed since it was opened", remedy="run again", file=self.name)
             yield stream
 
+    def memory(self) -> bytes | None:
+        """All bytes where they are in memory anyway, without a copy."""
+        return self._held.getvalue() if isinstance(self._held, io.BytesIO) else None
+
     def data(self, most: int = -1) -> bytes:
         """All bytes, or the first ones."""
         with self.opened() as stream:

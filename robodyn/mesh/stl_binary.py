@@ -50,6 +50,11 @@ class StlTriangles:
 
     def records(self, rows: int) -> Iterator[Corners]:
         """As `blocks`, but in the memory of the next, and perhaps not finite."""
+        held = self.source.memory()
+        if held is not None:
+            corners = np.frombuffer(held, _TYPE, self.count, START)["corners"]
+            yield from (corners[first : first + rows] for first in range(0, self.count, rows))
+            return
         data = bytearray(RECORD * min(rows, self.count))
         with self.source.opened() as stream:
             for first in range(0, self.count, rows):

@@ -171,3 +171,11 @@ def test_several_solids_are_taken_together():
 def test_normals_do_not_matter(normal):
     data = ascii_stl(box()).replace(b"facet normal 0 0 0", normal)
     np.testing.assert_array_equal(stl(data).array(), box())
+
+
+def test_records_of_bytes_are_those_bytes():
+    data = binary_stl(RING)
+    blocks = list(load_triangles(data).records(100))
+    assert np.array_equal(np.concatenate(blocks), RING.astype(np.float32))
+    assert all(np.shares_memory(block, np.frombuffer(data, np.uint8)) for block in blocks)
+    assert max(map(len, blocks)) == 100
