@@ -8,22 +8,23 @@ from typing import Any
 
 import numpy as np
 
+from robodyn.accuracy.derivative_ladder import derivative_ladder
 from robodyn.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung
-from robodyn.accuracy.timing import timed
+from robodyn.accuracy.rate_ladder import FEWEST, rate_ladder
+from robodyn.accuracy.timing import Spread, timed
 from robodyn.bench.executors import Executor, available, compile_anew
-from robodyn.bench.timing import largest_difference
 from robodyn.errors import InputError
-from robodyn.execute.multiprecision import Multiprecision
+from robodyn.execute.double_double import BLOCK, DoubleDouble
+from robodyn.execute.multiprecision import Multiprecision, context_of
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.inverse import runner_of
 from robodyn.model import Model
-from robodyn.motion_input import motion, read_motion, sources_of
+from robodyn.motion_input import read_motion, sources_of
 from robodyn.overflow import REMEDY
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.trace.program import Program
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.reader import MODES, Derivatives
 
 SAMPLES = 16
 """Of the motion, evenly spaced, on which errors are measured."""
@@ -51,10 +52,12 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     ways = _executors()
     executors, notes = _executor_ladder(program, widths, ways, sources, len(samples))
     ladders = [executors]
-    if samples.derivation is None:
-        ladders.append(_derivative_ladder(a_plan, samples))
-    else:
-        notes.append("derivatives: the trajectory gives no accelerations to measure those against that are derived")
+    try:
+        ladders.append(derivative_ladder(a_plan, samples))
+    except InputError as error:
+        notes.append(f"derivatives: {error.what}")
+    if len(samples) >= FEWEST * 2:
+        ladders.append(rate_ladder(a_plan, samples))
     acts: dict[str, Callable[[], object]] = {"tracing the recursion": a_plan.torques}
     for way in ways:
         if way.ready is not NumpyBlocks:
@@ -97,6 +100,7 @@ def _executor_ladder(
     few = {name: values[rows] for name, values in sources.items()}
     expected = reference(few, len(rows))
     found = {name: (tau[rows], time) for name, (tau, time) in results.items()}
+    found["double-double"] = _pairs(program, sources, count, rows)
     name = f"mpmath, {FEWER_DIGITS} digits"
     found |= timed({name: partial(digits, few, len(rows))}, 1 / len(rows))
     finite = {name: each for name, each in found.items() if np.isfinite(each[0].astype(float)).all()}
@@ -104,6 +108,16 @@ def _executor_ladder(
     against = f"{DIGITS} digits on {len(rows)} of {count} samples"
     notes = [f"{name}: the torques overflow" for name in found.keys() - finite.keys()]
     return Ladder("torques", ("torque",), against, "sample", tuple(rungs)), notes
+
+
+def _pairs(program: Program, sources: Sources, count: int, rows: Any) -> tuple[Any, Spread]:
+    """The torques of some rows as mpmath numbers, and the time for a sample of up to a block."""
+    run, few = DoubleDouble(program), min(count, BLOCK)
+    given = {name: values[:few] for name, values in sources.items()}
+    ((_, time),) = timed({"": partial(run, given, few)}, 1 / few).values()
+    high, low = run({name: values[rows] for name, values in sources.items()}, len(rows))
+    convert = np.frompyfunc(context_of(DIGITS).mpf, 1, 1)
+    return convert(high) + convert(low), time
 
 
 def _named(way: Executor) -> str:
@@ -115,25 +129,6 @@ def _error(tau: Any, expected: Any) -> float:
     largest = abs(expected).max()
     difference = abs(expected - tau.astype(object)).max()
     return float(difference / largest) if largest else float(difference)
-
-
-def _derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
-    """Torques with rates and accelerations that are derived from positions alone, against those with the given ones."""
-    model, scene = a_plan.model, a_plan.scene
-    program = a_plan.torques()
-    run = NumpyBlocks(program, runner_of(program, a_plan).widths)
-
-    def torques(of: Trajectory) -> Any:
-        return run(_columnar(sources_of(of, scene)), len(of))
-
-    def derived(mode: Derivatives) -> Trajectory:
-        return motion(model, samples.time, samples.q, columns=samples.extra, derivatives=mode)
-
-    expected = torques(samples)
-    modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode != "given")
-    found = timed({str(mode): partial(derived, mode) for mode in modes}, 1 / len(samples))
-    rungs = [Rung(name, (largest_difference(torques(way), expected),), time) for name, (way, time) in found.items()]
-    return Ladder("derivatives", ("torque",), "the velocities and accelerations given", "sample", tuple(rungs))
 
 
 def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:

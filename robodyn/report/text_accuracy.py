@@ -7,7 +7,7 @@ from robodyn.accuracy.timing import Spread
 from robodyn.report.table import PLAIN, Page, printable
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
-_WHERE = {"end": "error at the end", "way": "along the way"}
+_WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
 
 
 def accuracy_text(accuracy: Accuracy, target: float | None = None, page: Page = PLAIN) -> str:

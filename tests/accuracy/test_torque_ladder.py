@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 from command_line import ROBOTS
 from hurried import hurry
 
-from robodyn.accuracy.torque_ladder import file_accuracy
+from robodyn.accuracy.derivative_ladder import like
+from robodyn.accuracy.torque_ladder import file_accuracy, torque_accuracy
 from robodyn.assemble import load
 from robodyn.errors import InputError
 from robodyn.inverse import inverse_dynamics
-from robodyn.motion_input import read_motion
+from robodyn.motion_input import motion, read_motion
 from robodyn.scene import DEFAULT
 
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
@@ -31,11 +33,16 @@ def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_scara() -> None:
     model = load(SCARA)
     found = file_accuracy(model, DEFAULT, MOTION)
-    executors, derivatives = found.ladders
+    executors, derivatives, rates = found.ladders
     errors = {rung.name: rung.error for rung in executors.rungs}
     assert errors["numpy float64"] <= 1e-14
     assert 1e-12 < errors["numpy float32"] <= 1e-6
     assert errors["mpmath, 20 digits"] <= 1e-19
+    assert errors["double-double"] <= 1e-29
+    assert [rung.name.partition(",")[0] for rung in rates.rungs] == [
+        *("every sample", "every 2nd", "every 4th", "every 8th"),
+    ]
+    assert rates.rungs[0].error == 0.0 < rates.rungs[1].error
     assert {rung.operations for rung in executors.rungs} == {float(_operations(found))}
     assert [rung.name for rung in derivatives.rungs] == ["auto", "spline", "savgol", "central"]
     with read_motion(MOTION, model) as reader:
@@ -53,15 +60,36 @@ def _operations(found) -> float:
 
 
 def _weightless():
-    from dataclasses import replace
-
     return replace(DEFAULT, gravity=(0.0, 0.0, 0.0))
 
 
-def test_derived_accelerations_are_no_reference() -> None:
-    found = file_accuracy(load(ROBOTS / "puma.urdf"), DEFAULT, str(ROBOTS / "puma_waves.csv"))
-    assert [ladder.title for ladder in found.ladders] == ["torques"]
-    assert found.notes[0].startswith("derivatives: the trajectory gives no accelerations")
+def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> None:
+    """With noise, methods that do not smooth are bad by a lot; the motion like it has the torques of the given one."""
+    model = load(ROBOTS / "puma.urdf")
+    found = file_accuracy(model, DEFAULT, str(ROBOTS / "puma_encoder.csv"))
+    derivatives = found.ladders[1]
+    assert derivatives.reference == "a smooth motion like the given one, with noise of 1.5e-05 as in it"
+    errors = {rung.name: rung.error for rung in derivatives.rungs}
+    assert errors["auto"] == errors["savgol"] < 1e-2
+    assert errors["central"] > 1.0
+    with read_motion(str(ROBOTS / "puma_encoder.csv"), model) as reader:
+        block = next(iter(reader.blocks()))
+    twin = like(model, block)
+    assert np.abs(twin.q - block.q).max() < 5e-3
+    assert np.abs(twin.qdd - block.qdd).max() <= 1e-12 * np.abs(block.qdd).max()
+    step = (twin.q[2:] - 2 * twin.q[1:-1] + twin.q[:-2]) / 1e-6
+    assert np.abs(step - twin.qdd[1:-1]).max() < 1e-3 * np.abs(twin.qdd).max()
+
+
+def test_a_floating_joint_without_accelerations_is_not_measured() -> None:
+    model = load(ROBOTS / "satellite.urdf", moving_base=True)
+    time = np.arange(200) / 100
+    q = np.zeros((200, model.nq))
+    q[:, 6] = 1.0
+    q[:, 7:] = np.sin(time)[:, None]
+    found = torque_accuracy(model, motion(model, time, q), replace(DEFAULT, moving_base=True))
+    assert [ladder.title for ladder in found.ladders] == ["torques", "sample rate"]
+    assert found.notes[0].startswith("derivatives: a floating joint without accelerations")
 
 
 def test_without_mpmath_there_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
