@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, SCENE
+from robodyn.cli.options import FORMAT, PATH, SCENE
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
 from robodyn.report.json_simulation import simulation_json
@@ -15,21 +15,23 @@ from robodyn.simulation.run import simulate
 from robodyn.trajectory.write import open_writer
 
 
-@click.command("simulate")
-@click.argument("urdf")
+@click.command("simulate", short_help="How a robot moves by itself, driven or pushed.")
+@click.argument("urdf", type=PATH)
 @SCENE
-@click.option("--duration", type=float, default=10.0, metavar="S", help="s; default 10.")
+@click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
+@click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")
 @click.option("--step", type=float, metavar="S", help="s, of a method with a fixed step; default 0.001.")
 @click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
 @click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
-@click.option("--out", metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
+@click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
 @click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
 @FORMAT
 def command(
     urdf: str,
     scene_file: str | None,
-    duration: float,
+    table: str | None,
+    duration: float | None,
     step: float | None,
     rtol: float | None,
     method: str | None,
@@ -39,15 +41,15 @@ def command(
     form: str,
 ) -> None:
     """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base.
-    There is no contact. A file named - is standard input.
+    Drives and wrenches may follow columns of a table (--traj). There is no contact. A file named - is standard input.
 
     \b
     Example:
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --duration 2
     """
-    check_names([urdf, scene_file], out)
+    check_names([urdf, scene_file, table], out)
     model, scene = robot_in_scene(urdf, scene_file, None)
-    result = simulate(model, scene, duration, step=step, rtol=rtol, method=method, executor=executor)
+    result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
     written = ""
     if out is not None:
         with open_writer(out, result.names) as writer:

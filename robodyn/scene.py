@@ -100,18 +100,37 @@ class Immersed:
 
 @dataclass(frozen=True)
 class Drive:
-    """The torque at a joint in a simulation: `torque + kp (reference - q) - kd qd`.
+    """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`.
 
     Attributes:
-        torque: N m (N for a prismatic joint).
+        torque: N m (N for a prismatic joint), or the name of a column.
         kp, kd: N m/rad and N m s/rad.
-        reference: rad.
+        reference: rad, or the name of a column.
+        speed: rad/s, or the name of a column; None: the slope of the reference, 0 where that is a number.
     """
 
-    torque: float = 0.0
+    torque: Entry = 0.0
     kp: float = 0.0
     kd: float = 0.0
-    reference: float = 0.0
+    reference: Entry = 0.0
+    speed: Entry | None = None
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The columns of the simulation's table that it needs."""
+        return tuple(entry for entry in (self.torque, self.reference, self.speed) if isinstance(entry, str))
+
+
+@dataclass(frozen=True)
+class LimitSpring:
+    """What pushes a joint back that is beyond a limit by x > 0: `max(stiffness x + damping xd, 0)`.
+
+    Attributes:
+        stiffness, damping: N m/rad and N m s/rad (N/m and N s/m for a prismatic joint).
+    """
+
+    stiffness: float
+    damping: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -151,9 +170,12 @@ class Scene:
         immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
         moving_base: the base follows the trajectory's base_* columns; in a simulation it is free.
         slip_speed: Coulomb friction is f qd / sqrt(qd^2 + slip_speed^2) [rad/s]; 0: f sign(qd).
-        initial_q, initial_qd: by coordinate and by rate, where a simulation begins; 0 where nothing is said.
+        initial_q, initial_qd: by coordinate and by rate, where a simulation begins, a number or the name of a column,
+            of which the first row counts; 0 where nothing is said.
         drive: by joint, what drives it in a simulation; the others are free.
-        joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look.
+        between_rows: torques and wrenches of a simulation's table are "linear" between its rows, or "hold" the last.
+        joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look; "spring" is
+            `limit_spring` at every limit.
         loops: closures of a simulated robot.
         baumgarte: 0: positions and speeds are projected onto the loops after each step; else the rate [1/s] at which
             Baumgarte's terms let errors of the loops decay.
@@ -170,8 +192,8 @@ class Scene:
     fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
     slip_speed: float = 0.0
-    initial_q: Mapping[str, float] = field(default_factory=dict)
-    initial_qd: Mapping[str, float] = field(default_factory=dict)
+    initial_q: Mapping[str, Entry] = field(default_factory=dict)
+    initial_qd: Mapping[str, Entry] = field(default_factory=dict)
     drive: Mapping[str, Drive] = field(default_factory=dict)
     joint_limits: str = "stop"
     loops: tuple[Loop, ...] = ()
@@ -182,5 +204,14 @@ class Scene:
         """The trajectory columns that its wrenches need, each once."""
         return tuple(dict.fromkeys(name for wrench in self.wrenches for name in wrench.columns))
 
+    between_rows: str = "linear"
 
+    limit_spring: LimitSpring | None = None
 DEFAULT = Scene()
+    @property
+    def table_columns(self) -> tuple[str, ...]:
+        """The columns that a simulation's table must have: those of wrenches, drives and the initial state."""
+        driven = [name for drive in self.drive.values() for name in drive.columns]
+        initial = [entry for part in (self.initial_q, self.initial_qd) for entry in part.values()]
+        return tuple(dict.fromkeys([*self.columns, *driven, *(x for x in initial if isinstance(x, str))]))
+

@@ -7,13 +7,13 @@ import sys
 from typing import Any
 
 from robodyn.errors import SceneError
-from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene_loop import loops_of
+from robodyn.scene_simulation import simulated_of
 from robodyn.scene_table import SceneTable
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
-LIMITS = ("stop", "ignore")
 NOT_COMPUTED = ("contact", "ground", "floor")
 
 
@@ -22,7 +22,8 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 
     Args:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
-            `base`, `slip_speed`, `initial`, `drive`, `joint_limits`, `loop`, `baumgarte`.
+            `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
+            `baumgarte`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -56,11 +57,9 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
         moving_base=_moving_base(table),
         slip_speed=_slip_speed(table),
-        drive={name: _drive(entry) for name, entry in table.tables("drive")},
-        joint_limits=table.text("joint_limits", Scene.joint_limits, LIMITS),
         loops=loops_of(table),
         baumgarte=_rate(table, "baumgarte"),
-        **_initial(table),
+        **simulated_of(table),
         **_fluid(table),
     )
     for key in NOT_COMPUTED:
@@ -82,22 +81,6 @@ def _rate(table: SceneTable, key: str) -> float:
     if rate < 0:
         raise table.error(f'"{key}" is {rate:g}', remedy="it is positive, or 0 for projection after each step")
     return rate
-
-
-def _drive(table: SceneTable) -> Drive:
-    drive = Drive(*(table.number(key, 0.0) for key in ("torque", "kp", "kd", "reference")))
-    table.finish()
-    return drive
-
-
-def _initial(table: SceneTable) -> dict[str, Any]:
-    initial = SceneTable(table.take("initial", {}), "[initial]", table.file)
-    found = {}
-    for key in ("q", "qd"):
-        values = SceneTable(initial.take(key, {}), f"[initial] {key}", table.file)
-        found[f"initial_{key}"] = {name: values.number(name) for name in list(values.values)}
-    initial.finish()
-    return found
 
 
 def _friction(table: SceneTable) -> Friction:
@@ -125,11 +108,12 @@ def _friction(table: SceneTable) -> Friction:
 
 
 def _rotor(table: SceneTable) -> Rotor:
-    rotor = Rotor(table.number("inertia"), table.number("gear", None))
+    inertia: float = table.number("inertia")
+    gear = table.number("gear", None)
     table.finish()
-    if rotor.inertia < 0:
-        raise table.error(f'"inertia" is {rotor.inertia:g}', remedy="it is positive or zero")
-    return rotor
+    if inertia < 0:
+        raise table.error(f'"inertia" is {inertia:g}', remedy="it is positive or zero")
+    return Rotor(inertia, gear)
 
 
 def _spring(table: SceneTable) -> Spring:

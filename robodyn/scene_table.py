@@ -66,6 +66,11 @@ class SceneTable:
         x, y, z = (entry if isinstance(entry, str) and entry else self._number(key, entry) for entry in value)
         return x, y, z
 
+    def entry(self, key: str, default: Any = ...) -> Any:
+        """A number or the name of a column."""
+        value = self.take(key, default)
+        return value if value is default or (isinstance(value, str) and value) else self._number(key, value)
+
     def text(self, key: str, default: Any = ..., choices: Sequence[str] = ()) -> str:
         value = self.take(key, default)
         if not isinstance(value, str) or not value:

@@ -8,7 +8,7 @@ import numpy as np
 from small_robots import body_numbers, joint, link, urdf
 
 from robodyn.assemble import load
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene import ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
 
 AXES = {"j1": (0, 0, 1), "j2": (0.6, 0, -0.8), "j3": (0, -1, 0), "j4": (0.48, 0.6, 0.64)}
 
@@ -24,7 +24,9 @@ def busy_parts():
     return [
         *parts,
         placed("j1", "l0", "l1", axis=AXES["j1"], more='<dynamics damping="0.7" friction="0.4"/>'),
-        placed("j2", "l1", "l2", axis=AXES["j2"], more='<dynamics damping="0.2" friction="0.9"/>'),
+        placed("j2", "l1", "l2", axis=AXES["j2"], more='<dynamics damping="0.2" friction="0.9"/>').replace(
+            "-9", "-0.5"
+        ),
         placed("slide", "l2", "l3", "prismatic", AXES["j4"], '<dynamics damping="1.5"/>'),
         placed("j4", "l1", "l4", "continuous", AXES["j3"], '<dynamics friction="0.3"/>'),
         placed("finger", "l3", "l5", "prismatic", (0, 1, 0), '<dynamics damping="0.5" friction="0.6"/>'),
@@ -63,4 +65,6 @@ BUSY_SCENE = Scene(
     immersed=(Immersed("tool", 2e-3, (0.05, -0.1, 0.02), (0.3, 0.2, 0.1)), Immersed("l2", 1e-3)),
     fluid_density=1000.0,
     fluid_velocity=(0.4, -0.2, 0.1),
+    joint_limits="spring",
+    limit_spring=LimitSpring(40.0, 3.0),
 )

@@ -16,7 +16,7 @@ ORDER = [
     ("errors", "spatial", "wording", "overlap", "installed"),
     ("inertia", "scene", "trace", "overflow", "statistics", "extremes"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
-    ("model", "scene_loop", "part"),
+    ("model", "scene_loop", "scene_simulation", "part"),
     ("scene_file",),
     ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
     ("assemble", "effects"),

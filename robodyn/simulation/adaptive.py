@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
+from robodyn.execute.repeated import COLUMNS
 from robodyn.inverse import runner_of
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.methods import Method
+from robodyn.simulation.table import Signal
 
 Floats = NDArray[np.float64]
 EXPECTED = 4000
@@ -21,7 +23,14 @@ EXPECTED = 4000
 
 
 def adaptive_motion(
-    plan: Plan, method: Method, state: Floats, duration: float, rtol: float, limits: Limits, executor: str
+    plan: Plan,
+    method: Method,
+    state: Floats,
+    duration: float,
+    rtol: float,
+    limits: Limits,
+    executor: str,
+    signal: Signal,
 ) -> tuple[Motion, int]:
     """The motion from a state (width,), recorded at every step that the method takes, and its evaluations.
 
@@ -34,13 +43,15 @@ def adaptive_motion(
     from scipy.integrate import solve_ivp
 
     equations = Equations(plan)
-    runner = runner_of(equations.derivatives(), plan, {STATE: equations.width})
+    runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
 
-    def rates(_: float, y: Any) -> Any:
+    def rates(time: float, y: Any) -> Any:
         columns = y.reshape(len(y), -1)
-        given = np.vstack((columns, np.zeros(columns.shape[1])))
-        found = runner({STATE: given.T}, columns.shape[1], executor=executor, expected=EXPECTED).T
-        return found.reshape(y.shape)
+        samples = columns.shape[1]
+        sources = {STATE: np.vstack((columns, np.zeros(samples))).T}
+        if signal.curves:
+            sources[COLUMNS] = np.repeat(signal.at(np.array([time])), samples, axis=0)
+        return runner(sources, samples, executor=executor, expected=EXPECTED).T.reshape(y.shape)
 
     def room(_: float, y: Any) -> float:
         return float(limits.room(y[: plan.model.nq]).min())
@@ -48,6 +59,7 @@ def adaptive_motion(
     room.terminal, room.direction = True, -1.0  # type: ignore[attr-defined]
     events = [room] if limits.stops else None
     how = {"method": method.scipy, "rtol": rtol, "atol": rtol, "events": events, "vectorized": True}
+    how["max_step"] = signal.longest_step
     with np.errstate(all="ignore"):
         found = solve_ivp(rates, (0.0, duration), state[:-1], **how)
     if found.status < 0 or not np.isfinite(found.y).all():

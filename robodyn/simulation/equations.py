@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -12,19 +12,24 @@ from robodyn.dynamics.aligned import aligned
 from robodyn.dynamics.along import along_motion
 from robodyn.dynamics.dual import rate_of
 from robodyn.dynamics.momentum import momenta
-from robodyn.effects.effect import Sample
+from robodyn.effects.effect import Effect, Sample
 from robodyn.effects.rotor_inertia import reflected
+from robodyn.execute.repeated import COLUMNS
 from robodyn.model import Model
 from robodyn.plan import Plan, applied
-from robodyn.scene import Scene
+from robodyn.scene import Entry, Scene
 from robodyn.self_checks import power_lost, stored_energy
-from robodyn.simulation.turning import local_rates, moved
+from robodyn.simulation.closing import Closing
+from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
+from robodyn.simulation.turning import local_rates, moved, unit
 from robodyn.spatial import Scalar, cross
 from robodyn.trace.program import Program, trace
 from robodyn.trace.scalar import Tape
 
 STATE = "state"
 """The source of programs whose columns are q, qd, the work done so far and the step."""
+Given = Mapping[Curve, Scalar]
+"""The values of a scene's curves at one moment."""
 
 
 class Rates(NamedTuple):
@@ -67,29 +72,70 @@ class Equations:
     def _aligned(self) -> Model:
         return aligned(self.model)
 
-    def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> list[Scalar]:
+    @cached_property
+    def closing(self) -> Closing | None:
+        """The scene's loops, if it has any."""
+        return Closing(self.plan) if self.scene.loops else None
+
+    def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+        """The state after a step, with unit quaternions and on the loops."""
+        q = unit(self.model, q)
+        return (q, list(qd)) if self.closing is None else self.closing.settled(q, qd)
+
+    @cached_property
+    def curves(self) -> tuple[Curve, ...]:
+        """What the scene takes from a table at every moment."""
+        return curves(self.scene)
+
+    def given(self, tape: Tape, node: int = 0) -> Given:
+        """The curves at one of the moments for which a program is given them."""
+        first = node * len(self.curves)
+        return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, first)}
+
+    def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
         """The torques that the scene's drives apply."""
         tau: list[Scalar] = [0.0] * self.model.n
         for joint in self.model.independent:
             drive = self.scene.drive.get(joint.name)
-            if drive is not None:
-                i = joint.rate
-                error = (drive.reference - q[joint.coordinate]) if drive.kp else 0.0
-                tau[i] = drive.torque + drive.kp * error - drive.kd * qd[i]
+            if drive is None:
+                continue
+            torque, i = _value(drive.torque, LOAD, given), joint.rate
+            if drive.kp:
+                torque = torque + drive.kp * (_value(drive.reference, REFERENCE, given) - q[joint.coordinate])
+            if drive.kd:
+                moving = isinstance(drive.reference, str)
+                slope = given[Curve(str(drive.reference), RATE)] if moving and drive.speed is None else 0.0
+                speed = slope if drive.speed is None else _value(drive.speed, REFERENCE, given)
+                torque = torque + drive.kd * (speed - qd[i])
+            tau[i] = torque
         return tau
 
-    def rates(self, q: Sequence[Scalar], u: Sequence[Scalar], qd: Sequence[Scalar]) -> Rates:
+    def rates(self, q: Sequence[Scalar], u: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Rates:
         """The rates at a displacement u from q."""
         here = moved(self.model, q, u)
-        qdd, work = self.accelerations(here, qd)
+        qdd, work = self.accelerations(here, qd, given)
         return Rates(local_rates(self.model, u, qd), qdd, work)
 
-    def accelerations(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], Scalar]:
-        """qdd and the power that the drives and the surroundings give the robot [W]."""
-        sample = Sample(self._aligned, tuple(q), tuple(qd), (0.0,) * self.model.n)
-        terms = applied(self.plan.effects, sample, self.scene)
-        tau = self.drives(q, qd)
-        qdd = accelerations(sample, terms, tau, reflected(self.model, self.scene))
+    def sample(self, model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Sample:
+        """A sample without accelerations, as effects read it."""
+        columns = {curve.column: value for curve, value in given.items() if curve.kind == LOAD}
+        return Sample(model, tuple(q), tuple(qd), (0.0,) * model.n, columns)
+
+    def accelerations(
+        self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given, effects: Sequence[Effect] | None = None
+    ) -> tuple[list[Scalar], Scalar]:
+        """qdd and the power that the drives and the surroundings give the robot [W].
+
+        Args:
+            effects: those of the plan if None.
+        """
+        sample = self.sample(self._aligned, q, qd, given)
+        terms = applied(self.plan.effects if effects is None else effects, sample, self.scene)
+        tau = self.drives(q, qd, given)
+        if self.closing is None:
+            qdd = accelerations(sample, terms, tau, reflected(self.model, self.scene))
+        else:
+            qdd, _ = self.closing.chain.accelerations(sample, terms, tau)
         power: Scalar = 0.0 - power_lost(self.plan, sample, terms, sample.motions())
         for torque, rate in zip(tau, qd, strict=True):
             power = power + torque * rate
@@ -106,7 +152,7 @@ class Equations:
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             state = self.state(tape)
-            qdd, work = self.accelerations(state.q, state.qd)
+            qdd, work = self.accelerations(state.q, state.qd, self.given(tape))
             position, _ = along_motion(self.model, state.q, state.qd, qdd)
             return [*map(rate_of, position), *qdd, work]
 
@@ -119,14 +165,18 @@ class Equations:
         """
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state = self.state(tape)
-            qdd, _ = self.accelerations(state.q, state.qd)
-            sample = Sample(self.model, tuple(state.q), tuple(state.qd), (0.0,) * self.model.n)
+            state, given = self.state(tape), self.given(tape)
+            qdd, _ = self.accelerations(state.q, state.qd, given)
+            sample = self.sample(self.model, state.q, state.qd, given)
             terms = applied(self.plan.effects, sample, self.scene)
             joints = sample.motions()
             energy = stored_energy(self.plan, sample, terms, joints)
             whole, R = momenta(self.model.parents, joints, terms.inertias), joints[0].R
             P, H = R @ whole.P, R @ (whole.H - cross(whole.mc, whole.P) / whole.m)
-            return [*qdd, *self.drives(state.q, state.qd), energy, whole.T, *P, *H]
+            return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
 
         return trace(outputs)
+
+
+def _value(entry: Entry, kind: str, given: Given) -> Scalar:
+    return given[Curve(entry, kind)] if isinstance(entry, str) else entry

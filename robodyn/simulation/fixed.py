@@ -17,6 +17,7 @@ from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.limits import Limits, moment
 from robodyn.simulation.methods import Method
 from robodyn.simulation.steps import Steps
+from robodyn.simulation.table import Signal
 from robodyn.trace.program import Program
 from robodyn.wording import alternatives
 
@@ -45,16 +46,17 @@ class Motion(NamedTuple):
 class FixedSteps:
     """A method with steps of one length, ready to run on one robot in one scene."""
 
-    def __init__(self, plan: Plan, method: Method, executor: str, steps: int) -> None:
+    def __init__(self, plan: Plan, method: Method, executor: str, steps: int, signal: Signal) -> None:
         """
         Args:
             executor: "auto", "numpy" or "compiled".
             steps: about how many will be done.
+            signal: what the scene takes from a table.
 
         Raises:
             InputError: the compiled executor cannot run.
         """
-        self.method, self.width = method, Equations(plan).width
+        self.method, self.width, self.signal = method, Equations(plan).width, signal
         self.run = stepper(plan, method, executor, steps)
 
     def motion(self, state: Floats, duration: float, step: float, limits: Limits) -> Motion:
@@ -71,9 +73,10 @@ class FixedSteps:
         h = duration / (total * every)
         first = np.zeros(self.run.width)
         first[: self.width], first[self.width - 1] = state, h
+        chunk = max(CHUNK // every, 1) if self.signal.curves else CHUNK
         parts, done, ended = [first[None]], 0, None
         while done < total and ended is None:
-            block = self._advance(parts[-1][-1], min(CHUNK, total - done), every, done * every * h)
+            block = self._advance(parts[-1][-1], min(chunk, total - done), every, h, done * every)
             ended = limits.first_beyond(block)
             parts.append(block if ended is None else block[:ended])
             done += len(parts[-1])
@@ -81,7 +84,7 @@ class FixedSteps:
         time: Floats = np.arange(done + 1.0) * (every * h)
         if ended is None:
             return Motion(time, self._own(parts), total * every, every, self.name)
-        last, more, late = self._to_limit(parts[-1][-1], every, h, limits)
+        last, more, late = self._to_limit(parts[-1][-1], every, h, limits, done * every)
         time = np.array([*time, time[-1] + late])
         why = limits.nearest(last).reached(float(time[-1]))
         return Motion(time, self._own([*parts, last[None]]), done * every + more, every, self.name, why)
@@ -94,12 +97,15 @@ class FixedSteps:
     def _own(self, parts: list[Floats]) -> Floats:
         return np.concatenate(parts)[:, : self.width]
 
-    def _advance(self, state: Floats, count: int, every: int, time: float) -> Floats:
-        """(count, width) states, each `every` steps after the one before."""
+    def _advance(self, state: Floats, count: int, every: int, h: float, first: int) -> Floats:
+        """(count, width) states, each `every` steps after the one before, of which `first` of length h are done."""
         slots = np.empty((count + 1, self.run.width, self.run.lanes))
         slots[0] = state[:, None]
-        done = self.run(slots, every)
-        h = state[self.width - 1]
+        time, given = first * h, None
+        if self.signal.curves:
+            begin = np.arange(float(first), float(first + count * every)) * h
+            given = self.signal.in_steps(begin, float(state[self.width - 1]), self.method.moments)
+        done = self.run(slots, every, given)
         if done.steps < count * every:
             at = f"at {time + done.steps * h:.6g} s"
             if not done.settled:
@@ -110,16 +116,16 @@ class FixedSteps:
         states: Floats = slots[1:, :, 0]
         return states
 
-    def _to_limit(self, state: Floats, every: int, h: float, limits: Limits) -> tuple[Floats, int, float]:
+    def _to_limit(self, state: Floats, every: int, h: float, limits: Limits, first: int) -> tuple[Floats, int, float]:
         """The state at a limit within the next `every` steps; how many steps that takes, and how long."""
         whole = 0
-        while limits.first_beyond(after := self._advance(state, 1, 1, 0.0)) is None and whole < every:
+        while limits.first_beyond(after := self._advance(state, 1, 1, h, first + whole)) is None and whole < every:
             state, whole = after[0], whole + 1
 
         def part(length: float) -> Floats:
             begun = state.copy()
             begun[self.width - 1] = length
-            after: Floats = self._advance(begun, 1, 1, 0.0)[0]
+            after: Floats = self._advance(begun, 1, 1, h, first + whole)[0]
             return after
 
         length = moment(lambda length: limits.first_beyond(part(length)[None]) is not None, h)
@@ -130,11 +136,12 @@ SHORTER = "give a shorter --step, or --method radau where friction or a drive is
 
 
 class Programs(NamedTuple):
-    """A method's programs, and how many numbers they read."""
+    """A method's programs, and how many numbers they read of the state and of a table."""
 
     step: Program
     sweep: Program | None
     width: int
+    columns: int
 
     @property
     def work(self) -> int:
@@ -145,13 +152,13 @@ class Programs(NamedTuple):
 @lru_cache(maxsize=16)
 def _programs(plan: Plan, method: Method) -> Programs:
     steps = Steps(Equations(plan), method)
-    return Programs(steps.step(), steps.sweep(), steps.width)
+    return Programs(steps.step(), steps.sweep(), steps.width, steps.columns)
 
 
 @lru_cache(maxsize=16)
 def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
     programs = _programs(plan, method)
-    return CompiledSteps(STATE, programs.width, programs.step, programs.sweep, lanes)
+    return CompiledSteps(STATE, programs.width, programs.step, programs.sweep, lanes, programs.columns)
 
 
 def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = SINGLE) -> CompiledSteps | NumpySteps:
@@ -174,4 +181,4 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
             problem = f"LLVM fails on this program ({one_line(error)})"
         if executor == "compiled":
             raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
-    return NumpySteps(STATE, programs.width, programs.step, programs.sweep)
+    return NumpySteps(STATE, programs.width, programs.step, programs.sweep, programs.columns)

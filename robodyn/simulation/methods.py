@@ -20,6 +20,7 @@ class Method:
         about: what it is good for, in a few words.
         A, b: its table.
         semi: the position moves at the speed that the step ends with (symplectic Euler); K is then the speed's alone.
+        leapfrog: half a step at the old speed and half at the new; only where no speed changes an acceleration.
         scipy: the name of the method that `scipy.integrate.solve_ivp` has; A and b are then empty.
     """
 
@@ -30,11 +31,22 @@ class Method:
     b: tuple[float, ...] = ()
     semi: bool = False
     scipy: str = ""
+    leapfrog: bool = False
 
     @property
     def implicit(self) -> bool:
         """Whether a stage needs itself or a later one."""
-        return any(x != 0.0 for i, row in enumerate(self.A) for x in row[i:])
+        return not self.leapfrog and any(x != 0.0 for i, row in enumerate(self.A) for x in row[i:])
+
+    @property
+    def nodes(self) -> tuple[float, ...]:
+        """c_i, the fraction of a step at which each stage is."""
+        return tuple(sum(row) for row in self.A)
+
+    @property
+    def moments(self) -> tuple[float, ...]:
+        """The nodes, each once."""
+        return tuple(dict.fromkeys(self.nodes))
 
     @property
     def adaptive(self) -> bool:
@@ -45,6 +57,14 @@ _R3, _R15 = sqrt(3.0), sqrt(15.0)
 METHODS: tuple[Method, ...] = (
     Method("euler", 1, "explicit Euler: gains energy; for comparison", ((0.0,),), (1.0,)),
     Method("symplectic-euler", 1, "semi-implicit Euler: the new speed moves the position", ((0.0,),), (1.0,), True),
+    Method(
+        "verlet",
+        2,
+        "leapfrog: symplectic, energy does not drift; for motions without forces that depend on speed",
+        ((0.5,),),
+        (1.0,),
+        leapfrog=True,
+    ),
     Method("midpoint", 2, "explicit midpoint rule", ((0.0, 0.0), (0.5, 0.0)), (0.0, 1.0)),
     Method(
         "rk4",

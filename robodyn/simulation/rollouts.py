@@ -18,6 +18,7 @@ from robodyn.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.methods import method_named
+from robodyn.trajectory.layout import listing
 
 Floats = NDArray[np.float64]
 TOGETHER = 64
@@ -70,6 +71,9 @@ def rollouts(
     chosen = method_named(method)
     if chosen.adaptive or step <= 0 or every < 1 or steps < 1 or steps % every:
         raise InputError(f"{steps} steps of {step:g} s by {method}, recorded every {every}", remedy="fixed steps only")
+    if scene.table_columns:
+        remedy = "give numbers; simulate follows a table, one motion at a time"
+        raise InputError(f"the scene names {listing(scene.table_columns)}, columns of a table", remedy=remedy)
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene)
     if len(shape) != 1:
         raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")

@@ -10,19 +10,26 @@ from numpy.typing import NDArray
 
 from robodyn.effects import coulomb_friction
 from robodyn.effects.friction import rubbing
-from robodyn.errors import InputError, SceneError
+from robodyn.errors import InputError
+from robodyn.execute.repeated import COLUMNS
 from robodyn.inverse import runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import adaptive_motion
+from robodyn.simulation.closed_start import closed_start
+from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import FixedSteps, Motion
+from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.methods import Method, method_named
 from robodyn.simulation.result import Figures, Simulation
+from robodyn.simulation.table import Signal, Source, Table, read_table
 
 Floats = NDArray[np.float64]
+DURATION = 10.0
+"""s, where none is given and no table says it."""
 STEP = 1e-3
 """s, where neither a step nor a tolerance is given."""
 RTOL = 1e-9
@@ -36,8 +43,9 @@ SLIP_SPEED = 1e-3
 def simulate(
     model: Model,
     scene: Scene = DEFAULT,
-    duration: float = 10.0,
+    duration: float | None = None,
     *,
+    table: Source | None = None,
     step: float | None = None,
     rtol: float | None = None,
     method: str | None = None,
@@ -51,26 +59,28 @@ def simulate(
 
     Args:
         model: of `robodyn.load`, with moving_base=True for a robot that is free.
-        duration: s.
+        duration: s; by default that of the table, else 10.
+        table: where the scene's drives, wrenches or initial state name columns: a file, or arrays by name with `time`
+            among them, which begins when the simulation does. References are cubic splines through its rows; torques
+            and wrenches are straight between them, or held, as the scene says.
         step: s; of a method with a fixed step; by default 1 ms.
         rtol: of an adaptive method.
         method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", with `rtol` "dop853".
         executor: "numpy", "compiled", or "auto": the quicker.
 
     Raises:
-        InputError: the scene does not fit the robot or names columns; a joint begins beyond a limit; a number is out of
-            range; the method does not get through.
+        InputError: the scene does not fit the robot or the table; a joint begins beyond a limit; a number is out of
+            range; the method does not apply, or does not get through.
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
     how = _how(step, rtol, method)
     _check_positive(duration=duration, step=step, rtol=rtol)
-    if scene.columns:
-        what = f"a wrench of the scene names the column {scene.columns[0]!r}"
-        raise SceneError(what, remedy="a simulation has no trajectory; write a number")
-    scene, notes = _with_friction(model, scene)
+    scene, notes = with_friction(model, scene)
     a_plan = plan(model, scene)
-    motion, evaluations = _integrated(a_plan, how, duration, executor)
+    signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    length = duration or (DURATION if signal.table is None else signal.table.duration)
+    motion, evaluations = integrated(a_plan, how, length, executor, signal)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     return Simulation(
         model=model,
@@ -82,13 +92,18 @@ def simulate(
         q=q,
         qd=qd,
         work=motion.states[:, -2],
-        figures=_figures(a_plan, motion, executor),
+        figures=_figures(a_plan, motion, executor, signal),
         steps=motion.steps,
         evaluations=evaluations,
         executor=motion.executor,
         effects=a_plan.verdicts,
         ended=motion.ended,
-        notes=(*model.notes, *notes, *([f"recorded every {motion.every} steps"] if motion.every > 1 else [])),
+        notes=(
+            *model.notes,
+            *signal.said,
+            *notes,
+            *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
+        ),
     )
 
 
@@ -100,20 +115,31 @@ class How(NamedTuple):
     rtol: float
 
 
-def _integrated(a_plan: Plan, how: How, duration: float, executor: str) -> tuple[Motion, int | None]:
+def integrated(
+    a_plan: Plan, how: How, duration: float, executor: str, signal: Signal | None = None
+) -> tuple[Motion, int | None]:
     """The motion from the scene's initial state, and how often the equations were evaluated if that was counted."""
     method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
-    state = initial_state(a_plan.model, a_plan.scene)
+    signal = signal or Signal(a_plan.scene, a_plan.model, None)
+    signal.check_duration(duration)
+    state = initial_state(a_plan.model, a_plan.scene, signal.table)
+    if a_plan.scene.loops:
+        state = closed_start(Closing(a_plan), state)
     limits.check_start(state)
     if method.adaptive:
-        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor)
-    ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)))
+        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal)
+    if method.leapfrog:
+        check_leapfrog(Equations(a_plan))
+    ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
     motion = ready.motion(state, duration, how.step, limits)
     return motion, None if method.implicit else motion.steps * len(method.b)
 
 
-def initial_state(model: Model, scene: Scene) -> Floats:
+def initial_state(model: Model, scene: Scene, table: Table | None = None) -> Floats:
     """(width,) q, qd, no work done, and no step yet; where the scene says nothing, 0 and no turn.
+
+    Args:
+        table: whose first row is the value of a column that the scene names.
 
     Raises:
         InputError: a quaternion is zero.
@@ -122,8 +148,10 @@ def initial_state(model: Model, scene: Scene) -> Floats:
     for joint in model.independent:
         if joint.kind == "floating":
             q[f"{joint.name}_qw"] = 1.0
-    q |= scene.initial_q
-    qd = dict.fromkeys(model.rates, 0.0) | dict(scene.initial_qd)
+    qd = dict.fromkeys(model.rates, 0.0)
+    for values, begun in ((q, scene.initial_q), (qd, scene.initial_qd)):
+        for name, entry in begun.items():
+            values[name] = entry if not isinstance(entry, str) else float(table.columns[entry][0]) if table else 0.0
     state = np.array([*q.values(), *qd.values(), 0.0, 0.0])
     for joint in model.independent:
         if joint.kind == "floating":
@@ -149,7 +177,7 @@ def _check_positive(**given: float | None) -> None:
             raise InputError(f"{name} is {value:g}", remedy="give a positive number")
 
 
-def _with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
+def with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
     """The scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
     if not coulomb_friction.why(model, scene, frozenset()).active:
         return scene, []
@@ -159,10 +187,11 @@ def _with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
     return replace(scene, slip_speed=chosen), [f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest"]
 
 
-def _figures(a_plan: Plan, motion: Motion, executor: str) -> Figures:
+def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:
     equations, n = Equations(a_plan), a_plan.model.n
-    runner = runner_of(equations.figures(), a_plan, {STATE: equations.width})
-    columns = runner({STATE: motion.states}, len(motion.states), executor=executor)
+    runner = runner_of(equations.figures(), a_plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
+    columns = runner(sources, len(motion.states), executor=executor)
     if not np.isfinite(columns).all():
         raise InputError("accelerations are not finite", remedy="give every link that moves mass and inertia")
     qdd, tau, energy, kinetic, linear, angular = np.split(columns, np.cumsum([n, n, 1, 1, 3]), axis=1)

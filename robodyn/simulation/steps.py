@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from robodyn.simulation.equations import STATE, Equations, Rates, State
+from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
 from robodyn.simulation.methods import Method
 from robodyn.simulation.turning import moved, unit
 from robodyn.spatial import Scalar
@@ -31,17 +31,24 @@ class Steps:
         n = self.equations.model.n
         return self.equations.width + (len(self.method.b) * (2 * n + 1) if self.method.implicit else 0)
 
+    @property
+    def columns(self) -> int:
+        """Numbers of a table that both programs read for each step: the curves at every moment of the method."""
+        return len(self.equations.curves) * len(self.method.moments)
+
     def step(self) -> Program:
         """The program of the state (and stages) after a step."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state = self.equations.state(tape)
+            state, given = self.equations.state(tape), self._curves(tape)
+            if self.method.leapfrog:
+                return self._leap(state, given[0])
             if self.method.implicit:
                 stages = self._given(tape)
                 return [*self._end(state, stages), *_flat(stages)]
             stages = []
-            for row in self.method.A:
-                stages.append(self._stage(state, stages, row[: len(stages)]))
+            for row, now in zip(self.method.A, given, strict=True):
+                stages.append(self._stage(state, stages, row[: len(stages)], now))
             return self._end(state, stages)
 
         return trace(outputs)
@@ -52,13 +59,18 @@ class Steps:
             return None
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state, old = self.equations.state(tape), self._given(tape)
-            new = [self._stage(state, old, row) for row in self.method.A]
+            state, old, given = self.equations.state(tape), self._given(tape), self._curves(tape)
+            new = [self._stage(state, old, row, now) for row, now in zip(self.method.A, given, strict=True)]
             before, after = _flat(old), _flat(new)
             change = _square(a - b for a, b in zip(after, before, strict=True))
             return [*state.q, *state.qd, state.work, state.step, *after, change / (_square(after) + 1e-300)]
 
         return trace(outputs)
+
+    def _curves(self, tape: Tape) -> list[Given]:
+        """The table's curves at each stage."""
+        moments = self.method.moments
+        return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
     def _given(self, tape: Tape) -> list[Rates]:
         """The stages that a program is given."""
@@ -70,12 +82,25 @@ class Steps:
             at += len(values)
         return stages
 
-    def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float]) -> Rates:
+    def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float], given: Given) -> Rates:
         """The rates at `y + h sum_j row_j K_j`."""
         h, n = state.step, self.equations.model.n
         u = [h * total for total in _sums(row, [K.u for K in stages], n)]
         gains = _sums(row, [K.qd for K in stages], n)
-        return self.equations.rates(state.q, u, [x + h * gain for x, gain in zip(state.qd, gains, strict=True)])
+        return self.equations.rates(state.q, u, [x + h * gain for x, gain in zip(state.qd, gains, strict=True)], given)
+
+    def _leap(self, state: State, given: Given) -> list[Scalar]:
+        """The state after half a step at the old speed, a whole one of acceleration and half a step at the new speed.
+
+        Work is done at the mean of both speeds.
+        """
+        h, equations, half = state.step, self.equations, [0.5 * state.step * x for x in state.qd]
+        qdd = equations.rates(state.q, half, [0.0] * len(half), given).qd
+        mean = [x + 0.5 * h * a for x, a in zip(state.qd, qdd, strict=True)]
+        qd = [x + h * a for x, a in zip(state.qd, qdd, strict=True)]
+        power = equations.rates(state.q, half, mean, given).work
+        u = [h * x for x in mean]
+        return [*unit(equations.model, moved(equations.model, state.q, u)), *qd, state.work + h * power, h]
 
     def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
         """The state after the step."""
@@ -84,7 +109,8 @@ class Steps:
         qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]
         u = [h * total for total in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
         work = _sums(b, [[K.work] for K in stages], 1)[0]
-        return [*unit(model, moved(model, state.q, u)), *qd, state.work + h * work, h]
+        q, qd = self.equations.settled(moved(model, state.q, u), qd)
+        return [*q, *qd, state.work + h * work, h]
 
 
 def _flat(stages: Iterable[Rates]) -> list[Scalar]:

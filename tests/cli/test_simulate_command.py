@@ -101,7 +101,13 @@ WRONG = [
     ((), "[initial]\nq = { wrist = 1 }", "scene.toml: [initial] q: the robot has no coordinate 'wrist'"),
     ((), "[initial]\nq = { elbow = 4 }", '"elbow" begins at 4, beyond its limit of 3 (begin within the limits, or'),
     ((), "[contact]\n", 'scene.toml: the scene: "contact" asks for contact, which robodyn does not compute'),
-    ((), '[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]', "a wrench of the scene names the column 'fx'"),
+    (
+        *((), '[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]'),
+        "the scene names 'fx', columns of a table (give the table: --traj FILE)",
+    ),
+    (("--traj", "no.csv"), "", "the scene names no column of the table (write e.g. reference"),
+    (("--traj", "no.csv"), '[drive]\nelbow = { torque = "ff" }', "no.csv: cannot be read: no such file or directory"),
+    (("--method", "verlet"), "", "verlet does not apply: accelerations depend on speeds (coriolis)"),
     ((), "[drive]\nelbow = { kp = -1e8 }\n[initial]\nq = { elbow = 1 }", "the motion cannot be followed at "),
 ]
 
@@ -127,3 +133,27 @@ def test_a_stiff_drive_needs_a_stiff_method(tmp_path: Path) -> None:
     assert outcome.status == 2
     assert "(give a shorter --step, or --method radau where friction or a drive is stiff)" in outcome.err
     assert run(*call, "--method", "radau").status == 0
+
+
+def test_drives_follow_a_table(tmp_path: Path) -> None:
+    """What `simulate` writes, another simulation follows: torques fed forward, references with their slopes."""
+    motion, again = tmp_path / "motion.csv", tmp_path / "again.csv"
+    simulate(*SWING, "--duration", "1", "--out", str(motion))
+    joints = ("shoulder", "elbow")
+    (tmp_path / "follow.toml").write_text(
+        "slip_speed = 0.01\nfriction.shoulder = { viscous = 3.0, coulomb = 0.4 }\n"
+        + "".join(f'initial.{kind}.{name} = "{kind}_{name}"\n' for kind in ("q", "qd") for name in joints)
+        + "".join(
+            f'drive.{name} = {{ torque = "tau_{name}", kp = 50, kd = 5, reference = "q_{name}" }}\n' for name in joints
+        )
+    )
+    follow = (SWING[0], "--scene", str(tmp_path / "follow.toml"), "--traj", str(motion))
+    text = simulate(*follow, "--out", str(again))
+    assert (
+        f"note: table {motion}: 1001 rows over 1 s; references are cubic splines, with their slopes for speeds; "
+        in text
+    )
+    assert "torques and wrenches between rows are straight\n" in text
+    (names, first), (_, second) = rows(motion), rows(again)
+    places = [names.index(f"q_{name}") for name in joints]
+    assert np.abs(first[:, places] - second[:, places]).max() <= 5e-6

@@ -26,6 +26,7 @@ WHY = {
     "coulomb friction": "no joint has Coulomb friction",
     "rotor inertia": "neither the scene nor a transmission has a rotor inertia",
     "joint spring": "the scene has no spring",
+    "limit spring": "the scene has no springs at joint limits",
     "payload": "the scene has no payload",
     "external wrench": "the scene has no external wrench",
     "fluid": "the scene has no fluid",

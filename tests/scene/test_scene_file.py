@@ -6,7 +6,7 @@ import pytest
 from oracles import ROBOTS
 
 from robodyn.errors import SceneError
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
 from robodyn.scene_file import load_scene, parse_scene
 
 EVERYTHING = b"""
@@ -96,7 +96,7 @@ def test_frames(frame):
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
         *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base"),
-        *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte"),
+        *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
@@ -106,7 +106,8 @@ UNKNOWN = {
     "[fluid]\ndensity = 1\nspeed = [0, 0, 0]": ("density", "velocity", "link"),
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\narea = 1': ("link", "volume", "centre", "drag_area"),
     '[base]\nmoving = "yes"': ("motion",),
-    "[drive]\na = { torqe = 1 }": ("torque", "kp", "kd", "reference"),
+    "[drive]\na = { torqe = 1 }": ("torque", "kp", "kd", "reference", "speed"),
+    'joint_limits = "spring"\n[limit_spring]\nk = 1\nstiffness = 2': ("stiffness", "damping"),
     "[initial]\nqdd = { a = 1 }": ("q", "qd"),
 }
 
@@ -166,9 +167,14 @@ WRONG = {
     '[base]\nmotion = "free"': '"motion" is "free" (one of: fixed, moving)',
     "base = 1": "[base] is 1, not a table",
     "slip_speed = -1": '"slip_speed" is -1',
-    'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore)',
+    'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore, spring)',
+    'joint_limits = "spring"': '"joint_limits" is "spring" without a [limit_spring] (give its stiffness, N m/rad)',
+    "[limit_spring]\nstiffness = 1": '"joint_limits" is "stop" with a [limit_spring] (write joint_limits = "spring")',
+    'joint_limits = "spring"\nlimit_spring = {}': '[limit_spring]: "stiffness" is missing',
+    'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': "[limit_spring]: stiffness 0, damping 0 (stiffness is",
+    'between_rows = "spline"': '"between_rows" is "spline" (one of: linear, hold)',
     "[initial]\nq = 3": "[initial] q is 3, not a table",
-    '[initial]\nqd = { a = "fast" }': "[initial] qd: \"a\" is 'fast', not a finite number",
+    '[initial]\nqd = { a = "" }': "[initial] qd: \"a\" is '', not a finite number",
     "[drive]\na = { kp = true }": '[drive] a: "kp" is True, not a finite number',
     "[contact]\nstiffness = 1e5": '"contact" asks for contact, which robodyn does not compute (leave it out)',
     "ground = 0": '"ground" asks for contact, which robodyn does not compute',
@@ -212,3 +218,20 @@ def test_files(tmp_path):
 @pytest.mark.parametrize("path", sorted(ROBOTS.glob("*.toml")), ids=lambda path: path.stem)
 def test_scenes_of_the_examples(path):
     assert isinstance(load_scene(path), Scene)
+
+
+def test_parts_of_a_simulation():
+    text = """
+        joint_limits = "spring"
+        limit_spring = { stiffness = 1e4, damping = 20 }
+        between_rows = "hold"
+        [initial]
+        q = { a = "q_a", b = 0.5 }
+        [drive]
+        a = { torque = "ff", kp = 3, kd = 2, reference = "q_a", speed = "qd_a" }
+        b = { kd = 1, speed = -0.5 }
+    """
+    scene = parse_scene(text.encode())
+    assert (scene.joint_limits, scene.limit_spring, scene.between_rows) == ("spring", LimitSpring(1e4, 20.0), "hold")
+    assert scene.drive == {"a": Drive("ff", 3.0, 2.0, "q_a", "qd_a"), "b": Drive(kd=1.0, speed=-0.5)}
+    assert (scene.table_columns, scene.columns) == (("ff", "q_a", "qd_a"), ())

@@ -15,7 +15,7 @@ from robodyn.errors import InputError
 from robodyn.scene import Scene
 from robodyn.simulation.methods import METHODS
 
-FIXED = [method for method in METHODS if not method.adaptive]
+FIXED = [method for method in METHODS if not method.adaptive and not method.leapfrog]
 ADAPTIVE = [method for method in METHODS if method.adaptive]
 
 

@@ -51,8 +51,13 @@ done:
 }}
 
 define i64 @rollout(ptr %sweep, ptr %step, ptr %slots, ptr %spare, ptr %table, ptr %flags, i64 %rows, i64 %pitch,
-    i64 %groups, i64 %records, i64 %every, i64 %sweeps) nounwind {{
+    i64 %groups, i64 %records, i64 %every, i64 %sweeps, ptr %columns, i64 %extra) nounwind {{
 entry:
+  %twice = mul i64 %rows, 2
+  %past = add i64 %twice, 1
+  %given = getelementptr ptr, ptr %table, i64 %past
+  %given_slot = mul i64 %extra, %pitch
+  %driven = icmp sgt i64 %extra, 0
   %slot = mul i64 %rows, %pitch
   %spare_slot = add i64 %slot, %pitch
   %steps = mul i64 %records, %every
@@ -76,11 +81,24 @@ loop:
   %third = getelementptr i8, ptr %spare, i64 %third_at
   %fourth_at = mul i64 %spare_slot, 3
   %fourth = getelementptr i8, ptr %spare, i64 %fourth_at
+  %now_at = mul i64 %k, %given_slot
+  %now = getelementptr i8, ptr %columns, i64 %now_at
+  br i1 %driven, label %give, label %begin
+give:
+  %j = phi i64 [ 0, %loop ], [ %j1, %give ]
+  %j_at = mul i64 %j, %pitch
+  %column = getelementptr i8, ptr %now, i64 %j_at
+  %place = getelementptr ptr, ptr %given, i64 %j
+  store ptr %column, ptr %place
+  %j1 = add i64 %j, 1
+  %yet = icmp slt i64 %j1, %extra
+  br i1 %yet, label %give, label %begin
+begin:
   br i1 %implicit, label %iterate, label %end
 iterate:
-  %s = phi i64 [ 0, %loop ], [ %s1, %judged ]
-  %have = phi ptr [ %from, %loop ], [ %want, %judged ]
-  %before = phi double [ 0x7FF0000000000000, %loop ], [ %change, %judged ]
+  %s = phi i64 [ 0, %begin ], [ %s1, %judged ]
+  %have = phi ptr [ %from, %begin ], [ %want, %judged ]
+  %before = phi double [ 0x7FF0000000000000, %begin ], [ %change, %judged ]
   %s_odd = and i64 %s, 1
   %s_even = icmp eq i64 %s_odd, 0
   %want = select i1 %s_even, ptr %third, ptr %fourth
@@ -104,7 +122,7 @@ maybe:
 judged:
   br label %iterate
 end:
-  %ready = phi ptr [ %from, %loop ], [ %want, %judge ]
+  %ready = phi ptr [ %from, %begin ], [ %want, %judge ]
   %bad = call i64 @apply(ptr %step, ptr %ready, ptr %to, ptr %table, ptr %flags, i64 %rows, i64 0, i64 %pitch,
     i64 %groups)
   %is_bad = icmp ne i64 %bad, 0
@@ -131,8 +149,9 @@ def rollout(lanes: int) -> str:
 
     `slots` holds `records + 1` states of `rows` columns of doubles, `pitch` bytes from one column to the next; the
     first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if
-    not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `spare` has room for four
-    states and a column each, `table` for 2 rows + 1 pointers.
+    not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `columns` holds `extra`
+    columns for each step, which both read besides. `spare` has room for four states and a column each, `table` for
+    2 rows + 1 + extra pointers.
 
     Returns:
         The number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.

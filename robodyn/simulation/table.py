@@ -1,0 +1,174 @@
+"""A table that drives a simulation: the columns that a scene names, and what they are between the rows."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robodyn.errors import InputError, SceneError
+from robodyn.model import Model
+from robodyn.scene import Scene
+from robodyn.trajectory.array_table import ArrayTable
+from robodyn.trajectory.columns import Signals
+from robodyn.trajectory.layout import listing
+from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.table import open_table
+
+Floats = NDArray[np.float64]
+LOAD, REFERENCE, RATE = "load", "reference", "rate"
+
+
+class Curve(NamedTuple):
+    """A function of time made of a column: a torque or a part of a wrench, a reference, or a reference's rate."""
+
+    column: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Rows of time and columns that a scene names.
+
+    Attributes:
+        time: (N,) s, increasing; a simulation begins at the first.
+        columns: (N,) each.
+    """
+
+    file: str | None
+    time: Floats
+    columns: Mapping[str, Floats]
+
+    @property
+    def duration(self) -> float:
+        return float(self.time[-1] - self.time[0])
+
+
+Source = str | os.PathLike[str] | Mapping[str, ArrayLike]
+
+
+def read_table(source: Source, scene: Scene) -> Table:
+    """The columns that a scene names, of a file or of arrays.
+
+    Args:
+        source: a file that `robodyn torques` reads (`-` is standard input), or arrays by name, `time` among them.
+
+    Raises:
+        TrajectoryError: the file cannot be read, a column is missing or not finite, or time does not increase.
+        SceneError: the scene names no column.
+    """
+    names = scene.table_columns
+    if not names:
+        what = "the scene names no column of the table"
+        raise SceneError(what, remedy='write e.g. reference = "q_elbow" for a joint of [drive]')
+    if isinstance(source, Mapping):
+        file, table = None, ArrayTable(None, {name: np.asarray(x, float).ravel() for name, x in source.items()})
+    else:
+        table = open_table(source)  # type: ignore[assignment]
+        file = os.fspath(source)
+    with TrajectoryReader(table, Signals(()), names, ignore_extra=True) as reader:
+        blocks = list(reader.blocks())
+    time = np.concatenate([block.time for block in blocks])
+    return Table(file, time, {name: np.concatenate([block.extra[name] for block in blocks]) for name in names})
+
+
+def curves(scene: Scene) -> tuple[Curve, ...]:
+    """What a scene takes from a table at every moment, each once."""
+    return tuple(dict.fromkeys(_curves(scene)))
+
+
+def _curves(scene: Scene) -> Iterator[Curve]:
+    for wrench in scene.wrenches:
+        yield from (Curve(name, LOAD) for name in wrench.columns)
+    for drive in scene.drive.values():
+        if isinstance(drive.torque, str):
+            yield Curve(drive.torque, LOAD)
+        if isinstance(drive.reference, str):
+            if drive.kp:
+                yield Curve(drive.reference, REFERENCE)
+            if drive.kd and drive.speed is None:
+                yield Curve(drive.reference, RATE)
+        if isinstance(drive.speed, str) and drive.kd:
+            yield Curve(drive.speed, REFERENCE)
+
+
+class Signal:
+    """The curves of a scene at any time of a simulation.
+
+    References are cubic splines through the rows (not-a-knot), their rates the slopes of these. Torques and wrenches
+    are straight between rows, or, where the scene holds them, those of the last row.
+    """
+
+    def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
+        """
+        Raises:
+            SceneError: the scene names columns and there is no table, or one without rows between which to be.
+        """
+        self.curves, self.table, self.held = curves(scene), table, scene.between_rows == "hold"
+        if scene.table_columns and table is None:
+            what = f"the scene names {listing(scene.table_columns)}, columns of a table"
+            raise SceneError(what, remedy="give the table: --traj FILE")
+        if table is not None and len(table.time) < 2:
+            raise InputError("the table has one row", remedy="give two at least", file=table.file)
+        endless = {joint.name for joint in model.independent if joint.continuous}
+        wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
+        self._functions = [self._function(curve, curve.column in wrapped) for curve in self.curves]
+
+    def _function(self, curve: Curve, wrapped: bool):  # type: ignore[no-untyped-def]
+        assert self.table is not None
+        time, values = self.table.time - self.table.time[0], self.table.columns[curve.column]
+        if curve.kind == LOAD:
+            return self._held(time, values) if self.held else lambda t, _: np.interp(t, time, values)
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(time, np.unwrap(values) if wrapped else values)
+        return lambda t, _: spline(t, curve.kind == RATE)
+
+    @staticmethod
+    def _held(time: Floats, values: Floats):  # type: ignore[no-untyped-def]
+        slack = 1e-9 * float(np.diff(time).min())
+        return lambda _, begin: values[np.searchsorted(time, begin + slack, side="right") - 1]
+
+    def check_duration(self, duration: float) -> None:
+        """Raise if the table ends before the simulation."""
+        if self.table is not None and duration > self.table.duration * (1.0 + 1e-9):
+            what = f"the table lasts {self.table.duration:.9g} s, the simulation {duration:.9g} s"
+            raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
+
+    @property
+    def longest_step(self) -> float:
+        """Of an adaptive method, so that it passes over no row's torque [s]."""
+        if self.table is None or all(curve.kind != LOAD for curve in self.curves):
+            return float("inf")
+        return 2.0 * float(np.median(np.diff(self.table.time)))
+
+    def at(self, time: Floats, begin: Floats | None = None) -> Floats:
+        """(N, curves) at N times [s] since the simulation began; what is held is that of `begin`, if given."""
+        begun = time if begin is None else begin
+        values = [function(time, begun) for function in self._functions]
+        return np.column_stack(values) if values else np.empty((len(time), 0))
+
+    def in_steps(self, begin: Floats, step: float, nodes: tuple[float, ...]) -> Floats:
+        """(N, nodes * curves) for N steps that begin at these times, at each of their nodes (fractions of the step)."""
+        return np.hstack([self.at(begin + node * step, begin) for node in nodes])
+
+    @property
+    def said(self) -> list[str]:
+        """How the curves run between rows, for the report."""
+        table = self.table
+        if table is None:
+            return []
+        kinds = {curve.kind for curve in self.curves}
+        between = "held until the next, from the first step on that begins there or later" if self.held else "straight"
+        parts = [f"table {table.file or 'of arrays'}: {len(table.time)} rows over {table.duration:.6g} s"]
+        if table.time[0]:
+            parts.append(f"its first row, {table.time[0]:.6g} s, is time 0")
+        if kinds & {REFERENCE, RATE}:
+            parts.append("references are cubic splines" + (", with their slopes for speeds" if RATE in kinds else ""))
+        if LOAD in kinds:
+            parts.append(f"torques and wrenches between rows are {between}")
+        return ["; ".join(parts)]
