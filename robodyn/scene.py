@@ -195,7 +195,9 @@ class Scene:
     initial_q: Mapping[str, Entry] = field(default_factory=dict)
     initial_qd: Mapping[str, Entry] = field(default_factory=dict)
     drive: Mapping[str, Drive] = field(default_factory=dict)
+    between_rows: str = "linear"
     joint_limits: str = "stop"
+    limit_spring: LimitSpring | None = None
     loops: tuple[Loop, ...] = ()
     baumgarte: float = 0.0
 
@@ -204,10 +206,6 @@ class Scene:
         """The trajectory columns that its wrenches need, each once."""
         return tuple(dict.fromkeys(name for wrench in self.wrenches for name in wrench.columns))
 
-    between_rows: str = "linear"
-
-    limit_spring: LimitSpring | None = None
-DEFAULT = Scene()
     @property
     def table_columns(self) -> tuple[str, ...]:
         """The columns that a simulation's table must have: those of wrenches, drives and the initial state."""
@@ -215,3 +213,5 @@ DEFAULT = Scene()
         initial = [entry for part in (self.initial_q, self.initial_qd) for entry in part.values()]
         return tuple(dict.fromkeys([*self.columns, *driven, *(x for x in initial if isinstance(x, str))]))
 
+
+DEFAULT = Scene()
