@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from math import isfinite, sqrt
 
 import numpy as np
 
 from robodyn.accuracy.ladder import Accuracy, Ladder, Price, Rung
-from robodyn.accuracy.mesh_methods import by_box, by_chance, by_columns, by_hull, by_triangles, by_voxels, inertia
+from robodyn.accuracy.mesh_methods import (
+    by_box,
+    by_chance,
+    by_columns,
+    by_triangles,
+    by_voxels,
+    by_winding_numbers,
+    inertia,
+)
+from robodyn.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
 from robodyn.accuracy.operations import counted, integral_operations
 from robodyn.accuracy.timing import timed
 from robodyn.errors import InputError, MeshError
@@ -30,6 +40,8 @@ from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
 COLUMNS = 256, 4096, 65536
 VOXELS = 256, 4096
 POINTS = 100, 1000, 10000
+TOLERANCES = 3e-2, 3e-3
+"""Of decimated surfaces, shares of the diagonal of the box."""
 MOST_TESTS = 20_000_000
 """Of random points against triangles: a second or two."""
 MEASURES = "volume", "inertia"
@@ -67,7 +79,7 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
         else:
             notes.append(f"{name}: finds no volume")
     ladder = Ladder("volume and inertia", MEASURES, "exact rationals", "mesh", tuple(rungs))
-    return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole), notes=tuple(notes))
+    return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole, corners), notes=tuple(notes))
 
 
 def _measured(triangles: Triangles) -> Measured:
@@ -92,6 +104,14 @@ def _crude(corners: Floats) -> tuple[dict[str, Callable[[Floats], Moments]], lis
             ways[f"Monte Carlo, {count} points"] = partial(by_chance, count=count)
         else:
             notes.append(f"Monte Carlo, {count} points: left out, {count * len(corners):.0e} tests")
+        ways[f"winding numbers at {count} points"] = partial(by_winding_numbers, count=count)
+    try:
+        for share in TOLERANCES:
+            way = partial(by_decimation, tolerance=share)
+            way(corners)
+            ways[f"decimated within {100 * share:g} % of its size"] = way
+    except MeshError as error:
+        notes.append(f"decimated: left out, {error.what}")
     return ways, notes
 
 
@@ -100,15 +120,22 @@ def _acts(
 ) -> tuple[dict[str, Act], dict[str, float]]:
     """Methods ready to be called, and operations of those whose operations can be counted."""
     acts: dict[str, Act] = {name: partial(way, corners) for name, way in crude.items()}
-    counts: dict[str, float] = {name: counted(way, corners) for name, way in crude.items() if way is not by_hull}
+    counts: dict[str, float] = {name: counted(way, corners) for name, way in crude.items() if _countable(way)}
     floats: dict[str, type] = {"float32": np.float32, "float64": np.float64}
     if np.finfo(np.longdouble).nmant > np.finfo(np.float64).nmant:
         floats["long double"] = np.longdouble
     for name, dtype in floats.items():
         acts[f"integral, {name}"] = partial(by_triangles, triangles, dtype, whole.reference)
         counts[f"integral, {name}"] = integral_operations(triangles.count)
+    acts[f"integral, escalated to {integrate(triangles).method}"] = lambda: integrate(triangles).moments
     acts["integral, exact rationals"] = lambda: integrate(triangles, exact=True).moments
     return acts, counts
+
+
+def _countable(way: Callable[[Floats], Moments]) -> bool:
+    """Whether all its arithmetic is NumPy's."""
+    whole = getattr(way, "func", way)
+    return whole not in (by_hull, by_decimation, by_winding_numbers)
 
 
 def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
@@ -129,7 +156,7 @@ def _norm(matrix: Floats) -> float:
     return sqrt(sum(float(x) ** 2 for x in matrix.ravel()))
 
 
-def _prices(given: Triangles, triangles: Triangles, whole: Integrals) -> tuple[Price, ...]:
+def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: Floats) -> tuple[Price, ...]:
     """Of what makes the numbers trustworthy; the repair is that of the mesh as it was given."""
 
     def facets() -> object:
@@ -142,6 +169,9 @@ def _prices(given: Triangles, triangles: Triangles, whole: Integrals) -> tuple[P
         "repair ladder": partial(repair, given),
         "tessellation error": facets,
     }
+    with suppress(MeshError):
+        union_with_a_copy(corners)
+        acts["union with a copy of it"] = partial(union_with_a_copy, corners)
     if triangles.count <= SYMMETRY_TRIANGLES:
         acts["symmetry"] = lambda: symmetry(CentredBody.of(triangles, whole))
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())

@@ -8,11 +8,12 @@ from robodyn.inertia.exact import exact
 from robodyn.mesh.columns import Lattice
 from robodyn.mesh.exact import Moments
 from robodyn.mesh.excess import directions
-from robodyn.mesh.integrate import integrate
+from robodyn.mesh.indexed import merged
 from robodyn.mesh.kernel import symmetric, volume_kernel
 from robodyn.mesh.pieces import Pieces, pieces
 from robodyn.mesh.sweep import swept
-from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.mesh.triangles import Floats, Triangles
+from robodyn.mesh.winding_tree import WindingTree
 from robodyn.spatial import Array
 
 _TESTS = 1 << 18
@@ -25,26 +26,6 @@ def by_box(corners: Floats) -> Moments:
     size, middle = hi - lo, lo / 2 + hi / 2
     volume = size[0] * size[1] * size[2]
     return Moments(volume, volume * middle, volume * (np.outer(middle, middle) + np.diag(size * size / 12)))
-
-
-def by_hull(corners: Floats) -> Moments:
-    """Of the convex hull.
-
-    Raises:
-        scipy.spatial.QhullError: the corners lie in a plane.
-    """
-    from scipy.spatial import ConvexHull
-
-    hull = ConvexHull(corners.reshape(-1, 3))
-    faces = hull.points[hull.simplices]
-    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-    inwards = (normals * hull.equations[:, :3]).sum(axis=1) < 0
-    faces[inwards] = faces[inwards, ::-1]
-    found = integrate(MemoryTriangles("hull", faces))
-    r, V = found.reference, found.volume
-    first = found.first + V * r
-    mixed = np.outer(found.first, r)
-    return Moments(V, first, found.S + mixed + mixed.T + V * np.outer(r, r))
 
 
 def by_columns(corners: Floats, count: int) -> Moments:
@@ -74,9 +55,14 @@ def by_chance(corners: Floats, count: int) -> Moments:
     points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
     rows = max(_TESTS // len(corners), 1)
     within = np.concatenate([_winding(points[k : k + rows], corners) > 0 for k in range(0, count, rows)])
-    Y = np.concatenate([points[within], np.ones((int(within.sum()), 1))], axis=1)
-    size = hi - lo
-    return _of_matrix((Y.T @ Y) * (size[0] * size[1] * size[2] / count))
+    return _of_points(points[within], hi - lo, count)
+
+
+def by_winding_numbers(corners: Floats, count: int) -> Moments:
+    """By so many random points in the box; one counts where the surface goes around it, by its solid angle."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
+    return _of_points(points[WindingTree.of(merged(corners)).numbers(points) > 0.5], hi - lo, count)
 
 
 def by_triangles(triangles: Triangles, dtype: type, reference: Floats) -> Moments:
@@ -100,6 +86,12 @@ def _inside(corners: Floats, lattice: Lattice) -> Pieces:
     every = pieces(lattice.hits(corners))
     found = every.of(every.weight > 0)
     return Pieces(found.column, found.start, found.stop, np.ones(len(found.column)))
+
+
+def _of_points(inside: Floats, size: Floats, count: int) -> Moments:
+    """By the points inside of so many in a box."""
+    Y = np.concatenate([inside, np.ones((len(inside), 1))], axis=1)
+    return _of_matrix((Y.T @ Y) * (size[0] * size[1] * size[2] / count))
 
 
 def _of_matrix(matrix: Floats) -> Moments:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from command_line import ROBOTS
 
 from robodyn.accuracy.mesh_ladder import mesh_accuracy
-from robodyn.accuracy.mesh_methods import by_box, by_chance, by_columns, by_hull, by_voxels, inertia
+from robodyn.accuracy.mesh_methods import by_box, by_chance, by_columns, by_voxels, by_winding_numbers, inertia
+from robodyn.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
 from robodyn.accuracy.operations import counted, integral_operations
 from robodyn.errors import MeshError
-from robodyn.mesh.load import from_array
+from robodyn.mesh.load import from_array, load_triangles
 
 TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
     np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
@@ -66,11 +68,31 @@ def test_ladder_of_a_tetrahedron() -> None:
     errors = {rung.name: rung.error for rung in ladder.rungs}
     assert errors["integral, exact rationals"] <= 2.0**-53
     assert errors["integral, float64"] < 16 * 2.0**-52
+    assert errors["integral, escalated to float64"] == errors["integral, float64"]
+    kinds = ("bounding box", "convex hull", "decimated", "voxels", "columns", "Monte Carlo", "winding numbers")
+    assert all(any(kind in name for name in errors) for kind in kinds)
     assert 1e-12 < errors["integral, float32"] < 1e-6
     assert {rung.name: rung.errors[0] for rung in ladder.rungs}["bounding box"] == pytest.approx(5, rel=1e-14)
     assert [price.name for price in found.prices] == [
-        *("proof that it is closed", "proof that it is one shell", "repair ladder", "tessellation error", "symmetry"),
+        *("proof that it is closed", "proof that it is one shell", "repair ladder", "tessellation error"),
+        *("union with a copy of it", "symmetry"),
     ]
+
+
+def test_a_body_of_few_triangles_is_not_decimated() -> None:
+    assert error(by_decimation(TETRAHEDRON, 1e-3)) < 1e-14
+    assert union_with_a_copy(TETRAHEDRON) < 2 * by_hull(TETRAHEDRON).volume
+
+
+def test_points_by_winding_number_are_those_by_crossings() -> None:
+    """On a body that is not convex; both take the same points."""
+    corners = load_triangles(str(ROBOTS / "meshes" / "bracket.stl")).array()
+    assert by_winding_numbers(corners, 2000).volume == by_chance(corners, 2000).volume
+
+
+def test_no_manifold_is_left_out_and_said() -> None:
+    with pytest.raises(MeshError, match="no manifold"):
+        by_decimation(TETRAHEDRON[:3], 1e-3)
 
 
 @pytest.mark.parametrize("scale", [2.0**-50, 2.0**40])
