@@ -6,6 +6,7 @@ from collections.abc import Collection
 from itertools import islice
 
 _LONGEST = 60
+_LONGEST_PATH = 120
 _MOST_NAMES = 8
 _MOST_CANDIDATES = 1000
 
@@ -13,6 +14,17 @@ _MOST_CANDIDATES = 1000
 def shown(text: str) -> str:
     """Quoted and at most about 60 characters long."""
     return f"'{text}'" if len(text) <= _LONGEST else f"'{text[:_LONGEST]}...' ({len(text)} characters)"
+
+
+def shown_path(path: str) -> str:
+    """Quoted, and of a long one the end, which tells files apart."""
+    return f"'{path}'" if len(path) <= _LONGEST_PATH else f"'...{path[-_LONGEST_PATH:]}' ({len(path)} characters)"
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """Rounded to so many significant digits; without an exponent from 0.001 to a million."""
+    rounded = float(f"{value:.{digits}g}")
+    return f"{rounded:.15g}" if 1e-3 <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
 
 
 def listed(names: Collection[str]) -> str:

@@ -1,4 +1,4 @@
-"""What `check` finds in the robots of example-robot-data, as a table: `python tests/pinned_findings.py` writes it anew.
+"""What `check` finds in published robots, as a table: `python tests/pinned_findings.py` writes it anew.
 
 The file has for each robot the findings by code and severity, E, W or I, with their counts.
 """
@@ -10,15 +10,21 @@ from collections import Counter
 from pathlib import Path
 
 from example_robots import all_paths
+from other_robots import other_paths
 
 from robodyn.checks.run import check_one
 
 FILE = Path(__file__).parent / "data" / "check_findings.json"
 
 
+def published() -> list[Path]:
+    """Those of example-robot-data, and of the packages of `other_robots`."""
+    return [*all_paths(), *other_paths()]
+
+
 def name_of(path: Path) -> str:
-    """The robot's folder and file, since several have one name."""
-    return f"{path.parent.parent.name}/{path.stem}"
+    """The robot's folder and file, since several have one name; of iCub's, all called model, iCub and the folder."""
+    return f"iCub/{path.parent.name}" if path.stem == "model" else f"{path.parent.parent.name}/{path.stem}"
 
 
 def counts(path: Path) -> dict[str, int]:
@@ -32,7 +38,7 @@ def pinned() -> dict[str, dict[str, int]]:
 
 
 def write() -> None:
-    table = {name_of(path): counts(path) for path in all_paths()}
+    table = {name_of(path): counts(path) for path in published()}
     lines = ",\n".join(f"  {json.dumps(name)}: {json.dumps(found)}" for name, found in sorted(table.items()))
     FILE.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
 

@@ -31,7 +31,7 @@ UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
 class Symptom(Enum):
     """How a wrong tensor shows, and what shows that a correction is right."""
 
-    IMPOSSIBLE = "no body has this tensor; corrected, one can"
+    IMPOSSIBLE = "no body can have this tensor, but one can have the corrected one"
     TOO_LARGE = "the tensor is too large for the link's shapes; corrected, it fits"
     NO_IMAGE = "corrected, it is the mirror image of its twin's"
 

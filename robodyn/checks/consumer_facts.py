@@ -13,6 +13,7 @@ from robodyn.urdf.places import Span
 Found = tuple[Span, str]
 _TINY = 1e-15
 _SLACK = 1e-6
+_FREEDOM = {"fixed": 0, "planar": 3, "floating": 6}
 
 
 def massless(context: Context) -> Iterator[Found]:
@@ -32,8 +33,9 @@ def no_mass(context: Context) -> Iterator[Found]:
 
 
 def unphysical(context: Context) -> Iterator[Found]:
-    for link in context.tree.links[1:]:
-        if link.tensor is None or not any(link.tensor) or not link.mass:
+    """Tensors that no body has, also of the root and of links without mass; a tensor of zeros counts as none."""
+    for link in context.tree.links:
+        if link.tensor is None or not any(link.tensor):
             continue
         small, middle, large = principal_moments(link.tensor)
         if small <= 0.0 or small + middle < (1.0 - _SLACK) * large:
@@ -82,6 +84,16 @@ def friction(context: Context) -> Iterator[Found]:
         element = joint.element.find("dynamics")
         if element is not None and numbers(element, "friction", 1).value:
             yield value_span(element, "friction"), f"joint '{joint.name}'"
+
+
+def mimic_leader(context: Context) -> Iterator[Found]:
+    """Mimic joints whose leader is not there, or does not have as many degrees of freedom."""
+    for joint in context.view.joints:
+        if joint.mimic is None:
+            continue
+        leader = context.view.joint.get(joint.mimic.joint)
+        if leader is None or _FREEDOM.get(leader.type, 1) != _FREEDOM.get(joint.type, 1):
+            yield joint.mimic.element.span, f"joint '{joint.name}'"
 
 
 def NAME(context: Context) -> Iterator[Found]:

@@ -1,6 +1,6 @@
 """What becomes of every mesh of real robots: `cd tests && python -m benchmarks.bench_corpus [--processes N]`.
 
-The link meshes of example-robot-data and icub-models (the extra `peers`), as `robodyn.mass_properties` takes them:
+The link meshes of example-robot-data and icub-models, as `robodyn.mass_properties` takes them:
 integrated as they are, after repairs, by columns or winding numbers, or refused, with the reason. A traceback, a result
 that is not finite, a mass or a principal moment that is not positive ends the run.
 """

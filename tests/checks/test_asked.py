@@ -138,6 +138,22 @@ CASES = {
     "mimic": arm(
         more=a_link("tip") + a_joint("j", "upper", "tip", more=LIMITED.format(-1, 1) + '<mimic joint="shoulder"/>')
     ),
+    "lost root": arm().replace('<link name="base"/>', a_link("base", f'<mass value="1"/>{LOST}')),
+    "lost and massless": arm(
+        more=a_link("tip", f'<mass value="0"/>{LOST}') + a_joint("j", "upper", "tip", "", "fixed")
+    ),
+    "massless triangle": arm(
+        more=a_link("tip", '<mass value="0"/>' + LOST.replace("0.05", "0").replace('izz="0.02"', 'izz="0.04"'))
+        + a_joint("j", "upper", "tip", "", "fixed")
+    ),
+    "mimic of nothing": arm(LIMITED.format(-1, 1) + '<mimic joint="elbow"/>'),
+    "fixed mimic": arm(more=a_link("tip") + a_joint("j", "upper", "tip", '<mimic joint="shoulder"/>', "fixed")),
+    "mimic of a fixed joint": arm(
+        more=a_link("frame")
+        + a_joint("mount", "upper", "frame", "", "fixed")
+        + a_link("tip")
+        + a_joint("j", "upper", "tip", more=LIMITED.format(-1, 1) + '<mimic joint="mount"/>')
+    ),
     "planar": arm('<axis xyz="0 0 1"/>', kind="planar"),
 }
 

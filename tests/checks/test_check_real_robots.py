@@ -7,13 +7,15 @@ from pathlib import Path
 
 import pytest
 from example_robots import all_paths
+from other_robots import other_paths
+from pinned_findings import name_of
 from robot_catalogue import FOLDER, names
 
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import check_one
 
-CLEAN = ("go2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0", "solo12", "xarm7", "kinova")
-PATHS = all_paths()
+CLEAN = ("go2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0", "solo12", "xarm7", "kinova", "jvrc1")
+PATHS = [*all_paths(), *other_paths()]
 
 
 @cache
@@ -29,7 +31,7 @@ def subjects(stem: str, code: str) -> set[str]:
     return {finding.subject.name for finding in named(stem) if finding.code == code and finding.subject}
 
 
-@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", PATHS, ids=name_of)
 def test_every_file_is_read_and_each_finding_has_a_place(path: Path) -> None:
     lines = path.read_text(encoding="utf-8").split("\n")
     for finding in found(path):

@@ -238,21 +238,35 @@ def test_the_unit_of_one_of_two_meshes_of_a_link(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scale", "words"),
-    [("0 1 1", "leaves no volume"), ("1 -1 1", "mirrors the mesh"), ("-1 -1 1", "is negative"), ("1e-3 1e-3 1e-3", "")],
+    ("scale", "severity", "words"),
+    [
+        ("0 1 1", E, "leaves no volume"),
+        ("0 -1 1", E, "leaves no volume"),
+        ("1 -1 1", W, "mirrors the mesh"),
+        ("-1 -1 -1", W, "mirrors the mesh"),
+        ("-1 -1 1", I, "half a turn"),
+    ],
 )
-def test_scales(tmp_path: Path, scale: str, words: str) -> None:
-    text = described("part.stl", scale=scale)
-    results = findings(saved(tmp_path, text, part_stl=binary_stl(box((100.0,) * 3))), Options(select=("RD606",)))
-    assert [one.code for one in results] == ["RD606"] * bool(words)
-    assert all(words in one.message for one in results)
-    assert all(text.encode()[one.start : one.end].decode() == scale for one in results)
+def test_scales(tmp_path: Path, scale: str, severity: Severity, words: str) -> None:
+    text = described("part.stl", "part.stl", scale=scale)
+    (one,) = findings(saved(tmp_path, text, part_stl=binary_stl(box((100.0,) * 3))), Options(select=("RD606",)))
+    assert one.severity is severity
+    assert words in one.message
+    assert one.message.endswith(" (and 1 more of this mesh)")
+    assert text.encode()[one.start : one.end].decode() == scale
+
+
+def test_positive_scales_are_sound(tmp_path: Path) -> None:
+    text = described("part.stl", scale="1e-3 2e-3 1e-3")
+    assert found(saved(tmp_path, text, part_stl=binary_stl(box((100.0,) * 3)))) == []
 
 
 def test_formats_of_named_programs(tmp_path: Path) -> None:
     text = described("a.dae", "b.stl", "c.DAE", "d.obj")
-    file = saved(tmp_path, text)
     expected = {"mujoco": 1, "drake": 2, "gz": 0, "kdl": 0}
+    seen = saved(tmp_path, text.replace("collision", "visual"))
+    assert found(seen, Options(select=("RD607",), asked=Asked(targets=tuple(expected)))) == []
+    file = saved(tmp_path, text)
     for target, count in expected.items():
         results = findings(file, Options(select=("RD607",), asked=Asked(targets=(target,))))
         assert [(one.code, one.severity) for one in results] == [("RD607", I)] * count

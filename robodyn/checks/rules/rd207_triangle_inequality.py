@@ -9,6 +9,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.masses import is_a_point, principal_moments
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.wording import figure
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -21,11 +22,12 @@ def check(context: Context) -> Iterator[Fault]:
             continue
         diagonal = {k: link.tensor[k] for k in (0, 3, 5)}
         largest = max(diagonal, key=lambda k: diagonal[k])
+        lack = figure(100 - 100 * (small + middle) / large, 2)
         fault = Fault(
             at=link.inertial.entries[largest].span,
             subject=link.subject,
             what=f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
-            f"add up to {small + middle:.6g}, {100 * (1 - (small + middle) / large):.2g} % less than the largest",
+            f"add up to {small + middle:.6g}, {lack} % less than the largest",
             remedy="the largest may not exceed the sum of the others; robodyn inertia computes them from a mesh",
             measured=large,
             bound=small + middle,

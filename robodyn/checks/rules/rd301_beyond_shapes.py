@@ -14,6 +14,7 @@ from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.unit_slips import slips
 from robodyn.inertia.boxes import Box
 from robodyn.inertia.exact import Floats
+from robodyn.wording import figure
 
 FAR = 4.0
 """Times the bound that are an error."""
@@ -41,7 +42,11 @@ def _beyond_reach(body: Body) -> Fault | None:
     own = _reach(body.box, body.c)
     group = own if body.group is None else _reach(body.group, body.in_group[0])
     if spread > group:
-        severity, bound, what = Severity.E if spread > FAR * group else Severity.W, group, "what it is fixed to"
+        severity, bound, what = (
+            Severity.E if spread > FAR * group else Severity.W,
+            group,
+            "its rigid group",
+        )
     elif spread > FAR * own:
         severity, bound, what = Severity.W, own, "the link"
     else:
@@ -49,8 +54,8 @@ def _beyond_reach(body: Body) -> Fault | None:
     return _fault(
         body,
         severity,
-        f"its mass would have to lie {spread**0.5:.3g} m from its centre on the average (root mean square), but the "
-        f"shapes of {what} reach {bound**0.5:.3g} m: {_times(spread / bound)} the second moment that is possible",
+        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {what} "
+        f"reach {bound**0.5:.3g} m from there: {_times(spread / bound)} the second moment that is possible",
         spread * body.mass,
         bound * body.mass,
     )
@@ -76,7 +81,8 @@ def _beyond_box(body: Body) -> Fault | None:
     return _fault(
         body,
         Severity.W if ratio > FAR and wherever else Severity.I,
-        f"along {'xyz'[axis]} it is {_times(ratio)} as spread as any mass in the box around the shapes can be",
+        f"along {'xyz'[axis]} its inertia needs {_times(ratio)} the second moment that any mass in the box around the "
+        "shapes can have",
         float(spread[axis]) * body.mass,
         float(bound[axis]) * body.mass,
     )
@@ -87,7 +93,7 @@ def _reach(box: Box, c: Floats) -> float:
 
 
 def _times(ratio: float) -> str:
-    return f"{ratio:.3g} times"
+    return f"{figure(ratio)} times"
 
 
 def _fault(body: Body, severity: Severity, what: str, measured: float, bound: float) -> Fault:

@@ -12,6 +12,7 @@ from robodyn.checks.shapes import box_of, real_shapes, solids
 from robodyn.checks.tree import Group
 from robodyn.checks.unit_slips import slips
 from robodyn.inertia.boxes import Box, around
+from robodyn.wording import figure
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -32,8 +33,8 @@ def check(context: Context) -> Iterator[Fault]:
         yield Fault(
             at=heaviest.inertial.mass.span,
             subject=heaviest.subject,
-            what=f"what moves with it weighs {group.mass:.4g} kg, which is {density:.3g} kg/m^3 of the box around its "
-            f"shapes, {'denser than solid steel' if dense else 'lighter than foam'}",
+            what=f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
+            f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}",
             remedy="check the unit of the mass (kg) and the size of the shapes",
             measured=density,
             bound=limits.most_density if dense else limits.least_density,

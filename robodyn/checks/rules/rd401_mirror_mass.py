@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
 from robodyn.checks.mirror_loads import MASS, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown
+from robodyn.wording import figure, shown
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -19,7 +19,7 @@ def check(context: Context) -> Iterator[Fault]:
                 at=one.inertial.mass.span,
                 subject=one.link.subject,
                 what=f"the mass is {right:g} kg; that of its mirror twin {shown(one.other)} is {left:g} kg, "
-                f"{100 * abs(left - right) / max(left, right):.2g} % apart",
+                f"{figure(100 * abs(left - right) / max(left, right), 2)} % apart",
                 remedy="one of the two is wrong, or allow it where the parts differ",
                 measured=right,
                 bound=left,

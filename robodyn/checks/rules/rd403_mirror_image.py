@@ -13,7 +13,7 @@ from robodyn.checks.mirror_loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
 from robodyn.inertia.exact import Floats
-from robodyn.wording import shown
+from robodyn.wording import figure, shown
 
 _REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
 
@@ -26,7 +26,7 @@ def check(context: Context) -> Iterator[Fault]:
             yield Fault(
                 at=one.inertial.entries[0].span,
                 subject=one.link.subject,
-                what=f"the inertia tensor is {100 * one.tensors_apart:.2g} % from the mirror image of that of "
+                what=f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{shown(one.other)}, although their principal moments agree",
                 remedy=_REMEDY,
                 measured=one.tensors_apart,

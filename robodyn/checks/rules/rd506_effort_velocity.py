@@ -21,7 +21,9 @@ def check(context: Context) -> Iterator[Fault]:
             elif value is None or 0 < value < most:
                 continue
             else:
-                what = f"{numbers.attribute} is {value:g}, " + ("a stand-in" if value > 0 else "not positive")
+                what = f"{numbers.attribute} is {value:g}, " + (
+                    "a stand-in that limits nothing" if value > 0 else "not positive"
+                )
             yield Fault(
                 at=numbers.span,
                 subject=joint.subject,

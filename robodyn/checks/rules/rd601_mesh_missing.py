@@ -9,7 +9,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses, package_of
 from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
 from robodyn.urdf.geometry import resolve
-from robodyn.wording import listed, shown
+from robodyn.wording import listed, shown, shown_path
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -19,13 +19,13 @@ def check(context: Context) -> Iterator[Fault]:
         if name.state is State.MISSING:
             yield _missing(context, name)
         elif name.state is State.REMOTE:
-            what = f"the mesh {shown(name.uri)} is not on this machine{name.others}"
+            what = f"the mesh {shown_path(name.uri)} is not on this machine{name.others}"
             yield _fault(name, what, "save it in the package: few programs fetch meshes", Severity.W)
     yield from _unknown([name for name in names if name.state is State.UNKNOWN])
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         if facts.problem is not None and facts.finite:
-            yield _fault(name, f"the mesh {shown(uri)} cannot be read: {facts.problem}{name.others}", facts.remedy)
+            yield _fault(name, f"the mesh {shown_path(uri)} cannot be read: {facts.problem}{name.others}", facts.remedy)
 
 
 def _unnamed(context: Context) -> Iterator[Fault]:
@@ -37,14 +37,18 @@ def _unnamed(context: Context) -> Iterator[Fault]:
 
 
 def _missing(context: Context, name: MeshName) -> Fault:
-    what, remedy, fix = f"the mesh {shown(name.uri)} is not there{name.others}", "names are relative to this file", None
+    what, remedy, fix = (
+        f"the mesh {shown_path(name.uri)} is not there{name.others}",
+        "names are relative to this file",
+        None,
+    )
     package = package_of(name.uri)
     if package is not None and package[0]:
         remedy = f"no such file in the package {shown(package[0])}; or name its folder with --package-path"
     elif package is not None:
         scheme = name.uri.partition("://")[0]
         better = f"{scheme}://{package[1]}"
-        remedy = f"the package has no name: write two slashes, {shown(better)}"
+        remedy = f"the package has no name: write two slashes, {shown_path(better)}"
         there = resolve(better, context.reading.file.rpartition("/")[0] or ".", context.package_path) is not None
         edits = tuple(Edit(use.at.start, use.at.end, better) for use in name.uses)
         fix = Fix("two slashes before the package", edits, safe=True) if there else None

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from robodyn.checks.context import Context
 from robodyn.checks.mesh_files import State, mesh_names
 from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
-from robodyn.wording import shown
+from robodyn.wording import shown_path
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -19,8 +19,8 @@ def check(context: Context) -> Iterator[Fault]:
         yield Fault(
             at=use.at,
             subject=use.link.subject,
-            what=f"the mesh {shown(name.uri)} is there in another case{name.others}",
-            remedy=f"write {shown(name.found)}",
+            what=f"the mesh {shown_path(name.uri)} is there in another case{name.others}",
+            remedy=f"write {shown_path(name.found)}",
             fix=Fix("the name of the mesh as the file has it", edits, safe=True),
         )
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from robodyn.checks.context import Context
 from robodyn.checks.mesh_files import STDIN, mesh_names, package_of
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown
+from robodyn.wording import shown_path
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
@@ -23,7 +23,7 @@ def check(context: Context) -> Iterator[Fault]:
             yield Fault(
                 at=use.at,
                 subject=use.link.subject,
-                what=f"the mesh {shown(name.uri)} {why}{name.others}",
+                what=f"the mesh {shown_path(name.uri)} {why}{name.others}",
                 remedy="write package://NAME/... or a name relative to this file",
             )
 

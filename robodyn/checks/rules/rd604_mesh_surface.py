@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mesh_facts import MeshFacts
 from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown
+from robodyn.wording import shown_path
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
@@ -24,7 +24,7 @@ def check(context: Context) -> Iterator[Fault]:
         yield Fault(
             at=use.at,
             subject=use.link.subject,
-            what=f"the mesh {shown(uri)} {what}{name.others}",
+            what=f"the mesh {shown_path(uri)} {what}{name.others}",
             remedy=_REMEDY,
             severity=severity,
         )

@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mesh_units import mesh_slips
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
-from robodyn.wording import shown
+from robodyn.wording import shown_path
 
 
 def check(context: Context) -> Iterator[Fault]:
@@ -21,7 +21,7 @@ def check(context: Context) -> Iterator[Fault]:
         yield Fault(
             at=value_span(geometry.shape, "filename" if scale is None else "scale"),
             subject=slip.link.subject,
-            what=f"the mesh {shown(slip.name.uri)} has the wrong unit: {slip.how}",
+            what=f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}",
             remedy=_remedy(slip.factor),
             measured=slip.longest,
             bound=slip.longest / slip.factor,

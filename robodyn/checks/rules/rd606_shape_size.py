@@ -6,30 +6,32 @@ from collections.abc import Iterator
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.mesh_files import MeshUse, mesh_uses
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import GeometryView, LinkView, Numbers, numbers
+from robodyn.checks.view import GeometryView, LinkView, numbers
 
 _SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
+_EXPORT = "export the mesh of this part"
 
 
 def check(context: Context) -> Iterator[Fault]:
     for link in context.view.links:
         for geometry in link.geometries:
-            yield from _faults(link, geometry)
+            yield from _sizes(link, geometry)
+    scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
+    for use in mesh_uses(context):
+        scale = numbers(use.geometry.shape, "scale", 3).values
+        if use.geometry.shape is not None and scale is not None and min(scale) <= 0:
+            scaled.setdefault((use.geometry.shape.get("filename") or "", scale), []).append(use)
+    for (_, scale), uses in scaled.items():
+        yield _scale(uses, scale)
 
 
-def _faults(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
+def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
     shape = geometry.shape
-    if shape is None:
-        return
-    if shape.tag == "mesh":
-        scale = numbers(shape, "scale", 3)
-        if scale.values is not None and min(scale.values) <= 0:
-            yield _scale_fault(link, scale, scale.values)
-        return
-    for attribute in _SIZES[shape.tag]:
-        size = numbers(shape, attribute, 3 if shape.tag == "box" else 1)
-        if size.values is not None and min(size.values) <= 0:
+    for attribute in _SIZES.get("" if shape is None else shape.tag, ()):
+        size = numbers(shape, attribute, 3 if attribute == "size" else 1)
+        if shape is not None and size.values is not None and min(size.values) <= 0:
             yield Fault(
                 at=size.span,
                 subject=link.subject,
@@ -40,24 +42,26 @@ def _faults(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
             )
 
 
-def _scale_fault(link: LinkView, scale: Numbers, values: tuple[float, ...]) -> Fault:
-    if 0 in values:
-        what, remedy = "leaves no volume", 'write scale="1 1 1", or leave it out'
-    elif sum(value < 0 for value in values) % 2:
-        what, remedy = "mirrors the mesh, and turns it inside out in programs that do not turn its faces", _EXPORT
+def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
+    """One finding for all uses of a mesh with one scale."""
+    severity = Severity.I
+    if 0 in scale:
+        what, remedy, severity = "leaves no volume", 'write scale="1 1 1", or leave it out', Severity.E
+    elif sum(value < 0 for value in scale) % 2:
+        what, severity = "mirrors the mesh: to programs that do not turn its faces, its volume is negative", Severity.W
+        remedy = f"{_EXPORT}, mirrored"
     else:
-        what, remedy = "is negative, which some programs take as positive", _EXPORT
+        what, remedy = "turns the mesh by half a turn, which every known program does", f"{_EXPORT}, or turn it by rpy"
+    more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
     return Fault(
-        at=scale.span,
-        subject=link.subject,
-        what=f"the scale {_shown(values)} {what}",
+        at=numbers(uses[0].geometry.shape, "scale", 3).span,
+        subject=uses[0].link.subject,
+        what=f"the scale {_shown(scale)} {what}{more}",
         remedy=remedy,
-        measured=min(values),
+        measured=min(scale),
         bound=0.0,
+        severity=severity,
     )
-
-
-_EXPORT = "export a mesh of this part, or turn it by its rpy"
 
 
 def _shown(values: tuple[float, ...]) -> str:
@@ -71,8 +75,11 @@ RULE = Rule(
     stage=Stage.DOCUMENT,
     summary="Sizes and scales of shapes are positive.",
     explanation="""A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by some
-programs and dropped by others. A negative scale makes a mirror image: its faces then look inwards, which renderers,
-collision and inertia take differently.""",
+programs (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
+faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right; Pinocchio
+4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one tetrahedron). Shapes are
+where they should be in all four. So this is a warning: meshes on both sides of a robot are often made this way. Two
+negative scales are half a turn, right in all four, and a remark.""",
     bad=a_shaped_link(shape='<box size="0.1 0 0.25"/>'),
     good=a_shaped_link(),
     check=check,

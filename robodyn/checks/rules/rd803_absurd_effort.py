@@ -9,6 +9,7 @@ from robodyn.checks.examples import arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.static_torque import gravity_bounds
 from robodyn.checks.view import value_span
+from robodyn.wording import figure
 
 FACTOR = 1000.0
 """An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""
@@ -26,8 +27,8 @@ def check(context: Context) -> Iterator[Fault]:
         yield Fault(
             at=value_span(limit.element, "effort"),
             subject=context.view.joint[joint.name].subject,
-            what=f"the effort limit {joint.effort:g} {unit} is {joint.effort / most:.2g} times what the weight of "
-            f"the whole robot asks for at the reach of this joint, {most:.3g} {unit}",
+            what=f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
+            f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}",
             remedy="write what the actuator can give",
             measured=joint.effort,
             bound=FACTOR * most,
