@@ -43,7 +43,7 @@ def by_decimation(corners: Floats, tolerance: float) -> Moments:
 
 
 def union_with_a_copy(corners: Floats) -> Any:
-    """The body united with itself moved by a third of its box: what uniting bodies of this size takes.
+    """The body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
 
     Raises:
         MeshError: the surface is no manifold.
@@ -51,7 +51,7 @@ def union_with_a_copy(corners: Floats) -> Any:
     from manifold3d import Manifold, OpType
 
     solid = _manifold(corners)
-    moved = solid.translate(tuple(np.ptp(corners, axis=(0, 1)) / 3))
+    moved = solid.translate(tuple(np.ptp(corners, axis=(0, 1)) / 5))
     return Manifold.batch_boolean([solid, moved], OpType.Add).volume()
 
 
