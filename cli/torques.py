@@ -26,11 +26,12 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @GRAVITY
 @click.option("--out", metavar="FILE", help="Write the torques: .csv, .parquet or .npz.")
 @click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too.")
+@click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does.")
 @MOMENTUM
 @click.option("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; default auto.")
 @click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
-@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of the description is exceeded.")
+@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded.")
 @EXECUTION
 @FORMAT
 def command(
@@ -40,6 +41,7 @@ def command(
     gravity: Vector | None,
     out: str | None,
     reactions: bool,
+    sizing: bool,
     derivatives: Derivatives,
     ignore_extra: bool,
     fail_on_limits: bool,
@@ -61,7 +63,8 @@ def command(
     names = output_names(model, reactions, view is not None)
     reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
     with reader, sinks(out, names, reader) as gather:
-        result = torques(model, reader, scene, reactions=reactions, momentum=view, sinks=gather, **how)
+        how |= {"reactions": reactions, "momentum": view, "sizing": sizing or None}
+        result = torques(model, reader, scene, sinks=gather, **how)
     written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
     show(torques_json(result) if form == "json" else torques_text(result, how["explain"], page()) + written)
-    return int(fail_on_limits and bool(result.exceeded))
+    return int(fail_on_limits and not result.within_limits)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from robodyn.momentum import momenta as momenta
     from robodyn.motion_input import motion as motion
     from robodyn.motion_input import read_motion as read_motion
+    from robodyn.motor import Motor as Motor
     from robodyn.part import mass_properties as mass_properties
     from robodyn.scene import Drive as Drive
     from robodyn.scene import ExternalWrench as ExternalWrench
@@ -50,6 +51,7 @@ _HOMES = {
     "model": ("Model",),
     "momentum": ("momenta",),
     "motion_input": ("motion", "read_motion"),
+    "motor": ("Motor",),
     "part": ("mass_properties",),
     "scene": ("Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor", "Scene", "Spring"),
     "scene_file": ("load_scene",),

@@ -33,3 +33,28 @@ class Extremes:
         self.least_time = np.where(lower, time[low], self.least_time)
         self.greatest = np.where(higher, values[high, columns], self.greatest)
         self.greatest_time = np.where(higher, time[high], self.greatest_time)
+
+
+class Greatest:
+    """For each of several columns the sample at which a score is greatest; of equal ones the first counts.
+
+    Attributes:
+        score: (k,) the greatest; time: (k,) when [s]; row: (k,) of the data, from 1.
+        kept: by name (k,) what else was given of that sample.
+    """
+
+    def __init__(self, columns: int) -> None:
+        self.score = np.full(columns, -np.inf)
+        self.time, self.row = np.zeros(columns), np.zeros(columns, dtype=np.int64)
+        self.kept: dict[str, Floats] = {}
+
+    def update(self, time: Floats, first_row: int, score: Floats, **values: Floats) -> None:
+        """Take in a block: time (N,), score and further values (k, N), N > 0."""
+        columns = np.arange(len(score))
+        at = score.argmax(axis=1)
+        new = score[columns, at] > self.score
+        self.score = np.where(new, score[columns, at], self.score)
+        self.time = np.where(new, time[at], self.time)
+        self.row = np.where(new, at + first_row, self.row)
+        for name, of in values.items():
+            self.kept[name] = np.where(new, of[columns, at], self.kept.get(name, 0.0))

@@ -38,6 +38,7 @@ def torques(
     executor: str = "auto",
     threads: int | None = None,
     momentum: View | None = None,
+    sizing: bool | None = None,
 ) -> Result:
     """What every joint of a robot carries along a motion, with self-checks.
 
@@ -52,6 +53,7 @@ def torques(
         explain: count the operations that the absence of each effect would save.
         sinks: each is called after every block with time (N,) [s] and the columns of `output_names` (N, k).
         executor, threads: as for `inverse_dynamics`.
+        sizing: also compute what motors, gears, bearings and the foundation bear; None: where the scene has motors.
         momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
 
     Raises:
@@ -60,7 +62,9 @@ def torques(
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
     with _opened(trajectory, model, scene) as motion:
-        run = Pass(model, scene, Options(reactions, executor, threads, momentum), getattr(motion, "file", None))
+        sized = bool(scene.motor) if sizing is None else sizing
+        options = Options(reactions, executor, threads, momentum, sized)
+        run = Pass(model, scene, options, getattr(motion, "file", None))
         last: Trajectory | None = None
         for block in (motion,) if isinstance(motion, Trajectory) else ahead(motion.blocks()):
             if len(block):

@@ -29,6 +29,7 @@ from robodyn.trajectory.motion import Trajectory
 if TYPE_CHECKING:
     from robodyn.momentum import View
     from robodyn.momentum_pass import MomentumPass
+    from robodyn.sizing_pass import SizingPass
 
 Floats = NDArray[np.float64]
 
@@ -56,6 +57,7 @@ class Options(NamedTuple):
     executor: str
     threads: int | None
     momentum: View | None = None
+    sizing: bool = False
 
 
 class _Programs(NamedTuple):
@@ -99,6 +101,11 @@ class Pass:
             from robodyn.momentum_pass import MomentumPass
 
             self.momentum = MomentumPass(model, scene, options.momentum, file)
+        self.sizing: SizingPass | None = None
+        if options.sizing:
+            from robodyn.sizing_pass import SizingPass
+
+            self.sizing = SizingPass(model, scene, self.joints, self.rates)
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:
@@ -106,7 +113,8 @@ class Pass:
         sources = sources_of(block, self.scene)
         pattern = still(sources)
         self.still = pattern if self.still is None else self.still & pattern
-        programs = _programs(plan(self.model, self.scene, pattern), self.options.reactions)
+        wrenches = self.options.reactions or self.sizing is not None
+        programs = _programs(plan(self.model, self.scene, pattern), wrenches)
         samples, n = len(block), self.model.n
 
         def run(runner: Runner, given: dict[str, Floats]) -> Floats:
@@ -127,6 +135,8 @@ class Pass:
         self.ledger.update(block.time, net, rows, run(programs.energy, checked)[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
+        if self.sizing is not None:
+            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources))
         columns = loads if self.options.reactions else tau
         if self.momentum is None:
             return columns
@@ -139,8 +149,11 @@ class Pass:
         whole = plan(self.model, self.scene, self.still or frozenset())
         gathered = self.statistics
         peaks = np.concatenate((gathered.torque.value, gathered.base.value))
+        more = self.sizing.figures if self.sizing else ()
         check_figures(
-            (*gathered.integrals.totals.values(), astuple(self.ledger.balance), self.laws.relative), peaks, self.file
+            (*gathered.integrals.totals.values(), astuple(self.ledger.balance), self.laws.relative, *more),
+            peaks,
+            self.file,
         )
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
         joints = tuple(
@@ -169,7 +182,12 @@ class Pass:
             derivation=last.derivation,
             warnings=tuple(warnings),
             momentum=self.momentum.report() if self.momentum else None,
+            sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
         )
+
+    def _poses(self) -> dict[int, Floats]:
+        """q at the peak of each joint."""
+        return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
 
     def _uncertainty(self, k: int, last: Trajectory) -> float:
         """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque."""

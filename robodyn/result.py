@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from robodyn.effects.effect import Verdict
 from robodyn.trajectory.motion import Derivation
+
+if TYPE_CHECKING:
+    from robodyn.sizing_result import Sizing
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class JointLoad:
         peak: the torque of largest magnitude, with its sign, at `peak_time` [s], in row `peak_row`, at `peak_speed`.
         rms: over the whole time, dwell included; `mean` likewise.
         cubic_mean: cbrt(integral |qd tau^3| dt / integral |qd| dt), what wears a gear.
-        max_speed: of largest magnitude, with its sign, and the torque at that moment.
+        max_speed: of largest magnitude, with its sign, when [s], in which row, and the torque at that moment.
         peak_power, least_power: largest and smallest tau qd.
         work_positive, work_negative: done by and returned to the actuator.
         hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does.
@@ -49,6 +52,8 @@ class JointLoad:
     mean: float
     cubic_mean: float
     max_speed: float
+    max_speed_time: float
+    max_speed_row: int
     torque_at_max_speed: float
     peak_power: float
     least_power: float
@@ -210,8 +215,14 @@ class Result:
     derivation: Derivation | None
     warnings: tuple[str, ...]
     momentum: MomentumReport | None = None
+    sizing: Sizing | None = None
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
-        """Every limit that the motion exceeds."""
+        """Every limit of the description that the motion exceeds."""
         return tuple(excess for joint in self.joints for excess in joint.exceeded)
+
+    @property
+    def within_limits(self) -> bool:
+        """Whether the motion exceeds no limit of the description, and with sizing none of motors and gears."""
+        return not self.exceeded and not (self.sizing and self.sizing.exceeded)

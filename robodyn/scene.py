@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from robodyn.motor import Motor
 
 Vector = tuple[float, float, float]
 Entry = float | str
@@ -32,9 +36,14 @@ class Friction:
 
 @dataclass(frozen=True)
 class Rotor:
-    """A motor's rotor: inertia about its own axis [kg m^2] and gear ratio (None: that of the transmission, else 1)."""
+    """A motor's rotor and the gear behind it.
 
-    inertia: float
+    Attributes:
+        inertia: about its own axis [kg m^2]; None: that of the transmission, else 0.
+        gear: turns of the motor per turn of the joint (rad/m if prismatic); None: that of the transmission, else 1.
+    """
+
+    inertia: float | None
     gear: float | None = None
 
 
@@ -166,7 +175,7 @@ class Scene:
     Attributes:
         gravity: m/s^2, in the axes of the ground (of a fixed base).
         friction: by joint; replaces what the description says of that joint.
-        rotor, spring: by joint.
+        rotor, spring, motor: by joint.
         immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
         moving_base: the base follows the trajectory's base_* columns; in a simulation it is free.
         slip_speed: Coulomb friction is f qd / sqrt(qd^2 + slip_speed^2) [rad/s]; 0: f sign(qd).
@@ -200,6 +209,7 @@ class Scene:
     limit_spring: LimitSpring | None = None
     loops: tuple[Loop, ...] = ()
     baumgarte: float = 0.0
+    motor: Mapping[str, Motor] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[str, ...]:

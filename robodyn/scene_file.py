@@ -9,6 +9,7 @@ from typing import Any
 from robodyn.errors import SceneError
 from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene_loop import loops_of
+from robodyn.scene_motor import motors_of
 from robodyn.scene_simulation import simulated_of
 from robodyn.scene_table import SceneTable
 
@@ -23,7 +24,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     Args:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
             `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
-            `baumgarte`.
+            `baumgarte`, `motor`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -51,7 +52,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     scene = Scene(
         gravity=table.vector("gravity", Scene.gravity),
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
-        rotor={name: _rotor(entry) for name, entry in table.tables("rotor")},
+        **motors_of(table, {name: _rotor(entry) for name, entry in table.tables("rotor")}),
         spring={name: _spring(entry) for name, entry in table.tables("spring")},
         payloads=tuple(_payload(entry) for entry in table.list("payload")),
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),

@@ -24,8 +24,10 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         for name in named:
             _known(f"[{table}]", "joint", name, joints, file)
     own = [joint.name for joint in model.independent if joint.kind != "floating"]
-    for name in scene.drive:
-        _known("[drive]", "joint", name, own, file)
+    for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
+        for name in driven:
+            _leads(f"[{table}]", name, model, file)
+            _known(f"[{table}]", "joint", name, own, file)
     for name in scene.initial_q:
         _known("[initial] q", "coordinate", name, model.coordinates, file)
     for name in scene.initial_qd:
@@ -53,6 +55,13 @@ def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
     if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
         what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
         raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
+
+
+def _leads(table: str, name: str, model: Model, file: str | None) -> None:
+    for body in model.bodies:
+        if body.joint.name == name and body.joint.mimics is not None:
+            remedy = f"its torque is part of that of {shown(body.joint.mimics)}: write it there"
+            raise SceneError(f"{table}: the joint {shown(name)} mimics another", remedy=remedy, file=file)
 
 
 def _known(table: str, kind: str, name: str, names: Collection[str], file: str | None) -> None:

@@ -62,6 +62,8 @@ def joint_load(
         mean=float(gathered.mean("torque", single)[k]),
         cubic_mean=float(np.cbrt(totals["wear"][k] / travel)) if travel else 0.0,
         max_speed=float(gathered.speed.value[k]),
+        max_speed_time=float(gathered.speed_time[k]),
+        max_speed_row=int(gathered.speed.index[k]) + 1,
         torque_at_max_speed=float(gathered.torque_at_speed[k]),
         peak_power=float(gathered.power_most[k]),
         least_power=float(gathered.power_least[k]),

@@ -84,7 +84,7 @@ class Statistics:
         self.samples, self.start, self.end = 0, 0.0, 0.0
         self.torque, self.speed, self.base = Peak.of(n), Peak.of(n), Peak.of(len(FOUNDATION))
         self.base_time = np.zeros(len(FOUNDATION))
-        self.peak_speed, self.torque_at_speed = np.zeros(n), np.zeros(n)
+        self.peak_speed, self.torque_at_speed, self.speed_time = np.zeros(n), np.zeros(n), np.zeros(n)
         self.power_most, self.power_least = np.full(n, -np.inf), np.full(n, np.inf)
         self.q_min, self.q_max = np.full(n, np.inf), np.full(n, -np.inf)
         self.integrals = Integrals()
@@ -115,7 +115,7 @@ class Statistics:
             self.peak_speed[joint] = qd[joint, at]
             self.at_peak[joint] = (float(time[at]), {name: values[at].copy() for name, values in state.items()})
         for joint, at in self.speed.update(qd, self.samples):
-            self.torque_at_speed[joint] = tau[joint, at]
+            self.torque_at_speed[joint], self.speed_time[joint] = tau[joint, at], time[at]
         for component, at in self.base.update(base, self.samples):
             self.base_time[component] = time[at]
         power, square, speed = tau * qd, tau * tau, np.abs(qd)

@@ -13,16 +13,16 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
-    ("errors", "spatial", "wording", "overlap", "installed"),
-    ("inertia", "scene", "trace", "overflow", "statistics", "extremes"),
+    ("errors", "spatial", "wording", "overlap", "installed", "motor"),
+    ("inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
-    ("model", "scene_loop", "scene_simulation", "part"),
+    ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
     ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
     ("assemble", "effects"),
-    ("plan", "result", "robot_inertia", "arrays"),
-    ("inverse", "accelerations", "self_checks", "energy_ledger"),
-    ("sizing", "momentum", "forward"),
+    ("plan", "result", "robot_inertia", "arrays", "motors"),
+    ("inverse", "accelerations", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),
+    ("sizing", "sizing_pass", "momentum", "forward"),
     ("momentum_pass", "free_body"),
     ("one_pass", "equations", "bench"),
     ("loads", "simulation", "accuracy"),

@@ -26,6 +26,7 @@ TABLES_OF_SCENE = (
     "[fluid]\ndensity = 1\nKEY",
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "l"\nKEY',
     "[base]\nKEY",
+    "[motor]\nj = {KEY}",
 )
 
 

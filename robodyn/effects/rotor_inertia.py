@@ -15,13 +15,18 @@ from robodyn.scene import Scene
 from robodyn.spatial import Scalar
 
 
+def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
+    """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
+    rotor = scene.rotor.get(joint.name)
+    inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.gear)
+    return joint.rotor_inertia if inertia is None else inertia, joint.reduction if gear is None else gear
+
+
 def armatures(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, float]]:
     """The body, joint and reflected inertia G^2 J [kg m^2] of every joint that has a rotor."""
     for i, body in enumerate(model.bodies):
         joint = body.joint
-        rotor = scene.rotor.get(joint.name)
-        inertia = rotor.inertia if rotor else joint.rotor_inertia
-        gear = rotor.gear if rotor and rotor.gear is not None else joint.reduction
+        inertia, gear = rotor_of(joint, scene)
         if inertia and gear:
             yield i, joint, gear * gear * inertia
 

@@ -58,6 +58,10 @@ def torques_json(result: Result) -> str:
     }
     if result.momentum is not None:
         document["momentum"] = asdict(result.momentum)
+    if result.sizing is not None:
+        from robodyn.report.json_sizing import sizing_data
+
+        document["sizing"] = sizing_data(result.sizing)
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 

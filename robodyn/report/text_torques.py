@@ -27,6 +27,10 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
 
         title, rows = momentum_table(result.momentum)
         parts.append(f"{title}\n{page.table(rows)}")
+    if result.sizing:
+        from robodyn.report.text_sizing import sizing_parts
+
+        parts += sizing_parts(result, page)
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         parts.append(f"Effects: {plan}\n{page.table(_effects(result))}")
@@ -122,7 +126,8 @@ def _checks(result: Result) -> str:
 def _limits(result: Result, page: Page) -> str:
     exceeded = result.exceeded
     if not exceeded:
-        return "No limit is exceeded.\n" if any(map(_limited, result.joints)) else ""
+        what = "No limit is exceeded" if result.within_limits else "No limit of the description is exceeded"
+        return f"{what}.\n" if any(map(_limited, result.joints)) else ""
     found: dict[str, dict[str, list[str]]] = {}
     for excess in exceeded:
         found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))

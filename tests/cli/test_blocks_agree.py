@@ -24,6 +24,7 @@ CASES = [
     ("puma", "puma_encoder", None),
     ("gripper", "gripper_pick", "gripper"),
     ("puma", "puma_polish", "puma_polish"),
+    ("puma560", "puma560_sweep", "puma560_sizing"),
 ]
 BY_BLOCK = ("quadrature_error", "samples", "first_law", "second_law", "power", "largest_force", "largest_moment")
 """Keys of the checks that depend on which samples stand together."""

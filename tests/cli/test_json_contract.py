@@ -50,6 +50,8 @@ JOINT = [
     "mean",
     "cubic_mean",
     "max_speed",
+    "max_speed_time",
+    "max_speed_row",
     "torque_at_max_speed",
     "peak_power",
     "least_power",

@@ -10,6 +10,7 @@ from robodyn.urdf.description import load_description
 
 SCENES = {
     "puma560_motors": ("puma560", "puma560_sweep"),
+    "puma560_sizing": ("puma560", "puma560_sweep"),
     "puma_payload": ("puma", "puma_reach"),
     "puma_polish": ("puma", "puma_polish"),
     "satellite": ("satellite", "satellite_slew"),
@@ -20,6 +21,7 @@ SCENES = {
 KEYS = {
     "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
     "rotor": {"inertia", "gear"},
+    "motor": {"gear", "inertia", "speed_unit", "continuous", "peak", "max_speed"},
     "spring": {"stiffness", "rest"},
     "payload": {"link", "mass", "com", "inertia"},
     "wrench": {"link", "point", "frame", "force", "moment"},
@@ -39,7 +41,7 @@ def test_scene_names_joints_links_and_columns_that_exist(name):
     scene, columns = read_scene(name), set(read_csv(motion))
     description = load_description(FOLDER / f"{robot}.urdf")
     assert set(scene) <= {*SINGLE, *KEYS}
-    for part in ("friction", "rotor", "spring", "drive"):
+    for part in ("friction", "rotor", "spring", "drive", "motor"):
         assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
         assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
     for part in ("payload", "wrench"):

@@ -95,7 +95,7 @@ def test_frames(frame):
 
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
-        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base"),
+        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor"),
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),

@@ -26,10 +26,11 @@ KEYS = [
     "com",
     "inertia",
 ]
+KEYS += ["motor", "efficiency", "continuous", "peak", "max_speed", "speed_unit", "gear_peak"]
 KEYS += ["viscous", "coulomb", "stribeck", "stribeck_velocity", "gear", "stiffness", "rest", "force", "moment", "point"]
 KEYS += ["slip_speed", "initial", "drive", "joint_limits", "q", "qd", "torque", "kp", "kd", "reference", "contact"]
-KEYS += ["loop", "name", "kind", "to", "to_point", "axis", "to_axis", "rpy", "directions", "baumgarte"]
 KEYS += ["speed", "between_rows", "limit_spring", "damping"]
+KEYS += ["loop", "name", "kind", "to", "to_point", "axis", "to_axis", "rpy", "directions", "baumgarte"]
 KEYS += ["frame", "motion", "density", "velocity", "volume", "centre", "drag_area", "", "é", "a b"]
 WORDS = ["link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
 DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]
