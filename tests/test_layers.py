@@ -21,7 +21,7 @@ ORDER = [
     ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays", "motors"),
-    ("inverse", "accelerations", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),
+    ("inverse", "accelerations", "loops", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),
     ("sizing", "sizing_pass", "momentum", "forward"),
     ("momentum_pass", "free_body"),
     ("one_pass", "equations", "bench"),

@@ -72,7 +72,7 @@ def articulated_body(
                 if rate in ends[i]:
                     work.coordinate(i, rate, model.rates[rate])
         if (j := body.parent) >= 0:
-            work.A[j] = work.A[j] + at_parent(work.A[i], _turns(joint, R), p)
+            work.A[j] = work.A[j] + at_parent(work.A[i], turns_of(joint, R), p)
             work.b[j] = work.b[j] + wrench_at_parent(work.b[i], R, p)
             for rate, column in work.G[i].items():
                 work.G[j][rate] = work.G[j].get(rate, 0.0) + wrench_at_parent(column, R, p)
@@ -110,7 +110,7 @@ def _common(parents: Sequence[int], bodies: Sequence[int]) -> int:
     return above.pop()
 
 
-def _turns(joint: Joint, R: Array) -> tuple[Turn, Turn, Turn]:
+def turns_of(joint: Joint, R: Array) -> tuple[Turn, Turn, Turn]:
     """Turns about z, x and z that make R; the first two are constants, being those that bring z to the joint's axis."""
     sx, cx, z = float(joint.R[0, 2]), -float(joint.R[1, 2]), float(joint.R[2, 2])
     sine = hypot(sx, cx)

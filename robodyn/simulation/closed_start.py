@@ -1,0 +1,130 @@
+"""Where the motion of a closed chain begins: positions and speeds that its loops allow."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError
+from robodyn.loops.find import NOTHING, jacobian
+from robodyn.model import Model
+from robodyn.simulation.closing import Closing
+from robodyn.simulation.turning import moved, unit
+
+Floats = NDArray[np.float64]
+CLOSED = 1e-13
+"""m or rad that a loop may be open at the start, for links of up to a metre."""
+MISFIT = 1e-6
+"""The same for an equation that was dropped, which no motion of the robot can mend."""
+TRIES = 60
+LONGEST = 0.3
+"""rad or m, of a correction."""
+
+
+def closed_start(closing: Closing, state: Floats) -> Floats:
+    """A state (width,) with positions and speeds on the loops, by Newton's steps, each the shortest that there is.
+
+    Coordinates that the scene gives stay as they are if the others alone can close the loops; likewise speeds.
+
+    Raises:
+        InputError: the loops do not close, or not at the speeds that are given.
+
+    Accuracy: 1e-13 m or rad, for links of up to a metre.
+    """
+    model, scene = closing.model, closing.plan.scene
+    q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
+    closed = _closed(closing, q, _others(model.n, _given(model, scene.initial_q)))
+    if closed is None:
+        closed = _closed(closing, q, _others(model.n, []))
+    if closed is None:
+        raise _open(closing, q)
+    _check_dropped(closing, closed)
+    given = [rate for rate, name in enumerate(model.rates) if name in scene.initial_qd]
+    return np.array([*closed, *_rolling(closing, closed, qd, given), *state[model.nq + model.n :]])
+
+
+def _given(model: Model, coordinates: Collection[str]) -> list[int]:
+    """The rates of joints of which one of these is a coordinate."""
+    found: list[int] = []
+    for joint in model.independent:
+        numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
+        if set(model.coordinates[joint.coordinate : joint.coordinate + numbers]) & set(coordinates):
+            found += range(joint.rate, joint.rate + rates)
+    return found
+
+
+def _others(n: int, given: Sequence[int]) -> list[int]:
+    return [rate for rate in range(n) if rate not in given]
+
+
+def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
+    """q with the loops closed by moving the free coordinates alone; None if that fails."""
+    model, still = closing.model, (0.0,) * closing.model.n
+    reach = _reach(closing)
+    for _ in range(TRIES):
+        sample = closing.sample(q.tolist(), still)
+        error = np.array(closing.chain.equations(sample).error)
+        if np.abs(error).max(initial=0.0) <= CLOSED * reach:
+            return q
+        step = np.zeros(model.n)
+        step[free] = _shortest(jacobian(closing.chain, sample)[:, free], -error)
+        step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
+        moves = closing.chain.along_parents(sample, step.tolist())
+        q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
+    return None
+
+
+def _rolling(closing: Closing, q: Floats, qd: Floats, given: Sequence[int]) -> Floats:
+    """qd with J qd = 0, the given speeds kept if that is possible, else all changed as little as possible."""
+    chain, n = closing.chain, closing.model.n
+    sample = closing.sample(q.tolist(), qd.tolist())
+    J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate)
+    for free in (_others(n, given), _others(n, [])):
+        change = np.zeros(n)
+        change[free] = _shortest(J[:, free], -rate)
+        if np.abs(J @ change + rate).max(initial=0.0) <= CLOSED * _reach(closing) * max(
+            1.0, np.abs(qd).max(initial=0.0)
+        ):
+            break
+    rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
+    return rolling
+
+
+def _shortest(J: Floats, right: Floats) -> Floats:
+    """The shortest x with J x as near to the right side as it can be."""
+    return np.asarray(np.linalg.lstsq(J, right, rcond=NOTHING)[0], dtype=float)
+
+
+def _reach(closing: Closing) -> float:
+    """m; the longest offset between joints, at least 1."""
+    lengths = [body.joint.p for body in closing.model.bodies]
+    lengths += [np.array(point) for c in closing.chain.closures for point in (c.loop.point, c.loop.to_point)]
+    return float(np.abs(lengths).max(initial=1.0))
+
+
+def _open(closing: Closing, q: Floats) -> InputError:
+    """Which loop is open by how much where the scene begins."""
+    errors = closing.chain.equations(closing.sample(q.tolist(), (0.0,) * closing.model.n)).error
+    rows = [(closure.loop.name, equation) for closure in closing.chain.closures for equation in closure.equations]
+    worst = int(np.argmax(np.abs(errors)))
+    name, equation = rows[worst]
+    return InputError(
+        f'loop "{name}" does not close: it is open by {abs(errors[worst]):.3g} {equation.unit} at the start',
+        remedy="give [initial] q nearer to where it closes, or leave out coordinates that are to be found",
+    )
+
+
+def _check_dropped(closing: Closing, q: Floats) -> None:
+    """Raise if an equation that was dropped does not hold."""
+    motions = closing.sample(q.tolist(), (0.0,) * closing.model.n).motions()
+    for closure, equation in closing.dropped:
+        place = closure.relative(closing.model, motions)
+        error = float(equation.of(place.d, place.B))
+        if abs(error) > MISFIT * _reach(closing):
+            raise InputError(
+                f'loop "{closure.loop.name}" cannot close: it misses by {abs(error):.3g} {equation.unit} '
+                f"{equation.about} of {closure.loop.to}, wherever the joints stand",
+                remedy='correct "point" and "to_point", or name the "directions" along which it is held',
+            )

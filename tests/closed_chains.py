@@ -1,0 +1,48 @@
+"""Closed chains for tests: the IFToMM benchmark's four-bars, and loops in space."""
+
+from __future__ import annotations
+
+import numpy as np
+from small_robots import body_numbers, built, joint, link
+
+from robodyn.scene import Loop, Scene
+
+ROD = (1.0, (0.5, 0, 0), (0, 0, 0, 1 / 12, 0, 1 / 12))
+"""A thin rod of 1 kg and 1 m along x."""
+
+
+def four_bars(count, **more):
+    """IFToMM's benchmark A02: `count` four-bars side by side, upright, B0 moving to +x at 1 m/s.
+
+    Cranks k0 .. kN stand on the ground 1 m apart; each coupler hangs on the crank before it and is tied to the next.
+    Angles count from +x to +z.
+    """
+    parts = [link("frame")]
+    turn = (0, -1, 0)
+    for k in range(count + 1):
+        parts += [link(f"crank{k}", *ROD), joint(f"k{k}", "frame", f"crank{k}", "continuous", turn, (k, 0, 0))]
+    for k in range(count):
+        parts += [link(f"coupler{k}", *ROD), joint(f"c{k}", f"crank{k}", f"coupler{k}", "continuous", turn, (1, 0, 0))]
+    loops = tuple(Loop(f"B{k + 1}", f"coupler{k}", (1, 0, 0), f"crank{k + 1}", (1, 0, 0)) for k in range(count))
+    q = {f"k{k}": np.pi / 2 for k in range(count + 1)} | {f"c{k}": -np.pi / 2 for k in range(count)}
+    scene = Scene(loops=loops, initial_q=q, initial_qd={"k0": -1.0}, **more)
+    return built(*parts), scene
+
+
+def spatial_loop(seed=0, kind="point", moving_base=False, **more):
+    """A tree of skew joints with full inertias, two of whose branches are closed."""
+    rng = np.random.default_rng(seed)
+    parts = [link("l0", *body_numbers(rng))]
+    for branch, length in (("a", 4), ("b", 3)):
+        before = "l0"
+        for k in range(length):
+            name, axis = f"{branch}{k}", rng.normal(size=3)
+            kind_of_joint = "prismatic" if k == 1 else "revolute"
+            placed = {"xyz": rng.uniform(-0.6, 0.6, 3), "rpy": rng.uniform(-3, 3, 3)}
+            parts.append(link(name, *body_numbers(rng)))
+            parts.append(joint(f"j{name}", before, name, kind_of_joint, axis / np.linalg.norm(axis), **placed))
+            before = name
+    axes = {"axis": tuple(rng.normal(size=3)), "to_axis": tuple(rng.normal(size=3))} if kind == "hinge" else {}
+    turn = {"rpy": tuple(rng.uniform(-1, 1, 3))} if kind == "weld" else {}
+    loop = Loop("tie", "a3", (0.1, 0.2, -0.1), "b2", (0.2, 0, 0.1), kind, **axes, **turn)
+    return built(*parts, moving_base=moving_base), Scene(loops=(loop,), moving_base=moving_base, **more)
