@@ -41,7 +41,7 @@ def _expected(other, model, q, qd, tau):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", _cases())
+@pytest.mark.parametrize("path", list(_cases()))
 def test_accelerations(path, moving_base):
     model = load(path, moving_base=moving_base)
     scene = frictionless(model)

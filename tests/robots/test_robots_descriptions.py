@@ -11,6 +11,8 @@ from robot_files import FOLDER, NAMES, REFERENCE, element, model
 
 from robodyn.urdf.description import load_description
 
+pytestmark = pytest.mark.filterwarnings("ignore:`Scene.dump:DeprecationWarning")  # what yourdfpy asks of trimesh
+
 SAME_PARAMETERS = {
     "puma": "puma_3r",
     "puma560": "puma560_corke",
