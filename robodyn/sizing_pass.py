@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 STANDSTILL = 1e-3
 """Speed [rad/s, m/s] up to which a joint counts as standing still."""
+PIECE = 8192
+"""Samples worked on at a time, so that what belongs to them stays in the cache."""
 FOUNDATION = ("fxy", "fz", "mxy", "mz")
 
 
@@ -58,12 +60,19 @@ class SizingPass:
             loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
             pattern: what is zero in the block; run: runs a program over it.
         """
-        n, time = self.model.n, block.time
+        static = run(self._static_runner(pattern))
+        for start in range(0, len(block), PIECE):
+            k = slice(start, start + PIECE)
+            motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
+            self._update(block.time[k], block.first_row + start, loads[k], *motion)
+
+    def _update(self, time: Floats, row: int, loads: Floats, *motion: Floats) -> None:
+        """Take in a few samples: their loads, and qd, qdd and static torques (N, joints)."""
+        n = self.model.n
         before = float(time[0] - self.end) if self.samples else 0.0
         self.start = self.start if self.samples else float(time[0])
-        tau, qd, qdd = (np.ascontiguousarray(x[:, self.rates].T) for x in (loads[:, :n], block.qd, block.qdd))
-        static = np.ascontiguousarray(run(self._static_runner(pattern))[:, self.rates].T)
-        self.static.update(time, block.first_row, np.abs(static), value=static)
+        tau, qd, qdd, static = (np.ascontiguousarray(x.T) for x in (loads[:, :n][:, self.rates], *motion))
+        self.static.update(time, row, np.abs(static), value=static)
         f, m = loads[:, n : n + 3], loads[:, n + 3 : n + 6]
         base = np.column_stack((np.hypot(f[:, 0], f[:, 1]), f[:, 2], np.hypot(m[:, 0], m[:, 1]), m[:, 2]))
         self.base.update(time, base)
@@ -72,13 +81,13 @@ class SizingPass:
             "moving": (pace > STANDSTILL).astype(float),
             "travel": pace,
             "static square": static * static,
-            "base": np.ascontiguousarray(base.T),
+            "base": base.T,
         }
         self.integrals.update(before, np.diff(time), quantities)
-        self.bearings.update(time, block.first_row, before, loads[:, n + 6 :])
+        self.bearings.update(time, row, before, loads[:, n + 6 :])
         if self.driven:
             k = self.driven
-            self.motors.update(time, block.first_row, before, tau[k], qd[k], qdd[k])
+            self.motors.update(time, row, before, tau[k], qd[k], qdd[k])
         self.samples += len(time)
         self.end = float(time[-1])
 
