@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from robodyn.execute.choice import EXECUTORS
-
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
@@ -58,6 +56,21 @@ class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 VECTOR = VectorType()
 
 
+class PositiveType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """A positive finite number."""
+
+    name = "number"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        numbers = finite_numbers(str(value))
+        if len(numbers) != 1 or numbers[0] <= 0.0:
+            self.fail(f"{value} is no positive finite number", param, ctx)
+        return numbers[0]
+
+
+POSITIVE = PositiveType()
+
+
 class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     """com, origin, or three numbers between commas."""
 
@@ -102,6 +115,8 @@ FORMAT = click.option(
 
 def EXECUTION(command: Callback) -> Callback:
     """The options --executor and --threads."""
+    from robodyn.execute.choice import EXECUTORS
+
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
     threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")
     return click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)(threads(command))

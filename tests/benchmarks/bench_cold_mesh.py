@@ -23,7 +23,7 @@ from markdown_tables import main, table
 from mesh_samples import binary_stl, torus
 
 OURS = "robodyn inertia"
-_CLI = "from robodyn.cli.main import main; main()"
+_CLI = "from robodyn.cli.start import start; start()"
 _IGL = "import sys, igl; print(igl.moments(*igl.read_triangle_mesh(sys.argv[1])[:2]))"
 _START = "import sys, numpy, click"
 CALLS = {

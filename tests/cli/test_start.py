@@ -1,0 +1,59 @@
+"""The installed command ends as Python itself would."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from command_line import ROBOTS
+
+CALLS = {
+    "fine": ("inertia", str(ROBOTS / "meshes" / "hub.stl")),
+    "findings": ("check", str(ROBOTS / "scara.urdf"), "--strict", "--select", "ALL"),
+    "wrong": ("inertia", "no_such.stl"),
+    "no command": ("nothing",),
+    "version": ("--version",),
+}
+
+
+def run(function: str, *arguments: str, before: str = "", after: str = "") -> subprocess.CompletedProcess[str]:
+    code = f"{before}\nfrom robodyn.cli.{function} import {function}\n{after}\n{function}()"
+    return subprocess.run([sys.executable, "-I", "-c", code, *arguments], capture_output=True, text=True, check=False)
+
+
+def test_it_is_the_entry_point():
+    assert '\nrobodyn = "robodyn.cli.start:start"\n' in (Path(__file__).parents[2] / "pyproject.toml").read_text()
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_as_main(call):
+    mine, plain = run("start", *CALLS[call]), run("main", *CALLS[call])
+    assert (mine.returncode, mine.stdout, mine.stderr) == (plain.returncode, plain.stdout, plain.stderr)
+    assert mine.stdout or mine.stderr
+
+
+def test_what_is_registered_for_the_end_is_done():
+    before = "import atexit; atexit.register(print, 'registered')"
+    assert run("start", "--version", before=before).stdout.endswith("registered\n")
+
+
+def test_threads_are_waited_for():
+    late = "import threading, time; threading.Thread(target=lambda: (time.sleep(0.3), print('late'))).start()"
+    assert run("start", "--version", after=late).stdout.endswith("late\n")
+
+
+def test_output_that_cannot_be_written():
+    with open("/dev/full", "w") as full:
+        code = "from robodyn.cli.start import start; start()"
+        call = [sys.executable, "-I", "-c", code, "--version"]
+        done = subprocess.run(call, stdout=full, stderr=subprocess.PIPE, check=False)
+    assert done.returncode != 0
+    assert b"Traceback" not in done.stderr
+
+
+def test_memory_is_not_taken_apart():
+    left = "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
+    assert "gone" in run("main", "--version", before=left).stdout
+    assert "gone" not in run("start", "--version", before=left).stdout
