@@ -126,13 +126,15 @@ class CentredBody:
     def _asymmetry(self, Q: Array, least: float, by_columns: Callable[[int], float]) -> float:
         """The moments' bound for the same set of triangles; else by columns.
 
-        By few if they find nothing or much, by many unless the difference is clearly one that facets make.
+        By few if they find much, unless triangles cost more than columns; by many unless the difference is clearly one
+        that facets make.
         """
         if self.same(Q):
             return least
-        rough = by_columns(COLUMNS // 4) / (2 * self.volume)
-        if rough > COARSE:
-            return max(least, rough)
+        if len(self.corners) <= COLUMNS:
+            rough = by_columns(COLUMNS // 4) / (2 * self.volume)
+            if rough > COARSE:
+                return max(least, rough)
         fine = by_columns(COLUMNS) / (2 * self.volume)
         if _TINY < fine < COARSE / 2 and not _CLEAR * fine < self.facets:
             fine = by_columns(4 * COLUMNS) / (2 * self.volume)

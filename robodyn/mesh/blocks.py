@@ -34,7 +34,7 @@ def workspace(rows: int, columns: int, dtype: DTypeLike = np.float64) -> Array:
     kind: np.dtype[Any] = np.dtype(dtype)
     size = rows * columns * kind.itemsize
     raw = np.empty(size + 64, np.uint8)
-    first = -raw.ctypes.data % 64
+    first = -int(raw.__array_interface__["data"][0]) % 64
     return raw[first : first + size].view(kind).reshape(rows, columns)
 
 

@@ -64,9 +64,10 @@ class Lattice:
             image: (3, 3) orthogonal.
         """
         frame = frame_along(direction)
-        shadow = np.stack([_along(corners.T, axis) for axis in (*frame[:2], *(frame @ image)[:2])]).reshape(2, 2, -1)
-        corner = shadow.min(axis=(0, 2))
-        width, height = (shadow.max(axis=(0, 2)) - corner).tolist()
+        shadows = [frame[:2]] if image is IDENTITY else [frame[:2], (frame @ image)[:2]]
+        along = [[_along(corners.T, axis) for axis in axes] for axes in shadows]
+        corner = np.min([[u.min() for u in shadow] for shadow in along], axis=0)
+        width, height = (np.max([[u.max() for u in shadow] for shadow in along], axis=0) - corner).tolist()
         step = sqrt(width * height / count) or max(width, height) or 1.0
         return cls(frame, corner, step, ceil(height / step) + 1, ceil(width / step) + 2)
 
@@ -98,13 +99,13 @@ class Lattice:
         row = row[:, met]
         order = _ORDERS[(row[0] > row[1]) * 1 + (row[1] > row[2]) * 2 + (row[0] > row[2]) * 4].T
         down = np.where((order[1] - order[0]) % 3 == 1, -1, 1)
-        row = np.take_along_axis(row, order, axis=0)
-        u, v, depth = (_along(X[:, order, met], axis) for axis in self.frame)
+        row, v = (np.take_along_axis(part, order, axis=0) for part in (row, v[:, met]))
+        X = X.take(met, axis=2)
+        points = np.stack([np.take_along_axis(_along(X, axis), order, axis=0) for axis in self.frame[::2]])
         which, step = _counted(row[2] - row[0])
         line = row[0, which] + step
         height = self.corner[1] + (line + 0.5) * self.step
         low = (line >= row[1, which]).astype(np.int64)
-        points = np.stack([u, depth])
         long = _at(points[:, 0, which], points[:, 2, which], v[0, which], v[2, which], height)
         short = _at(points[:, low, which], points[:, low + 1, which], v[low, which], v[low + 1, which], height)
         return self._within(long, short, line, down[which])

@@ -61,13 +61,21 @@ def line_masses(corners: Array) -> LineMasses:
     edges = bent_edges(corners)
     size = np.abs(edges.angle)
     counted = size[size > BENT] if (size > BENT).any() else size
-    median = float(np.median(counted)) if len(size) else 0.0
+    median = _median(counted) if len(size) else 0.0
     smooth = size < _TIMES_MEDIAN * median
     missing, doubt = np.zeros((2, len(size)))
     missing[smooth], doubt[smooth] = _of_smooth(edges.among(smooth), _CLEARLY * median)
     rest = ~smooth
     doubt[rest] = np.abs(_sides(edges.among(rest), np.zeros_like(edges.flat)).sum(axis=0))
     return LineMasses(edges.start, edges.end, missing, doubt)
+
+
+def _median(values: Floats) -> float:
+    """As `np.median`, which would import `numpy.ma`."""
+    half = len(values) // 2
+    low, high = (half - 1, half) if len(values) % 2 == 0 else (half, half)
+    found = np.partition(values, (low, high))
+    return float((found[low] + found[high]) / 2)
 
 
 def _of_smooth(edges: BentEdges, least: float) -> tuple[Floats, Floats]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.mesh.symmetry_kinds import Axis, Plane
 from robodyn.part import Part
 from robodyn.report.table import Page, number
 from robodyn.report.text_body import point_text
+
+if TYPE_CHECKING:
+    from robodyn.mesh.symmetry_kinds import Axis, Plane
 
 _MOST = 9
 """Planes and axes that are listed; of the others there is a count."""
@@ -48,6 +51,8 @@ def tessellation_text(part: Part) -> str:
 
 
 def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
+    from robodyn.mesh.symmetry_kinds import Plane
+
     if isinstance(thing, Plane):
         name, direction, place = "plane", thing.normal, number(thing.offset, reach)
     else:
