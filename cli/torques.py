@@ -8,7 +8,8 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.momentum_options import MOMENTUM, momentum_view
-from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, SCENE, Vector
+from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.reports import REPORT, get_ready, pictured, write_report
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
 from robodyn.loads import torques
@@ -19,12 +20,12 @@ from robodyn.report.text_torques import torques_text
 from robodyn.trajectory.reader import MODES, Derivatives
 
 
-@click.command("torques")
-@click.argument("urdf")
-@click.argument("trajectory")
+@click.command("torques", short_help="What every joint and bearing carries along a motion.")
+@click.argument("urdf", type=PATH)
+@click.argument("trajectory", type=PATH)
 @SCENE
 @GRAVITY
-@click.option("--out", metavar="FILE", help="Write the torques: .csv, .parquet or .npz.")
+@click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet or .npz.")
 @click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too.")
 @click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does.")
 @MOMENTUM
@@ -32,6 +33,7 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded.")
+@REPORT
 @EXECUTION
 @FORMAT
 def command(
@@ -45,6 +47,7 @@ def command(
     derivatives: Derivatives,
     ignore_extra: bool,
     fail_on_limits: bool,
+    report: str | None,
     form: str,
     **how: Any,
 ) -> int:
@@ -52,19 +55,26 @@ def command(
     A file named - is standard input; a trajectory then is CSV.
 
     \b
-    Example:
+    Examples:
       robodyn torques robots/scara.urdf robots/scara_pick_and_place.csv --out tau.csv
+      robodyn torques robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
     """
     if reactions and not out:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
     view = momentum_view(how)
     check_names([urdf, trajectory, scene_file], out)
+    check_names([urdf, trajectory, scene_file], report)
+    get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
     names = output_names(model, reactions, view is not None)
     reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
     with reader, sinks(out, names, reader) as gather:
-        how |= {"reactions": reactions, "momentum": view, "sizing": sizing or None}
+        how |= {"history": pictured(report), "reactions": reactions, "momentum": view, "sizing": sizing or None}
         result = torques(model, reader, scene, sinks=gather, **how)
     written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
+    if report:
+        from robodyn.report.page_torques import torques_page
+
+        written += write_report(report, torques_page(result, model, scene, pictured(report)))
     show(torques_json(result) if form == "json" else torques_text(result, how["explain"], page()) + written)
     return int(fail_on_limits and not result.within_limits)

@@ -20,13 +20,16 @@ class EnergyLedger:
         self._worst = self._stored_most = 0.0
         self._before: tuple[float, float] | None = None
 
-    def update(self, time: Floats, power: Floats, rows: NDArray[np.int64], energy: Floats) -> None:
+    def update(self, time: Floats, power: Floats, rows: NDArray[np.int64], energy: Floats) -> Floats:
         """Take in a block.
 
         Args:
             time: (N,) s.
             power: (N,) power into stored energy [W].
             rows: (k,) samples, the first and the last among them, at which `energy` (k,) is given [J].
+
+        Returns:
+            (2, k) work done and energy stored since the start [J].
         """
         carried = 0 if self._before is None else 1
         if self._before is not None:
@@ -35,13 +38,15 @@ class EnergyLedger:
         work = self.work + np.append(0.0, np.cumsum(0.5 * steps * (power[1:] + power[:-1])))
         self.turnover += float(np.sum(0.5 * steps * (np.abs(power[1:]) + np.abs(power[:-1]))))
         self._energies = [*self._energies[:1], *energy.tolist()]
-        residual = work[rows + carried] - (energy - self._energies[0])
+        done, stored = work[rows + carried], energy - self._energies[0]
+        residual = done - stored
         self._worst = max(self._worst, *residual.tolist(), key=abs)
         self._stored_most = max(self._stored_most, float(np.abs(energy).max()))
         errors = self._quadrature + np.cumsum(quadrature_errors(steps, power))
         self._quadrature_most = max(self._quadrature_most, float(np.abs(errors).max(initial=0.0)))
         self._quadrature = float(errors[-1]) if len(errors) else self._quadrature
         self.work, self._before = float(work[-1]), (float(time[-1]), float(power[-1]))
+        return np.stack((done, stored))
 
     @property
     def balance(self) -> EnergyBalance:

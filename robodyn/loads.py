@@ -39,6 +39,7 @@ def torques(
     threads: int | None = None,
     momentum: View | None = None,
     sizing: bool | None = None,
+    history: bool = False,
 ) -> Result:
     """What every joint of a robot carries along a motion, with self-checks.
 
@@ -54,6 +55,7 @@ def torques(
         sinks: each is called after every block with time (N,) [s] and the columns of `output_names` (N, k).
         executor, threads: as for `inverse_dynamics`.
         sizing: also compute what motors, gears, bearings and the foundation bear; None: where the scene has motors.
+        history: keep the course of the motion for plots, in memory that does not depend on its length.
         momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
 
     Raises:
@@ -63,7 +65,7 @@ def torques(
     """
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
-        options = Options(reactions, executor, threads, momentum, sized)
+        options = Options(reactions, executor, threads, momentum, sized, history)
         run = Pass(model, scene, options, getattr(motion, "file", None))
         last: Trajectory | None = None
         for block in (motion,) if isinstance(motion, Trajectory) else ahead(motion.blocks()):

@@ -27,6 +27,7 @@ from robodyn.statistics import COMPONENTS, Statistics
 from robodyn.trajectory.motion import Trajectory
 
 if TYPE_CHECKING:
+    from robodyn.history import Recorder
     from robodyn.momentum import View
     from robodyn.momentum_pass import MomentumPass
     from robodyn.sizing_pass import SizingPass
@@ -58,6 +59,7 @@ class Options(NamedTuple):
     threads: int | None
     momentum: View | None = None
     sizing: bool = False
+    history: bool = False
 
 
 class _Programs(NamedTuple):
@@ -96,6 +98,11 @@ class Pass:
         self.choice: Choice | None = None
         self.ledger = EnergyLedger()
         self.laws = LawResiduals()
+        self.history: Recorder | None = None
+        if options.history:
+            from robodyn.history import Recorder
+
+            self.history = Recorder(model.rates[self.rates], COMPONENTS)
         self.momentum: MomentumPass | None = None
         if options.momentum is not None:
             from robodyn.momentum_pass import MomentumPass
@@ -132,9 +139,11 @@ class Pass:
         checked = {name: values[rows] for name, values in sources.items()}
         expected = run(programs.laws, checked)
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
-        self.ledger.update(block.time, net, rows, run(programs.energy, checked)[:, 0])
+        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked)[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
+        if self.history is not None:
+            self.history.update(block.time, qd, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
             self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources))
         columns = loads if self.options.reactions else tau
@@ -182,6 +191,7 @@ class Pass:
             derivation=last.derivation,
             warnings=tuple(warnings),
             momentum=self.momentum.report() if self.momentum else None,
+            history=self.history.history(gathered.at_peak) if self.history else None,
             sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
         )
 

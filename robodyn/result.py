@@ -9,6 +9,7 @@ from robodyn.effects.effect import Verdict
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:
+    from robodyn.history import History
     from robodyn.sizing_result import Sizing
 
 
@@ -215,6 +216,7 @@ class Result:
     derivation: Derivation | None
     warnings: tuple[str, ...]
     momentum: MomentumReport | None = None
+    history: History | None = None
     sizing: Sizing | None = None
 
     @property

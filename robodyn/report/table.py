@@ -44,6 +44,11 @@ def printable(text: str) -> str:
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
+def is_numeric(cells: Sequence[str]) -> bool:
+    """Whether every cell begins with a number, or is empty or -."""
+    return all(cell in NOTHING or _NUMBER.match(cell) for cell in cells)
+
+
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None = None, bold: bool = False) -> str:
     """Rows of text below a header.
 
@@ -73,9 +78,9 @@ def _page(columns: Sequence[Sequence[str]], bold: bool) -> str:
 def _column(cells: Sequence[str]) -> list[str]:
     """A title and its cells, all of one width."""
     title, *cells = [printable(cell) for cell in cells]
-    matches = [_NUMBER.match(cell) for cell in cells]
-    if not all(match or cell in NOTHING for match, cell in zip(matches, cells, strict=True)):
+    if not is_numeric(cells):
         return _left([title, *cells])
+    matches = [_NUMBER.match(cell) for cell in cells]
     before = [match.group(1) if match else "" for match in matches]
     after = [cell[len(whole) :] for cell, whole in zip(cells, before, strict=True)]
     digits = [_fraction(match) for match in matches]

@@ -17,7 +17,7 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
     """
     parts = [_head(result)]
     if result.joints:
-        parts += [page.table(_loads(result.joints)), f"What makes the peaks\n{page.table(share_table(result))}"]
+        parts += [page.table(load_table(result.joints)), f"What makes the peaks\n{page.table(share_table(result))}"]
     if result.derivation:
         methods, rows = derivation_table(result.derivation)
         parts.append(f"{methods}\n{page.table(rows) if rows else ''}")
@@ -33,7 +33,7 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
         parts += sizing_parts(result, page)
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
-        parts.append(f"Effects: {plan}\n{page.table(_effects(result))}")
+        parts.append(f"Effects: {plan}\n{page.table(effect_table(result))}")
     parts.append(_checks(result))
     parts.append(_limits(result, page))
     parts.append("".join(f"warning: {printable(line)}\n" for line in result.warnings))
@@ -52,7 +52,8 @@ def count(amount: int, noun: str) -> str:
     return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
 
 
-def _loads(joints: Sequence[JointLoad]) -> Content:
+def load_table(joints: Sequence[JointLoad]) -> Content:
+    """What each joint carries."""
     rows = [
         (
             joint.name,
@@ -81,26 +82,33 @@ def _use(value: float, limit: float | None) -> str:
     return f"{share}% of {limit:g}"
 
 
-def _base(result: Result, page: Page) -> str:
+def base_table(result: Result) -> Content:
+    """Peaks of the base wrench."""
     scale = {"f": result.checks.largest_force, "m": result.checks.largest_moment}
     rows = []
     for part in result.base_wrench:
         kind = part.name[0]
         peak, rms = number(part.peak, scale[kind]), number(part.rms, scale[kind])
         rows.append((part.name, f"{peak} {'N' if kind == 'f' else 'N m'}", f"{part.peak_time:.6g}", rms))
+    return ("", "peak", "at [s]", "RMS"), rows
+
+
+def _base(result: Result, page: Page) -> str:
+    head, rows = base_table(result)
     title = "Base wrench: ground on robot, about the base's origin"
     if all(rms == "0" for *_, rms in rows):
         return f"{title}: zero throughout\n"
-    return f"{title}\n{page.table((('', 'peak', 'at [s]', 'RMS'), rows))}"
+    return f"{title}\n{page.table((head, rows))}"
 
 
-def _effects(result: Result) -> Content:
+def effect_table(result: Result) -> Content:
+    """Which effects are on, what they cost, and why."""
     rows = [
         (
             effect.name,
             "on" if effect.verdict.active else "off",
             str(effect.operations) if effect.verdict.active else "",
-            str(effect.saved) if effect.verdict.active else "",
+            str(effect.saved) if effect.verdict.active and effect.saved is not None else "",
             effect.verdict.reason,
         )
         for effect in result.effects

@@ -1,0 +1,104 @@
+"""Reports in files: `--report FILE.html` and `--report FILE.md`."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
+from threading import Thread
+from typing import Any
+
+import click
+
+from robodyn.cli.options import PATH
+from robodyn.errors import InputError
+
+FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
+_LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
+
+
+def REPORT(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option --report."""
+    text = "Write a report for people: .html with plots and data in one file, or .md for a pull request."
+    return click.option("--report", type=PATH, metavar="FILE", callback=_checked, help=text)(command)
+
+
+def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """The name of the file, if a report can go there: said before anything is computed."""
+    if value is not None:
+        form_of(value)
+        folder = os.path.dirname(value) or "."
+        if not os.path.isdir(folder):
+            raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=value)
+    return value
+
+
+def form_of(path: str) -> str:
+    """The form of a report by the suffix of its file.
+
+    Raises:
+        InputError: there is none such.
+    """
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix not in FORMS:
+        raise InputError("unknown type of report by this suffix", remedy="name it .html or .md", file=path)
+    return FORMS[suffix]
+
+
+def pictured(report: str | None) -> bool:
+    """Whether there is a report with figures."""
+    return report is not None and form_of(report) == "html"
+
+
+def get_ready(report: str | None) -> None:
+    """Import what draws figures while the figures are still being computed."""
+    if pictured(report):
+        Thread(target=_import, daemon=True).start()
+
+
+def _import() -> None:
+    with suppress(ImportError):
+        for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2", "yourdfpy"):
+            import_module(name)
+
+
+def write_report(path: str, document: Any) -> str:
+    """Write a document with the command and the versions at its foot; a line that says so.
+
+    Raises:
+        InputError: the file cannot be written; nothing is left then.
+    """
+    from dataclasses import replace
+
+    from robodyn.cli.whole_file import write_whole
+
+    whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
+    if form_of(path) == "html":
+        from robodyn.report.html_page import html
+
+        text = html(whole)
+    else:
+        from robodyn.report.markdown_page import markdown
+
+        text = markdown(whole)
+    content = text.encode("utf-8", errors="backslashreplace")
+    write_whole(path, content)
+    return f"\nwritten: {path}, {max(1, len(content) // 1000)} kB\n"
+
+
+def versions() -> tuple[str, ...]:
+    """Of robodyn, of Python, and of the libraries that this process has loaded."""
+    import platform
+
+    from robodyn.installed import version_of
+
+    used = [name for name in _LIBRARIES if name in sys.modules]
+    system = f"{platform.system()} on {platform.machine()}"
+    return (
+        *(f"{name} {version_of(name)}" for name in ("robodyn", *used)),
+        f"Python {platform.python_version()}",
+        system,
+    )

@@ -1,0 +1,140 @@
+"""What plots need of a motion, in bounded memory: in every span of time the samples where a quantity is extreme."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+SPANS = 400
+"""Spans of time that a motion is divided into, about one for each pixel of a plot."""
+_ROOM = 1.3
+"""So many times SPANS may be in use: the duration is an estimate until the motion has ended."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Samples of several columns, each with the same quantities.
+
+    Attributes:
+        kept: (spans, 1 + quantities, columns, 2 * quantities): time [s] and quantities, of the samples where each
+            quantity is least, then of those where each is greatest.
+    """
+
+    names: tuple[str, ...]
+    quantities: tuple[str, ...]
+    kept: Floats
+
+    def line(self, quantity: str, column: int) -> tuple[Floats, Floats]:
+        """Time and value of a quantity, its least and greatest sample of every span, in the order of time."""
+        k = self.quantities.index(quantity)
+        time, values = self.kept[:, [[0], [k + 1]], column, [[k, k + len(self.quantities)]]].transpose(1, 0, 2)
+        order = np.argsort(time, axis=1, kind="stable")
+        time, values = (np.take_along_axis(each, order, axis=1).ravel() for each in (time, values))
+        news = np.flatnonzero(np.append(True, np.diff(time) > 0.0))
+        return time[news], values[news]
+
+    def samples(self, column: int) -> dict[str, Floats]:
+        """Every sample that is kept of a column, by quantity."""
+        rows = self.kept[:, :, column].transpose(1, 0, 2).reshape(1 + len(self.quantities), -1)
+        rows = np.unique(rows, axis=1)
+        return dict(zip(("time", *self.quantities), rows, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The course of a motion.
+
+    Attributes:
+        joints: of each joint speed, torque and power; None without joints.
+        base: of each component of the base wrench its load.
+        energy: "work done" and "energy stored" since the start [J].
+        states: for each joint q, qd, qdd and columns at its peak torque.
+    """
+
+    joints: Curves | None
+    base: Curves
+    energy: Curves
+    states: tuple[Mapping[str, Floats], ...]
+
+
+class Thinned:
+    """Gathers `Curves` block by block; spans double in length when there are too many of them."""
+
+    def __init__(self, names: tuple[str, ...], quantities: tuple[str, ...]) -> None:
+        self.names, self.quantities = names, quantities
+        self._start = self._width = 0.0
+        self._kept: dict[int, Floats] = {}
+
+    def update(self, time: Floats, values: tuple[Floats, ...], left: float) -> None:
+        """Take in a block.
+
+        Args:
+            time: (N,) s, N > 0.
+            values: (columns, N) for each quantity.
+            left: about how long the motion goes on from the first of these samples [s].
+        """
+        if not self._kept:
+            self._start, self._width = float(time[0]), left / SPANS or 1.0
+        while (time[-1] - self._start) / self._width >= _ROOM * SPANS:
+            self._double()
+        spans = ((time - self._start) / self._width).astype(np.int64)
+        samples = np.stack((np.broadcast_to(time, values[0].shape), *values))
+        begins = np.flatnonzero(np.append(True, np.diff(spans)))
+        for first, last in zip(begins, [*begins[1:], len(time)], strict=True):
+            self._add(int(spans[first]), samples[..., first:last])
+
+    def curves(self) -> Curves:
+        """What has been gathered."""
+        return Curves(self.names, self.quantities, np.stack([self._kept[span] for span in sorted(self._kept)]))
+
+    def _add(self, span: int, samples: Floats) -> None:
+        if span in self._kept:
+            samples = np.concatenate((self._kept[span], samples), axis=2)
+        self._kept[span] = _extreme(samples)
+
+    def _double(self) -> None:
+        before, self._kept, self._width = self._kept, {}, 2.0 * self._width
+        for span, samples in before.items():
+            self._add(span // 2, samples)
+
+
+def _extreme(samples: Floats) -> Floats:
+    """Of samples (1 + quantities, columns, N) those where a quantity is least or greatest."""
+    rows = np.concatenate((samples[1:].argmin(axis=2), samples[1:].argmax(axis=2)))
+    return np.take_along_axis(samples, rows.T[None], axis=2)
+
+
+class Recorder:
+    """Gathers a `History`."""
+
+    def __init__(self, joints: tuple[str, ...], components: tuple[str, ...]) -> None:
+        self.joints = Thinned(joints, ("speed", "torque", "power"))
+        self.base = Thinned(components, ("load",))
+        self.energy = Thinned(("work done", "energy stored"), ("energy",))
+
+    def update(
+        self, time: Floats, qd: Floats, tau: Floats, base: Floats, energy: Floats, rows: NDArray[np.int64], more: float
+    ) -> None:
+        """Take in a block.
+
+        Args:
+            time: (N,) s; qd, tau: (joints, N); base: (components, N).
+            energy: (2, k) work done and energy stored since the start [J], at these `rows`.
+            more: times as many samples may come, with these.
+        """
+        left = float(time[-1] - time[0]) * more
+        if len(tau):
+            self.joints.update(time, (qd, tau, qd * tau), left)
+        self.base.update(time, (base,), left)
+        self.energy.update(time[rows], (energy,), left)
+
+    def history(self, at_peak: Mapping[int, tuple[float, Mapping[str, Floats]]]) -> History:
+        """What has been gathered, with the states at the peaks of the joints."""
+        joints = self.joints.curves() if self.joints.names else None
+        states = tuple(at_peak[k][1] for k in range(len(at_peak)))
+        return History(joints, self.base.curves(), self.energy.curves(), states)

@@ -1,0 +1,34 @@
+"use strict";
+for (const table of document.querySelectorAll("table")) {
+  const body = table.tBodies[0];
+  const heads = [...table.tHead.rows[0].cells];
+  if (body.rows.length < 2) continue;
+  const number = (text) => {
+    const found = /^[^\d+\-.]{0,2}([+-]?\d*\.?\d+(?:e[+-]?\d+)?)/i.exec(text);
+    return found ? parseFloat(found[1]) : NaN;
+  };
+  heads.forEach((head, column) => {
+    if (head.tagName !== "TH") return;
+    const button = document.createElement("button");
+    button.type = "button";
+    button.append(...head.childNodes);
+    head.append(button);
+    button.addEventListener("click", () => {
+      const down = head.getAttribute("aria-sort") === "ascending";
+      for (const other of heads) other.removeAttribute("aria-sort");
+      head.setAttribute("aria-sort", down ? "descending" : "ascending");
+      const rows = [...body.rows].map((row, place) => {
+        const text = row.cells[column].textContent.trim();
+        return { row, place, text, value: number(text) };
+      });
+      rows.sort((a, b) => {
+        const empty = (a.text === "" || a.text === "-") - (b.text === "" || b.text === "-");
+        if (empty) return empty;
+        const both = !isNaN(a.value) && !isNaN(b.value);
+        const order = both ? a.value - b.value : a.text.localeCompare(b.text);
+        return (down ? -order : order) || a.place - b.place;
+      });
+      body.append(...rows.map((each) => each.row));
+    });
+  });
+}

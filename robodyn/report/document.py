@@ -1,0 +1,153 @@
+"""What a report says, whatever it is shown as: a page of verdicts, paragraphs, tables, figures and downloads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+Level = Literal["good", "doubtful", "bad", "neutral"]
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The beginning of a section."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    text: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer: a headline, and what it rests on in plain words.
+
+    Attributes:
+        level: whether all is well; colour follows it, and the words say it too.
+    """
+
+    level: Level
+    headline: str
+    reasons: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Few figures that matter most: each what it is, the figure, and a remark."""
+
+    items: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows below a header; the first cell of a row names it."""
+
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture.
+
+    Attributes:
+        caption: what it shows, which is said to everybody.
+        alt: what is to be seen in it, for those who cannot.
+        svg: an element whose colours are those of the page.
+        wide: whether it takes the width of the page; then it keeps its size where the page is narrower.
+    """
+
+    caption: str
+    alt: str
+    svg: str
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Gallery:
+    """Figures beside each other, as many as there is room for."""
+
+    figures: tuple[Figure, ...]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Remarks on places of a file.
+
+    Attributes:
+        items: each a level, a title, and lines; a line of the source is among them as (text, True).
+    """
+
+    items: tuple[tuple[Level, str, tuple[tuple[str, bool], ...]], ...]
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file that the page carries."""
+
+    name: str
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Downloads:
+    """Files that the page carries, and what is said of those it does not."""
+
+    files: tuple[Download, ...]
+    notes: tuple[str, ...] = ()
+
+
+Block = Heading | Paragraph | Verdict | Facts | Table | Figure | Gallery | Findings | Downloads
+
+
+@dataclass(frozen=True)
+class Document:
+    """A report.
+
+    Attributes:
+        title: what it is about; subtitle: what was done.
+        command: as it was called; versions: of what it was made with.
+    """
+
+    title: str
+    subtitle: str
+    blocks: tuple[Block, ...]
+    command: str = ""
+    versions: tuple[str, ...] = ()
+
+
+LARGEST = 400_000
+"""Bytes of a file that a page carries at most."""
+
+
+def downloads(files: Sequence[Download], instead: str) -> Downloads:
+    """Those that are small enough, and a remark on the others.
+
+    Args:
+        instead: how to get the others.
+    """
+    small = tuple(file for file in files if len(file.text.encode()) <= LARGEST)
+    notes = tuple(
+        f"{file.name} has {len(file.text.encode()) / 1e6:.1f} MB, too much for this page: {instead}."
+        for file in files
+        if file not in small
+    )
+    return Downloads(small, notes)
+
+
+def csv_text(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    """A table as CSV."""
+    import csv
+    import io
+
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    return stream.getvalue()

@@ -1,0 +1,130 @@
+"""Plots by matplotlib, as SVG elements that take their colours from the page they stand in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from robodyn.history import Floats
+
+INK, SOFT, GRID, PAPER, BAD, GOOD = "#0a0b01", "#0a0b02", "#0a0b03", "#0a0b04", "#0a0b05", "#0a0b06"
+SERIES = tuple(f"#0a0c{k:02d}" for k in range(1, 9))
+"""Colours that stand for those of a page: words and axes, less important ones, lines behind, the page itself, what is
+bad, what is good, and those of curves."""
+_NAMES = {INK: "ink", SOFT: "soft", GRID: "grid", PAPER: "paper", BAD: "bad", GOOD: "good"}
+_NAMES |= {colour: f"c{k}" for k, colour in enumerate(SERIES, start=1)}
+_OF_ACTIONS = {"#2b8a3e": "c3", "#9c5fd0": "c4", "#2f7fd6": "c1", "#d6336c": "c6", "#b8680b": "c2"}
+_OF_ACTIONS |= {"#11837f": "c5", "#d9480f": "c8"}
+DOTS = 72
+"""Per inch, so that a point is a pixel of the page."""
+_NUMBER = re.compile(r"-?\d+\.\d+")
+_PATH = re.compile(r'(?<= d=")[^"]*')
+
+
+def style(name: str) -> AbstractContextManager[Any]:
+    """The look of all plots, within which they are made and written; nothing in a label is read as a formula."""
+    from matplotlib import rc_context
+    from matplotlib.rcsetup import cycler
+
+    return rc_context(
+        {
+            **{"svg.fonttype": "none", "svg.hashsalt": name, "text.parse_math": False, "font.size": 11},
+            **{"axes.edgecolor": SOFT, "axes.labelcolor": INK, "axes.titlecolor": INK, "text.color": INK},
+            **{"axes.titlesize": 11, "axes.titlelocation": "left", "axes.titlepad": 5, "axes.titley": 1.0},
+            **{"axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True},
+            **{"axes.facecolor": "none", "figure.facecolor": "none", "savefig.facecolor": "none"},
+            **{"axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False, "axes.xmargin": 0.0},
+            **{"axes.prop_cycle": cycler(color=SERIES), "grid.color": GRID, "grid.linewidth": 0.8},
+            **{"xtick.color": SOFT, "ytick.color": SOFT, "xtick.labelcolor": INK, "ytick.labelcolor": INK},
+            **{"xtick.bottom": False, "ytick.left": False, "xtick.major.pad": 4, "ytick.major.pad": 4},
+            **{"axes.labelsize": 11, "xtick.labelsize": 10, "ytick.labelsize": 10},
+            **{"lines.linewidth": 1.4, "path.simplify": False},
+            **{"legend.frameon": False, "legend.fontsize": 10, "legend.handlelength": 1.4, "legend.borderaxespad": 0.0},
+        }
+    )
+
+
+def plot(width: int, height: int, draw: Callable[[Figure], None], name: str, dots: float = 2.0) -> str:
+    """An SVG element of this size [px] for a page.
+
+    Args:
+        draw: puts what is to be seen on a figure.
+        name: no other figure of the page has.
+        dots: of a raster in it, for each pixel of the page.
+    """
+    import io
+    import warnings
+
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with style(name), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph")  # the page's own fonts may have it
+        figure = Figure(figsize=(width / DOTS, height / DOTS))
+        canvas: Any = FigureCanvasSVG(figure)
+        draw(figure)
+        figure.dpi = DOTS * dots
+        stream = io.StringIO()
+        canvas.print_svg(stream, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+    return _themed(stream.getvalue())
+
+
+def few_ticks(axes: Axes, across: int = 6, up: int = 4) -> None:
+    """So many numbers at most along each linear axis, each whole, for a factor beside the axis is overlooked."""
+    from matplotlib.ticker import FuncFormatter
+
+    for axis, bins in ((axes.xaxis, across), (axes.yaxis, up)):
+        if axis.get_scale() == "linear":
+            locator: Any = axis.get_major_locator()
+            locator.set_params(nbins=bins)
+            axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.5g}".replace("-", "\u2212")))
+
+
+def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> None:
+    """Points as one short path: a marker each would make the page ten times as long."""
+    import numpy as np
+
+    across, up = (np.column_stack((each, each, np.full(len(each), np.nan))).ravel() for each in (x, y))
+    axes.plot(across, up, color=colour, linewidth=size, solid_capstyle="round")
+
+
+def of_page(drawing: str) -> str:
+    """The drawing of a free body, which is made for a file of its own, in the colours of a page."""
+    from robodyn.report.svg_free_body import STYLE
+
+    drawing = drawing.replace(STYLE, "").strip()
+    for colour, name in _OF_ACTIONS.items():
+        drawing = drawing.replace(colour, f"var(--{name})")
+    return drawing
+
+
+def _themed(svg: str) -> str:
+    """The element alone: colours by the names of the page's, coordinates to a tenth of a pixel, no names of groups."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
+    svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg)
+    svg = re.sub(r'(?<=style=")font: (bold |)([\d.]+px)[^;"]*', _font, svg)
+    svg = re.sub(r'(<svg[^>]*?) width="[\d.]+pt" height="[\d.]+pt"', r"\1", svg, count=1)
+    svg = _PATH.sub(_shorter, svg)
+    for colour, name in _NAMES.items():
+        svg = svg.replace(colour, f"var(--{name})")
+    return svg.strip()
+
+
+def _font(found: re.Match[str]) -> str:
+    return f"font-size: {found[2]}" + ("; font-weight: bold" if found[1] else "")
+
+
+def _shorter(path: re.Match[str]) -> str:
+    return (
+        _NUMBER.sub(lambda number: f"{float(number[0]):.1f}".removesuffix(".0"), path[0])
+        .replace("\n", "")
+        .replace(" L", "L")
+    )

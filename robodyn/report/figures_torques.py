@@ -1,0 +1,197 @@
+"""What a motion asks of each joint, of the base and of energy, as plots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.history import Curves, Floats, History
+from robodyn.report.document import Figure
+from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, dots, few_ticks, plot
+from robodyn.report.table import number, printable
+from robodyn.result import JointLoad, Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+_WIDE = 380
+_PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
+"""Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
+_NEAR = 0.5
+"""A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
+
+
+def joint_figure(joint: JointLoad, curves: Curves, column: int) -> Figure:
+    """Torque, speed and power against time, and torque against speed within the limits."""
+    speed = "m/s" if joint.unit == "N" else "rad/s"
+    what = "force" if joint.unit == "N" else "torque"
+
+    def draw(canvas: Canvas) -> None:
+        axes = [canvas.add_axes((0.16, bottom / 660, 0.8, height / 660)) for bottom, height in _PANELS]
+        limits = {"torque": joint.effort_limit, "speed": joint.velocity_limit, "power": None}
+        titles = {"torque": f"{what} [{joint.unit}]", "speed": f"speed [{speed}]", "power": "power [W]"}
+        for k, (quantity, limit) in enumerate(limits.items()):
+            _over_time(axes[k], curves.line(quantity, column), titles[quantity], limit, SERIES[k])
+            axes[k].tick_params(labelbottom=k == 2)
+        axes[2].set_xlabel("time [s]", labelpad=1)
+        _envelope(axes[3], joint, curves.samples(column))
+        axes[3].set_title(f"{what} [{joint.unit}] against speed [{speed}]")
+
+    caption = printable(joint.name)
+    return Figure(caption, _joint_words(joint, what, speed), plot(_WIDE, 660, draw, f"joint {column}"))
+
+
+def base_figures(result: Result, history: History) -> list[Figure]:
+    """Forces and moments of the ground on the robot against time."""
+    found = []
+    for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
+        names = history.base.names[first : first + 3]
+
+        def draw(canvas: Canvas, first: int = first, unit: str = unit, names: Sequence[str] = names) -> None:
+            axes = canvas.subplots()
+            canvas.subplots_adjust(left=0.16, right=0.965, top=0.83, bottom=0.15)
+            for k, name in enumerate(names):
+                axes.plot(*history.base.line("load", first + k), label=name, color=SERIES[k])
+            _legend(axes, 3)
+            few_ticks(axes, up=6)
+            axes.set_title(f"[{unit}]")
+            axes.set_xlabel("time [s]")
+
+        peaks = [f"{part.name} {number(part.peak)} {unit}" for part in result.base_wrench if part.name in names]
+        alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
+        found.append(Figure(f"Base {title}: ground on robot", alt, plot(_WIDE, 280, draw, title)))
+    return found
+
+
+def energy_figure(result: Result, history: History) -> Figure:
+    """Work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
+    balance = result.checks.energy_balance
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.subplots()
+        canvas.subplots_adjust(left=0.16, right=0.965, top=0.83, bottom=0.15)
+        for k, (name, colour) in enumerate(zip(history.energy.names, SERIES, strict=False)):
+            look = {"linewidth": 3.0} if k == 0 else {"dashes": (3, 3), "linewidth": 1.6}
+            axes.plot(*history.energy.line("energy", k), label=name, color=colour, **look)
+        _legend(axes, 2)
+        few_ticks(axes, up=6)
+        axes.set_title("[J]")
+        axes.set_xlabel("time [s]")
+
+    fit = "agree" if balance.consistent else "disagree"
+    alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {number(balance.worst)} J"
+    return Figure("Energy check: work less losses, and energy stored", alt, plot(_WIDE, 280, draw, "energy"))
+
+
+def share_figure(joints: Sequence[JointLoad]) -> Figure:
+    """For every joint what each effect adds to its peak, in parts of the peak."""
+    names = list(dict.fromkeys(name for joint in joints for name, share in joint.shares.items() if share))
+    shown = [joint for joint in joints if joint.peak]
+    shares = np.array([[joint.shares.get(name, 0.0) / joint.peak for joint in shown] for name in names])
+    height = 26 * len(shown) + 24 * ((len(names) + 2) // 3) + 48
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.subplots()
+        top = 24 * ((len(names) + 2) // 3) + 8
+        canvas.subplots_adjust(left=0.3, right=0.965, top=1 - top / height, bottom=36 / height)
+        _bars(axes, shares, names)
+        axes.set_yticks(range(len(shown)), [_cut(joint.name) for joint in shown])
+        axes.invert_yaxis()
+        axes.set_xlabel("share of the peak [%]")
+        axes.grid(visible=False, axis="y")
+        canvas.legend(loc="upper left", ncols=3, fontsize=10, columnspacing=1.0, handlelength=1.0)
+
+    return Figure("What makes the peaks", _share_words(shown), plot(_WIDE, height, draw, "shares"))
+
+
+def _over_time(axes: Axes, line: tuple[Floats, Floats], title: str, limit: float | None, colour: str) -> None:
+    axes.plot(*line, color=colour, marker="o" if len(line[0]) == 1 else None)
+    axes.set_title(title)
+    axes.axhline(0.0, color=SOFT, linewidth=0.8, zorder=1)
+    few_ticks(axes)
+    if limit is None:
+        return
+    largest = float(np.abs(line[1]).max())
+    if largest < _NEAR * limit:
+        axes.set_title(f"limit {limit:g}, off this scale", loc="right", fontsize=10, color=SOFT)
+        return
+    axes.set_title(f"limit {limit:g}", loc="right", fontsize=10, color=BAD if largest > limit else SOFT)
+    for bound, reached in ((-limit, -line[1].min()), (limit, line[1].max())):
+        if reached >= _NEAR * limit:
+            axes.axhline(bound, color=BAD, linewidth=1.2, dashes=(5, 3))
+
+
+def _envelope(axes: Axes, joint: JointLoad, samples: dict[str, Floats]) -> None:
+    """Where the joint is in the plane of speed and torque; outside the dashed lines is beyond a limit."""
+    speed, torque = samples["speed"], samples["torque"]
+    over = np.zeros(len(speed), dtype=bool)
+    for limit, values in ((joint.velocity_limit, speed), (joint.effort_limit, torque)):
+        over |= np.abs(values) > (np.inf if limit is None else limit)
+    for where, colour in ((~over, SERIES[0]), (over, BAD)):
+        dots(axes, *_apart(speed[where], torque[where]), colour)
+    axes.margins(0.08)
+    few_ticks(axes)
+    fast, strong = joint.velocity_limit, joint.effort_limit
+    if strong is not None:
+        for bound in (-strong, strong):
+            axes.axhline(bound, color=BAD, linewidth=1.2, dashes=(5, 3))
+    if fast is not None:
+        for bound in (-fast, fast):
+            axes.axvline(bound, color=BAD, linewidth=1.2, dashes=(5, 3))
+    for line in (axes.axhline, axes.axvline):
+        line(0.0, color=SOFT, linewidth=0.8, zorder=1)
+
+
+def _apart(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """One of the points that fall on the same pixel."""
+    if not len(x):
+        return x, y
+    grid = [np.rint(300 * (each - each.min()) / (np.ptp(each) or 1.0)) for each in (x, y)]
+    _, first = np.unique(np.stack(grid), axis=1, return_index=True)
+    return x[first], y[first]
+
+
+def _bars(axes: Axes, shares: Floats, names: Sequence[str]) -> None:
+    """Stacked to the right what makes a peak, to the left what lessens it."""
+    from matplotlib.ticker import FuncFormatter
+
+    rows = np.arange(shares.shape[1])
+    right, left = np.zeros(len(rows)), np.zeros(len(rows))
+    for k, (name, share) in enumerate(zip(names, shares, strict=True)):
+        start = np.where(share >= 0.0, right, left)
+        axes.barh(rows, share, left=start, height=0.7, label=name, color=SERIES[k % len(SERIES)])
+        right, left = right + np.maximum(share, 0.0), left + np.minimum(share, 0.0)
+    axes.axvline(0.0, color=INK, linewidth=1.0)
+    axes.axvline(1.0, color=GRID, linewidth=1.0)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.0f}"))
+
+
+def _legend(axes: Axes, columns: int) -> None:
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=columns, columnspacing=1.0)
+
+
+def _cut(name: str) -> str:
+    shown = printable(name)
+    return shown if len(shown) <= 17 else f"{shown[:8]}...{shown[-7:]}"
+
+
+def _joint_words(joint: JointLoad, what: str, speed: str) -> str:
+    limits = [] if joint.effort_limit is None else [f"limit {joint.effort_limit:g} {joint.unit}"]
+    limits += [] if joint.velocity_limit is None else [f"limit {joint.velocity_limit:g} {speed}"]
+    return (
+        f"Joint {printable(joint.name)}: {what}, speed and power against time, and {what} against speed. "
+        f"Peak {what} {number(joint.peak)} {joint.unit} at {joint.peak_time:.6g} s, largest speed "
+        f"{number(joint.max_speed)} {speed}, power from {number(joint.least_power)} to {number(joint.peak_power)} W"
+        + (f"; {', '.join(limits)}" if limits else "")
+    )
+
+
+def _share_words(joints: Sequence[JointLoad]) -> str:
+    said = []
+    for joint in joints:
+        name, share = max(joint.shares.items(), key=lambda item: item[1] / joint.peak, default=("nothing", 0.0))
+        said.append(f"{printable(joint.name)} {name} {100 * share / joint.peak:.0f} %")
+    return f"Bars of what each effect adds to the peak of each joint; the largest: {', '.join(said)}"

@@ -1,0 +1,87 @@
+"""A report as GitHub-flavoured Markdown, for pull requests: words and tables, no pictures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from robodyn.report.document import (
+    Block,
+    Document,
+    Downloads,
+    Facts,
+    Figure,
+    Findings,
+    Gallery,
+    Heading,
+    Paragraph,
+    Table,
+    Verdict,
+)
+from robodyn.report.table import is_numeric, printable
+
+_SPECIAL = re.compile(r"([\\`*_{}\[\]<>#|~&@])")
+_SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"}  # noqa: RUF001
+
+
+def markdown(document: Document) -> str:
+    """The document. Whatever could be Markdown or HTML in its words is escaped."""
+    parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
+    parts += [part for part in map(_block, _worth(document.blocks)) if part]
+    if document.command:
+        parts += ["---", _code(document.command), escaped(", ".join(document.versions))]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def escaped(text: str) -> str:
+    """Words that Markdown shows as they are, on one line; a name after @ calls nobody."""
+    return _SPECIAL.sub(r"\\\1", printable(" ".join(text.split()))).replace(r"\@", "@\u200b")
+
+
+def _worth(blocks: Sequence[Block]) -> list[Block]:
+    """The blocks without pictures and downloads, and without headings that then stand alone."""
+    kept = [block for block in blocks if not isinstance(block, (Figure, Gallery, Downloads))]
+    after = [*kept[1:], Heading("")]
+    return [one for one, other in zip(kept, after, strict=True) if not (_head(one) and _head(other))]
+
+
+def _head(block: Block) -> bool:
+    return isinstance(block, Heading)
+
+
+def _block(block: Block) -> str:
+    """Its text; nothing of what cannot be words."""
+    if isinstance(block, (Heading, Paragraph)):
+        return ("## " if isinstance(block, Heading) else "") + escaped(block.text)
+    if isinstance(block, Verdict):
+        reasons = "".join(f"\n- {escaped(reason)}" for reason in block.reasons)
+        return f"**{_SIGNS[block.level]} {escaped(block.headline)}**" + (f"\n{reasons}" if reasons else "")
+    if isinstance(block, Facts):
+        return "\n".join(_fact(*item) for item in block.items)
+    if isinstance(block, Findings):
+        return "\n".join(_finding(*item) for item in block.items)
+    return _table(block) if isinstance(block, Table) else ""
+
+
+def _fact(what: str, figure: str, more: str) -> str:
+    return f"- {escaped(what)}: **{escaped(figure)}**" + (f", {escaped(more)}" if more else "")
+
+
+def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
+    rows = "".join(f"\n  {'    ' + printable(text) if code else escaped(text)}\n" for text, code in lines)
+    return f"- {_SIGNS[level]} **{escaped(title)}**\n{rows}"
+
+
+def _table(table: Table) -> str:
+    numeric = [is_numeric([row[k] for row in table.rows]) for k in range(len(table.head))]
+    rule = ["---:" if right else "---" for right in numeric]
+    rows = [[escaped(cell) for cell in row] for row in table.rows]
+    lines = [f"| {' | '.join(row)} |" for row in ([escaped(title) or " " for title in table.head], rule, *rows)]
+    note = f"\n\n{escaped(table.note)}" if table.note else ""
+    return f"**{escaped(table.caption)}**\n\n" + "\n".join(lines) + note
+
+
+def _code(text: str) -> str:
+    """A line of code, fenced by more backquotes than it has in a row."""
+    ticks = "`" * (1 + max([2, *map(len, re.findall("`+", text))]))
+    return f"{ticks}console\n$ {printable(text)}\n{ticks}"

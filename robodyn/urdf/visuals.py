@@ -1,0 +1,74 @@
+"""The visual shapes of a robot as triangles, for pictures: read by yourdfpy and trimesh."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.urdf.geometry import Paths, resolve
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Visuals:
+    """What a robot looks like.
+
+    Attributes:
+        triangles: (m, 3, 3) of each link that has some, in its frame [m].
+        missing: names of meshes without a file, or that cannot be read.
+    """
+
+    triangles: dict[str, Floats]
+    missing: tuple[str, ...]
+
+
+def visuals(file: str, package_paths: Paths = ()) -> Visuals:
+    """The visual shapes of a URDF file; nothing is fetched from a network.
+
+    Raises:
+        Exception: whatever yourdfpy and trimesh raise on what they cannot read.
+    """
+    import yourdfpy
+
+    folder, missing = Path(file).parent, list[str]()
+
+    def found(fname: str) -> str:
+        path = resolve(fname, folder, package_paths)
+        if path is None:
+            missing.append(fname)
+        return "" if path is None else str(path)
+
+    with _silent():
+        scene: Any = yourdfpy.URDF.load(file, filename_handler=found).scene
+        placed: dict[str, list[Floats]] = {}
+        for node in scene.graph.nodes_geometry:
+            matrix, name = scene.graph.get(node)
+            geometry = scene.geometry[name]
+            if getattr(geometry, "faces", None) is not None and len(geometry.faces):
+                link = scene.graph.transforms.parents[node]
+                local = np.linalg.inv(scene.graph.get(link)[0]) @ matrix
+                corners = np.asarray(geometry.vertices, dtype=np.float64) @ local[:3, :3].T + local[:3, 3]
+                placed.setdefault(link, []).append(corners[np.asarray(geometry.faces)])
+    return Visuals({link: np.concatenate(parts) for link, parts in placed.items()}, tuple(dict.fromkeys(missing)))
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Without what the two libraries log."""
+    loggers = [logging.getLogger(name) for name in ("yourdfpy", "yourdfpy.urdf", "trimesh")]
+    before = [each.disabled for each in loggers]
+    for each in loggers:
+        each.disabled = True
+    try:
+        yield
+    finally:
+        for each, was in zip(loggers, before, strict=True):
+            each.disabled = was
