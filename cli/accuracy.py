@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import click
 
 from robodyn.cli.accuracy_input import accuracy_of
 from robodyn.cli.files import check_names
-from robodyn.cli.options import FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.options import FORMAT, GRAVITY, PATH, POSITIVE, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.cli.whole_file import write_whole
 from robodyn.report.json_accuracy import accuracy_json
@@ -18,8 +16,8 @@ from robodyn.report.text_accuracy import accuracy_text
 
 @click.command("accuracy", short_help="What each further digit costs in time.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
-@click.option("--target", type=float, metavar="ERROR", help="Name the quickest method within this relative error.")
-@click.option("--duration", type=float, metavar="S", help="s, of a simulated motion; default 2.")
+@click.option("--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error.")
+@click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2.")
 @click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
 @SCENE
 @GRAVITY
@@ -42,9 +40,6 @@ def command(
       robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
-    if target is not None and not (math.isfinite(target) and target > 0):
-        ctx = click.get_current_context()
-        raise click.BadParameter(f"{target:g} is no positive finite error", ctx, param_hint="'--target'")
     check_names([*files, scene_file], plot)
     picture = form_of(plot) if plot else ""
     found = accuracy_of(files, scene_file, gravity, duration)

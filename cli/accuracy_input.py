@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import click
@@ -28,8 +27,6 @@ def accuracy_of(
     moved = robot and files[1].lower().endswith(".toml")
     if duration is not None and not moved:
         raise click.UsageError("--duration is for a URDF and a scene, which make a motion", ctx)
-    if duration is not None and not (math.isfinite(duration) and duration > 0):
-        raise click.BadParameter(f"{duration:g} is no positive time", ctx, param_hint="'--duration'")
     if not robot:
         return _of_mesh(files[0])
     if not moved:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, SCENE
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
 from robodyn.report.json_simulation import simulation_json
@@ -23,6 +23,7 @@ from robodyn.trajectory.write import open_writer
 @click.option("--step", type=float, metavar="S", help="s, of a method with a fixed step; default 0.001.")
 @click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
 @click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
+@click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")
 @click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
 @click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
@@ -35,6 +36,7 @@ def command(
     step: float | None,
     rtol: float | None,
     method: str | None,
+    accuracy: float | None,
     out: str | None,
     explain: bool,
     executor: str,
@@ -49,7 +51,14 @@ def command(
     """
     check_names([urdf, scene_file, table], out)
     model, scene = robot_in_scene(urdf, scene_file, None)
-    result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
+    if accuracy is None:
+        result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
+    else:
+        from robodyn.accuracy.simulate_within import simulate_within
+
+        if step or rtol or method:
+            raise click.UsageError("--accuracy chooses method, step and tolerance", click.get_current_context())
+        result = simulate_within(model, scene, duration, accuracy, table=table, executor=executor)
     written = ""
     if out is not None:
         with open_writer(out, result.names) as writer:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.model import Model
+from robodyn.simulation.result import Simulation
 
 Floats = NDArray[np.float64]
 _ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
@@ -39,6 +41,16 @@ class MotionError:
         """(N,) the largest relative difference at each time; nan where a number is not finite."""
         off: Floats = (np.abs(found - expected) / self.scale).max(axis=1)
         return off
+
+
+def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
+    """States (N, nq + n) at any times of a motion, by polynomials of degree 7 between those recorded."""
+    from scipy.interpolate import make_interp_spline
+
+    degree = min(7, len(motion.time) - 1)
+    degree -= 1 - degree % 2
+    spline = make_interp_spline(motion.time, np.hstack((motion.q, motion.qd)), k=degree)
+    return lambda times: np.asarray(spline(times), dtype=float)
 
 
 def _kinds(model: Model) -> NDArray[np.int64]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.accuracy.motion_error import MotionError
+from robodyn.accuracy.motion_error import MotionError, between_records
 from robodyn.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
 from robodyn.errors import InputError
 from robodyn.plan import Plan
@@ -127,7 +127,7 @@ def _in_doubles(plan: Plan, duration: float) -> Reference:
     """By the two that agree best of three methods in doubles."""
     fine = _first(plan, duration, [("gauss6", {"step": duration / 2**k}) for k in (16, 14, 18)])
     other = _first(plan, duration, [("dop853", {"rtol": 1e-13}), ("radau", {"rtol": 1e-11})])
-    at = _between(fine)
+    at = between_records(fine)
     some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
     found = np.hstack((other.q, other.qd))[some]
     measure = MotionError.over(plan.model, found)
@@ -145,11 +145,3 @@ def _first(plan: Plan, duration: float, ways: list[tuple[str, dict[str, Any]]]) 
             problem = error
     assert problem is not None
     raise InputError(f"no reference: {problem.what}", remedy="give a shorter --duration, or a softer friction or drive")
-
-
-def _between(motion: Simulation) -> Callable[[Floats], Floats]:
-    """The motion at any times, by cubic polynomials between those recorded (quaternions and rates alike)."""
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(motion.time, np.hstack((motion.q, motion.qd)))
-    return lambda times: np.asarray(spline(times), dtype=float)

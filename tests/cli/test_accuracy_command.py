@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 from command_line import ROBOTS, run
 from hurried import hurry
+
+from robodyn.simulation.methods import METHODS
 
 BRACKET = str(ROBOTS / "meshes" / "bracket.stl")
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
@@ -63,8 +66,8 @@ def test_a_target_beyond_reach() -> None:
         ((SCARA[0],), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
         ((BRACKET, *SCARA), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
         ((BRACKET, "--gravity", "0,0,1"), "--scene and --gravity are for robots, not for a mesh"),
-        ((BRACKET, "--target", "-1"), "invalid value for '--target': -1 is no positive finite error"),
-        ((BRACKET, "--target", "nan"), "invalid value for '--target': nan is no positive finite error"),
+        ((BRACKET, "--target", "-1"), "invalid value for '--target': -1 is no positive finite number"),
+        ((BRACKET, "--target", "nan"), "invalid value for '--target': nan is no positive finite number"),
         (("no.stl",), "no.stl: there is no such file"),
         ((SCARA[0], "no.csv"), "no.csv: cannot be read"),
         ((str(ROBOTS / "meshes" / "worn_pad.stl"), "--format", "xml"), "invalid value for '--format'"),
@@ -85,3 +88,57 @@ def test_robot_as_json() -> None:
     assert list(found["effects"][0]) == ["name", "torque", "unit", "joint", "saved"]
     assert found["prices"][0]["name"] == "tracing the recursion"
     assert found["target"] is None
+
+
+PLANAR = (str(ROBOTS / "two_link_planar.urdf"), str(ROBOTS / "two_link_planar_swing_down.toml"))
+
+
+def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("mpmath")
+    monkeypatch.setattr("robodyn.accuracy.simulation_ladder.STEPS", (4e-3,))
+    monkeypatch.setattr("robodyn.accuracy.simulation_ladder.TOLERANCES", (1e-4,))
+    few = tuple(method for method in METHODS if method.name in ("rk4", "verlet", "dop853"))
+    monkeypatch.setattr("robodyn.accuracy.simulation_ladder.METHODS", few)
+    plot = tmp_path / "front.svg"
+    outcome = run("accuracy", *PLANAR, "--duration", "0.05", "--plot", str(plot), "--target", "1e-5")
+    assert (outcome.status, outcome.err) == (0, "")
+    assert "two_link_planar, 0.05 s: simulation, errors against power series of orders 16 and 24" in outcome.out
+    assert outcome.out.endswith(f"\nwritten: {plot}\n")
+    picture = plot.read_text()
+    assert all(f">{text}<" in picture for text in ("rk4", "dop853", "front", "target 1e-05", "largest error"))
+    assert [path.name for path in tmp_path.iterdir()] == ["front.svg"]
+    assert run("accuracy", *PLANAR, "--duration", "0.05", "--plot", str(tmp_path / "a.png")).status == 0
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    (ladder,) = json.loads(run("accuracy", *PLANAR, "--duration", "0.05", "--format", "json").out)["ladders"]
+    assert list(ladder["methods"][0]["errors"]) == ["end", "way"]
+    assert {"evaluations", "drift"} <= ladder["methods"][0].keys()
+
+
+@pytest.mark.parametrize(
+    ("call", "line"),
+    [
+        ((*PLANAR, "--scene", PLANAR[1]), "the scene is given twice"),
+        ((*PLANAR, "--duration", "0"), "invalid value for '--duration': 0 is no positive finite number"),
+        ((*SCARA, "--duration", "1"), "--duration is for a URDF and a scene"),
+        ((BRACKET, "--plot", "front.bmp"), "front.bmp: unknown type of picture by this suffix"),
+        ((BRACKET, "--plot", BRACKET), f"{BRACKET}: the output would overwrite an input"),
+    ],
+)
+def test_wrong_calls_of_simulations_and_plots(call: tuple[str, ...], line: str) -> None:
+    outcome = run("accuracy", *call)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
+def test_a_simulation_as_accurate_as_asked() -> None:
+    call = ("simulate", PLANAR[0], "--scene", PLANAR[1], "--duration", "0.1", "--accuracy", "1e-7")
+    outcome = run(*call)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert "\nnote: accuracy: 1e-07 asked, " in outcome.out
+    found = json.loads(run(*call, "--format", "json").out)["accuracy"]
+    assert found["target"] == 1e-7 >= found["expected"]
+    refused = run(*call[:-1], "1e-18")
+    assert (refused.status, refused.out) == (2, "")
+    assert refused.err.startswith("error: an accuracy of 1e-18 cannot be promised: ")
+    both = run(*call, "--method", "rk4")
+    assert both.err.startswith("error: --accuracy chooses method, step and tolerance")
