@@ -30,13 +30,13 @@ def closed_latex(closed: Closed) -> str:
         entries |= {_part(effect, str(i + 1)): entry for i, entry in enumerate(share)}
     bias = " + ".join(_part(effect, "") for effect in closed.bias)
     coordinates = ", ".join(
-        f"$q_{{{i + 1}}}$ ({_escaped(name)}, {'m' if kind == 'prismatic' else 'rad'})"
+        f"$q_{{{i + 1}}}$ ({escaped(name)}, {'m' if kind == 'prismatic' else 'rad'})"
         for i, (name, kind) in enumerate(zip(closed.joints, closed.kinds, strict=True))
     )
     return (
         f"% {' '.join(checked(closed).split())}\n"
         "% Needs \\usepackage{amsmath}.\n"
-        f"The equations of motion of {_escaped(closed.robot)} are\n"
+        f"The equations of motion of {escaped(closed.robot)} are\n"
         f"\\[ M(q)\\,\\ddot{{q}}{' + ' * bool(bias)}{bias} = \\tau \\]\n"
         f"with the coordinates {coordinates}, gravity $({x:g}, {y:g}, {z:g})$\\,m/s$^2$, SI units, coefficients to\n"
         f"{DIGITS} digits, $c_{{i}} = \\cos q_{{i}}$, $s_{{i}} = \\sin q_{{i}}$, "
@@ -115,6 +115,7 @@ def _printer(n: int) -> Any:
     return Printer({"symbol_names": names})
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
+    """The text as LaTeX prints it."""
     printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
     return "".join(ESCAPES.get(character, character) for character in printable)

@@ -91,14 +91,18 @@ def test_standard_input():
 
 
 CALLS = {
-    "--format latex": "--format latex is for --form closed (try: robodyn equations --help)",
+    "--format latex": "--format latex is for --form closed or dae (try: robodyn equations --help)",
     "--form closed --format c": "--format c is for --form ode (try",
-    "--form closed --at 1,2,3": "--at is for numbers: --form ode as text or json (try",
-    "--format c --qd waist=1": "--qd is for numbers: --form ode as text or json (try",
+    "--form closed --at 1,2,3": "--at is for numbers: --form ode or dae as text or json (try",
+    "--format c --qd waist=1": "--qd is for numbers: --form ode or dae as text or json (try",
+    "--form dae --format latex --tau 1,2,3": "--tau is for numbers: --form ode or dae as text or json (try",
+    "--form dae --format c": "--format c is for --form ode (try",
+    "--tau 1,2,3": "--tau is for --form dae (try",
+    "--form dae --tau elbw=1": "{}: no joint 'elbw' to set (did you mean 'elbow'?)",
     "--at 1,2": "{}: 2 values for 3 coordinates (in the order: 'waist', 'shoulder', 'elbow')",
     "--at elbw=1": "{}: no joint 'elbw' to set (did you mean 'elbow'?)",
     "--at 1;2": "invalid value for '--at': '1;2' is neither numbers",
-    "--form dae": "invalid value for '--form': 'dae' is not one of 'ode', 'closed'",
+    "--form lagrange": "invalid value for '--form': 'lagrange' is not one of 'ode', 'dae', 'closed'",
 }
 
 

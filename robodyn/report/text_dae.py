@@ -1,0 +1,180 @@
+"""The DAE form as text for a person: what is unknown, what holds, the numbers, and how the reactions go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robodyn.maximal.connections import Connection
+from robodyn.maximal.counts import Counts
+from robodyn.maximal.dae import Dae
+from robodyn.report.letters_dae import acting
+from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.text_dae_numbers import MOST, both_text, cut, elimination_text, numbers_text
+
+ALONG = """\
+  force along n     n . (x - y) = 0
+    differentiated  n . u = 0,  u = v + w x r - v_p - w_p x s
+    and again       n . (dv/dt + wd x r - dv_p/dt - wd_p x s) = n . (w_p x (w_p x s) + 2 w_p x u - w x (w x r))
+"""
+ACROSS = """\
+  moment about a x b  a . b = 0,  a fixed in the body, b in its parent
+    differentiated    (a x b) . (w - w_p) = 0
+    and again         (a x b) . (wd - wd_p) = -((w x a) x b + a x (w_p x b)) . (w - w_p)
+"""
+MIMIC = """\
+  mimic joint  q_i - k q_j - q_0 = 0, and so on for its velocities and accelerations
+"""
+WORDS = {
+    "fixed": "x = y; does not turn",
+    "revolute": "x = y; axis keeps its direction",
+    "prismatic": "x stays on the axis; does not turn",
+    "floating": "none",
+    "point": "x = y",
+    "hinge": "x = y; axis keeps its direction",
+    "weld": "x = y; does not turn",
+    "directions": "x level with y along n",
+    "mimic": "q_i - k q_j - q_0 = 0",
+}
+
+
+def dae_text(found: Dae, page: Page = PLAIN) -> str:
+    """The report; long tables are cut after `MOST` rows, and say so."""
+    robot, counts = found.robot, found.counts
+    x, y, z = robot.scene.gravity
+    several = f"{counts.bodies} bod{'y' if counts.bodies == 1 else 'ies'}"
+    head = f"{printable(robot.model.name)}: DAE form, {several}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+    parts = [
+        f"{head}M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma\n",
+        f"Unknowns and equations\n{page.table(_unknowns(counts))}{_ranks(counts)}",
+        _bodies(found, page),
+        _connections(found, page),
+        _levels(found),
+        numbers_text(found, page),
+        elimination_text(found),
+        both_text(found),
+        "".join(f"warning: {printable(line)}\n" for line in found.warnings),
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def _unknowns(counts: Counts) -> Content:
+    six, m = 6 * counts.bodies, counts.reactions
+    rows = [
+        ("differential", "positions R, c", str(six), "their rates are the velocities", str(six)),
+        ("", "velocities w, v", str(six), "Newton's and Euler's laws", str(six)),
+        ("algebraic", "reactions lambda", str(m), "constraints", str(m)),
+        ("together", "", str(counts.unknowns), "", str(counts.unknowns)),
+    ]
+    return ("", "unknowns", "", "equations", ""), rows
+
+
+def _ranks(counts: Counts) -> str:
+    six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
+    lines = [f"rank of G: {rank} of {m}, {_redundant(counts)}"]
+    lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
+    if counts.index is None:
+        lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
+    elif not m:
+        lines.append("index: 0, there are no reactions")
+    else:
+        p, v, a = counts.index
+        ranks = ", ".join(map(str, counts.coefficients))
+        lines.append(f"index: {p}; {v} with constraints differentiated once, {a} twice")
+        lines.append(f"  coefficients of (a, lambda) then have rank {ranks} of {counts.size}")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _redundant(counts: Counts) -> str:
+    if not counts.redundant:
+        return "no constraint is redundant"
+    names: dict[str, list[str]] = {}
+    for connection, reaction in counts.redundant:
+        names.setdefault(connection, []).append(reaction)
+    listed = "; ".join(f"{printable(name)} {' '.join(parts)}" for name, parts in list(names.items())[:MOST])
+    return (
+        f"{len(counts.redundant)} redundant ({listed}{'; ...' * (len(names) > MOST)})\n"
+        f"  rigid bodies leave {len(counts.undetermined)} reactions open; those of redundant equations count as 0"
+    )
+
+
+def _bodies(found: Dae, page: Page) -> str:
+    model, system = found.robot.model, found.robot.system
+    pushed = {i for i, _ in found.robot.terms.wrenches}
+    rows = []
+    for i, (body, inertia) in enumerate(zip(model.bodies, system.inertias, strict=True)):
+        forces, moments = law_of(found, i)
+        outside = ["E"] if i in pushed else []
+        weight = [f"m{i} g"] if inertia.m and any(found.robot.scene.gravity) else []
+        newton, euler = _sum(weight + forces + outside), _sum(moments + outside)
+        rows.append((f"{i} {body.name}", f"{number(float(inertia.m))} kg", newton, euler))
+    head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
+    return (
+        "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c\n"
+        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'bodies')}"
+        "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c\n"
+    )
+
+
+def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
+    """The terms of forces and of moments on body i that its joints, the joints that it carries, and loops make."""
+    forces, moments = [], []
+    for sign, name in acting(found, i):
+        forces.append(f"{sign}F{name}")
+        moments += [f"{sign}M{name}", f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
+    return forces, moments
+
+
+def _sum(terms: Sequence[str]) -> str:
+    return " + ".join(terms).replace("+ -", "- ") or "0"
+
+
+def _connections(found: Dae, page: Page) -> str:
+    model, system = found.robot.model, found.robot.system
+    names = [body.name for body in model.bodies] + ["ground"]
+    numbered = [(str(i), joint) for i, joint in enumerate(system.joints)]
+    numbered += [("", mimic) for mimic in system.mimics]
+    numbered += [(f"L{k}", loop) for k, loop in enumerate(system.loops, 1)]
+    rows = []
+    for label, connection in numbered:
+        f = len(connection.free) if label.isdigit() else 6 - len(connection.equations)
+        rows.append(
+            (
+                f"{label} {connection.name}".strip(),
+                f"{names[connection.other]} - {names[connection.body]}",
+                connection.kind,
+                _axis(found, connection, label),
+                str(f) if label else "-",
+                str(len(connection.equations)),
+                WORDS[connection.kind],
+                " ".join(connection.reactions) or "-",
+            )
+        )
+    head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
+    order = sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())
+    rows = [rows[k] for k in order] if len(rows) > MOST and system.loops else rows
+    return (
+        f"Joints: a constraint equation and a reaction for each direction in which it holds\n"
+        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'joints')}"
+    )
+
+
+def _axis(found: Dae, connection: Connection, label: str) -> str:
+    if not label.isdigit() or connection.kind not in ("revolute", "prismatic"):
+        return "-"
+    axis = found.robot.model.bodies[int(label)].joint.axis
+    for k, name in enumerate("xyz"):
+        if abs(axis[k]) == 1.0:
+            return name if axis[k] > 0 else f"-{name}"
+    return "a = ({})".format(", ".join(f"{x:.4g}" for x in axis))
+
+
+def _levels(found: Dae) -> str:
+    equations = found.robot.system.equations
+    kinds = {type(equation).__name__ for equation in equations}
+    text = (
+        (ALONG if "Along" in kinds else "") + (ACROSS if "Across" in kinds else "") + (MIMIC if "Sum" in kinds else "")
+    )
+    if not text:
+        return ""
+    where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
+    return f"Constraints: {where}\n{text}"

@@ -1,0 +1,125 @@
+"""The numbers of the DAE form at a state: accelerations, reactions, the elimination, both forms side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.maximal.dae import Dae
+from robodyn.maximal.equations import Across
+from robodyn.report.table import Content, Page, number
+
+MOST = 16
+"""Rows of a table."""
+
+
+def cut(rows: int, what: str) -> str:
+    """What is said below a table that has been cut."""
+    return f"... and {rows - MOST} more {what}; --format json has them all\n" if rows > MOST else ""
+
+
+def error(x: float) -> str:
+    """A relative difference."""
+    return f"{x:.0e}" if x else "0"
+
+
+def numbers_text(found: Dae, page: Page) -> str:
+    """The tables of numbers, one below the other."""
+    parts = [f"State\n{page.table(_state(found))}{cut(found.robot.model.n, 'coordinates')}{_consistent(found)}"]
+    if found.solution is not None:
+        bodies = len(found.robot.model.bodies)
+        joints = sum(bool(connection.equations) for connection in found.robot.system.connections)
+        parts.append(
+            "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's\n"
+            f"{page.table(_accelerations(found))}{cut(bodies, 'bodies')}"
+        )
+        if found.counts.reactions:
+            parts.append(
+                "Reactions lambda on the body that a joint carries, along axes fixed in its parent\n"
+                f"{page.table(_reactions(found))}{cut(joints, 'joints')}"
+            )
+    return "\n".join(parts)
+
+
+def _state(found: Dae) -> Content:
+    model = found.robot.model
+    at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
+    head = ("coordinate", "q", "qd", "tau", *(["qdd"] if found.qdd is not None else []))
+    rows = []
+    for k, name in enumerate(model.rates):
+        values = [found.qd[k], found.tau[k], *([found.qdd[k]] if found.qdd is not None else [])]
+        scales = [0.0, 0.0, *([float(np.abs(found.qdd).max())] if found.qdd is not None else [])]
+        cells = [number(float(x), scale) if x else "0" for x, scale in zip(values, scales, strict=True)]
+        rows.append((name, f"{at[name]:.6g}" if name in at else "-", *cells))
+    return head, rows[:MOST]
+
+
+def _consistent(found: Dae) -> str:
+    off, rate = found.residuals
+    if not len(off):
+        return ""
+    turns = np.array([isinstance(equation, Across) for equation in found.robot.system.equations])
+    points = float(np.abs(off[~turns]).max(initial=0.0))
+    angles = float(np.abs(off[turns]).max(initial=0.0))
+    return (
+        f"consistent: g = 0 within {error(points)} m and {error(angles)} rad, "
+        f"G v = 0 within {error(float(np.abs(rate).max()))} per s\n"
+    )
+
+
+def _accelerations(found: Dae) -> Content:
+    assert found.solution is not None
+    each = found.solution.a.reshape(-1, 6)
+    scales = [float(np.abs(each[:, :3]).max())] * 3 + [float(np.abs(each[:, 3:]).max())] * 3
+    rows = [
+        (f"{i} {body.name}", *(number(x, scale) for x, scale in zip(row, scales, strict=True)))
+        for i, (body, row) in enumerate(zip(found.robot.model.bodies, each.tolist(), strict=True))
+    ]
+    return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows[:MOST]
+
+
+def _reactions(found: Dae) -> Content:
+    assert found.solution is not None
+    values = iter(found.solution.reactions.tolist())
+    own = [
+        (connection, {name: next(values) for name in connection.reactions})
+        for connection in found.robot.system.connections
+    ]
+    names = sorted({name for _, part in own for name in part}, key=_place)
+    scales = {
+        kind: max((abs(x) for _, part in own for name, x in part.items() if name[0] == kind), default=0.0)
+        for kind in "FM"
+    }
+    rows = [
+        (connection.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
+        for connection, part in own
+        if part
+    ]
+    return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows[:MOST]
+
+
+def _place(name: str) -> tuple[str, int]:
+    """Forces before moments; x, y, z, then the directions of oblique joints."""
+    return name[0], "xyz12a3".find(name[1:])
+
+
+def elimination_text(found: Dae) -> str:
+    """Every step with its identity and its residual."""
+    n = found.robot.model.n
+    lines = [f"Elimination of the reactions, to the ODE form with {n} velocities qd\n"]
+    for k, step in enumerate(found.steps, 1):
+        lines.append(f"{k}  {step.title}\n   {step.formula}\n   {step.checks}: within {error(step.error)}\n")
+    lines.append("errors are parts of the sum of magnitudes that add up to the largest number\n")
+    return "".join(lines)
+
+
+def both_text(found: Dae) -> str:
+    """How far the DAE and the ODE form are apart."""
+    both = found.comparison
+    if both is None:
+        return "nothing resists some motion: the accelerations and reactions are not defined\n"
+    loops = bool(found.robot.scene.loops)
+    other = "the ODE form in the coordinates that the loops leave" if loops else "the ODE form's recursions"
+    return (
+        f"Both forms: against {other} accelerations qdd differ by {error(both.accelerations)} of the largest,\n"
+        f"forces at joints by {error(both.forces)} and moments by {error(both.moments)}\n"
+    )

@@ -1,0 +1,168 @@
+"""`robodyn equations --form dae`: what a person reads, the JSON document, and LaTeX."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+from command_line import ROBOTS, run
+from example_robots import path_of
+from oracles import EPS, worst
+from small_robots import joint, link, urdf
+
+import robodyn
+from robodyn.free_body.bodies import free_bodies
+
+SCARA, GRIPPER, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "gripper", "rigid_body"))
+STATE = ("--at", "0.3,-0.5,0.05", "--qd", "elbow=2", "--tau", "1,2,-14.7")
+
+
+def shown(*call):
+    outcome = run("equations", *call, "--form", "dae")
+    assert (outcome.status, outcome.err) == (0, "")
+    return outcome.out
+
+
+def document(*call):
+    return json.loads(shown(*call, "--format", "json"))
+
+
+def test_text():
+    text = shown(SCARA, *STATE)
+    titles = [part.splitlines()[0] for part in text.rstrip("\n").split("\n\n")]
+    assert titles == [
+        "scara: DAE form, 4 bodies, gravity (0, 0, -9.81) m/s^2",
+        "Unknowns and equations",
+        "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c",
+        "Joints: a constraint equation and a reaction for each direction in which it holds",
+        "Constraints: x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p",
+        "State",
+        "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's",
+        "Reactions lambda on the body that a joint carries, along axes fixed in its parent",
+        "Elimination of the reactions, to the ODE form with 3 velocities qd",
+        titles[-1],
+    ]
+    assert re.fullmatch(
+        r"Both forms: against the ODE form's recursions .* differ by \de-1[67] of the largest,", titles[-1]
+    )
+    for line in (
+        "algebraic     reactions lambda  21  constraints                     21",
+        "together                        69                                  69",
+        "rank of G: 21 of 21, no constraint is redundant",
+        "degrees of freedom: 6 x 4 - 21 = 3",
+        "index: 3; 2 with constraints differentiated once, 1 twice",
+        "  coefficients of (a, lambda) then have rank 24, 24, 45 of 45",
+    ):
+        assert line in text.splitlines()
+    assert re.search(r"^2 outer_arm +4\.000 kg +m2 g \+ F2 - F3 +M2 \+ r2 x F2 - M3 - s3 x F3$", text, re.MULTILINE)
+    assert re.search(r"^3 quill +outer_arm - spindle +prismatic +-z +1 +5 .* Fx Fy Mx My Mz$", text, re.MULTILINE)
+    assert re.search(r"^elbow +-0\.5 +2\.000 +2\.000 +19\.43$", text, re.MULTILINE)
+
+
+def test_what_is_printed_of_reactions_is_what_fbd_prints():
+    """Along the axes that a hinge about z leaves: Fz and the moments across it, turned by the joint's angle."""
+    found = document(SCARA, *STATE)
+    free = free_bodies(robodyn.load(SCARA), found["q"], found["qd"], found["qdd"])
+    for body, row in zip(found["bodies"], free.joints, strict=True):
+        drive = np.zeros(3) if row.drive is None else row.drive * np.array(row.axis)
+        force, moment = (row.force + drive, row.moment) if row.kind == "prismatic" else (row.force, row.moment + drive)
+        assert worst(body["joint_wrench"]["force"], force, 100.0) <= 16 * EPS
+        assert worst(body["joint_wrench"]["moment"], moment, 100.0) <= 16 * EPS
+
+
+def test_json():
+    found = document(SCARA, *STATE)
+    assert list(found) == [
+        *("robot", "form", "gravity", "coordinates", "rates", "q", "qd", "tau", "counts", "bodies", "connections"),
+        *("residual", "qdd", "elimination", "comparison", "warnings"),
+    ]
+    assert found["counts"] == {
+        "bodies": 4,
+        "positions": 24,
+        "velocities": 24,
+        "reactions": 21,
+        "equations": 69,
+        "rank": 21,
+        "degrees_of_freedom": 3,
+        "redundant": [],
+        "undetermined": [],
+        "coefficient_ranks": [24, 24, 45],
+        "coefficient_size": 45,
+        "index": {"positions": 3, "velocities": 2, "accelerations": 1},
+    }
+    model = robodyn.load(SCARA)
+    assert worst(found["qdd"], robodyn.forward_dynamics(model, found["q"], found["qd"], found["tau"])) <= 1e-14
+    assert [len(c["equations"]) for c in found["connections"]] == [6, 5, 5, 5]
+    assert list(found["elimination"]) == ["steps", "J", "Jdot_qd", "M", "tau_less_bias", "loops"]
+
+
+@pytest.mark.parametrize("call", [(SCARA, *STATE), (GRIPPER, "--qd", "wrist=1", "--tau", "jaw=2"), (FREE,)])
+def test_the_document_holds_the_whole_system(call):
+    """M, G, f and gamma put together from the document alone are solved by its accelerations and reactions."""
+    found = document(*call)
+    bodies, connections = found["bodies"], found["connections"]
+    n = 6 * len(bodies)
+    M, f = np.zeros((n, n)), np.array([x for body in bodies for x in body["f"]])
+    for i, body in enumerate(bodies):
+        M[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = body["inertia"]
+        M[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] = body["mass"] * np.eye(3)
+
+    def row(equation):
+        out = np.zeros(n)
+        for part in equation["rows"]:
+            out[6 * part["body"] : 6 * part["body"] + 6] = part["row"]
+        return out
+
+    for rotor in (own for c in connections for own in c["coordinates"]):
+        M += rotor["rotor"] * np.outer(row(rotor), row(rotor))
+    held = [equation for c in connections for equation in c["equations"]]
+    G, a = np.array([row(e) for e in held]).reshape(-1, n), np.array([[*b["wd"], *b["vd"]] for b in bodies]).ravel()
+    reactions, gamma = np.array([e["lambda"] for e in held]), np.array([e["gamma"] for e in held])
+    size = np.abs(f).max()
+    assert np.abs(M @ a - f - G.T @ reactions).max() <= 1e-14 * size
+    assert np.abs(G @ a - gamma).max(initial=0.0) <= 1e-14 * max(np.abs(a).max(), 1.0)
+
+
+def test_latex():
+    text = shown(SCARA, "--format", "latex")
+    assert "m_{2} \\dot{v}_{2} &= m_{2} g + F_{2} - F_{3} & I_{2} \\dot{\\omega}_{2}" in text
+    assert "\\text{quill, prismatic} && n_1 \\cdot (x_{3} - y_{3}) = n_2 \\cdot (x_{3} - y_{3}) = 0" in text
+    assert "for 69 equations;\nthe 21 constraints leave $24 - 21 = 3$ degrees of freedom." in text
+    assert text.count("\\begin{") == text.count("\\end{")
+    depth = 0
+    for character in re.sub(r"\\[{}]", "", text):
+        depth += {"{": 1, "}": -1}.get(character, 0)
+        assert depth >= 0
+    assert depth == 0
+
+
+def test_a_free_body_needs_no_constraints():
+    text, latex = shown(FREE), shown(FREE, "--format", "latex")
+    assert "index: 0, there are no reactions" in text
+    assert re.search(r"^0 plate +12\.00 kg +m0 g +0$", text, re.MULTILINE)
+    assert "Constraints" not in text + latex
+
+
+def test_mimic_joints_have_an_equation():
+    text = shown(GRIPPER)
+    assert re.search(r"^pinion follows jaw +palm - pinion +mimic .* q_i - k q_j - q_0 = 0 +M$", text, re.MULTILINE)
+    assert "degrees of freedom: 6 x 6 - 33 = 3" in text
+
+
+def test_long_robots_are_cut():
+    text = shown(str(path_of("talos_full_v2")))
+    assert len(text.splitlines()) < 180
+    assert "... and 29 more bodies; --format json has them all" in text
+    assert len(re.findall(r"^\.\.\. and \d+ more joints; --format json has them all$", text, re.MULTILINE)) == 2
+
+
+def test_a_robot_that_nothing_holds_back(tmp_path):
+    robot = tmp_path / "r.urdf"
+    robot.write_bytes(urdf(link("a", 1.0), link("b"), joint("j", "a", "b", "continuous")))
+    text = shown(str(robot))
+    assert "index: not defined, as accelerations and reactions do not follow from the equations" in text
+    assert "nothing resists some motion: the accelerations and reactions are not defined" in text
+    found = document(str(robot))
+    assert (found["qdd"], found["comparison"], found["counts"]["index"]) == (None, None, None)

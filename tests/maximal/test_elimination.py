@@ -1,0 +1,110 @@
+"""The elimination step by step: its identities, that they can fail, and closed chains in their own coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from busy_robot import BUSY_SCENE, busy_robot
+from oracles import robot, worst
+from single_bodies import HINGE, NEAR, four_bar, taken_apart
+from small_robots import random_tree
+
+import robodyn
+from robodyn.maximal import elimination
+from robodyn.maximal.dae import closed_state, dae_at
+from robodyn.maximal.elimination import independent_accelerations
+from robodyn.maximal.posed import own_rates
+from robodyn.scene import Rotor, Scene
+
+STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
+FORMULAS = [
+    "v = J(q) qd",
+    "a = J qdd + Jdot qd",
+    "J^T M (J qdd + Jdot qd) = J^T f + J^T G^T lambda",
+    "J^T M J = M(q)",
+    "J^T (f - M Jdot qd) = tau - bias(q, qd)",
+    "M(q) qdd = tau - bias(q, qd)",
+    "G^T lambda = M a - f",
+]
+
+
+CASES = {
+    "puma560 with motors": (lambda: robot("puma560"), Scene(rotor={"elbow": Rotor(1e-4, 100.0)})),
+    "tree": (lambda: random_tree(0, 10), Scene()),
+    "free tree": (lambda: random_tree(1, 10, moving_base=True), Scene(moving_base=True)),
+    "every effect": (busy_robot, STILL_BUSY),
+    "every effect, free": (lambda: busy_robot(True), replace(STILL_BUSY, moving_base=True)),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_step_holds(case):
+    make, scene = CASES[case]
+    found = taken_apart(make(), 3, scene)
+    assert [step.formula for step in found.steps] == FORMULAS
+    assert max(step.error for step in found.steps) <= 4e-15
+    assert min(step.scale for step in found.steps) > 1e-3
+
+
+def test_speeds_are_those_of_the_joints():
+    found = taken_apart(random_tree(2, 8))
+    system, matrices = found.robot.system, found.robot.matrices
+    for k, column in enumerate(found.reduced.J.T):
+        assert worst(own_rates(found.robot.model, system, list(matrices.S @ column)), np.eye(8)[k][: len(found.q)]) <= (
+            1e-14
+        )
+
+
+@pytest.mark.parametrize(("what", "first"), [("velocity_transformation", 0), ("accelerations_at_rest", 1)])
+def test_a_wrong_transformation_would_show(monkeypatch, what, first):
+    """Each step can fail: 1e-6 more of J or of Jdot qd is seen."""
+    right = getattr(elimination, what)
+    monkeypatch.setattr(elimination, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
+        right(given).shape))  # fmt: skip
+    errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
+    assert errors[first] > 1e-9
+
+
+def test_a_wrong_mass_matrix_would_show(monkeypatch):
+    right = elimination.mass_matrix
+    monkeypatch.setattr(elimination, "mass_matrix", lambda *a, **b: 1.0001 * right(*a, **b))
+    errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
+    assert errors[3] > 1e-6
+    assert max(errors[:3]) <= 4e-15
+
+
+def closed(kind, **more):
+    model, scene = four_bar(kind, **more)
+    q, qd, tau = (np.array(x) for x in NEAR)
+    return dae_at(model, scene, *closed_state(model, scene, q, qd, False), tau)
+
+
+@pytest.mark.parametrize(("kind", "more"), [("hinge", HINGE), ("point", {})])
+def test_a_closed_chain(kind, more):
+    """The saddle-point system, the chain in its own coordinate, and the loop cut open with its reaction as a load."""
+    found = closed(kind, **more)
+    assert max(step.error for step in found.steps) <= 1e-14
+    assert "G_l" in found.steps[5].formula
+    both = found.comparison
+    assert max(both.accelerations, both.forces, both.moments) <= 1e-12
+    assert worst(found.qdd, independent_accelerations(found.reduced)) <= 1e-12
+    assert worst(found.reduced.G @ found.qdd, found.reduced.gamma) <= 1e-13
+    free = robodyn.forward_dynamics(
+        found.robot.model, found.q, found.qd, found.tau + found.reduced.G.T @ found.solution.reactions[-_size(found):],
+        scene=replace(found.robot.scene, loops=()),
+    )  # fmt: skip
+    assert worst(free, found.qdd) <= 1e-12
+
+
+def _size(found):
+    return sum(len(loop.equations) for loop in found.robot.system.loops)
+
+
+def test_a_loop_does_no_work():
+    """Power of the loop's reaction, and its rate: lambda^T G v = 0."""
+    found = closed("point")
+    reactions, size = found.solution.reactions, _size(found)
+    power = reactions[-size:] @ (found.reduced.G @ found.qd)
+    assert abs(power) <= 1e-13 * np.abs(reactions[-size:]).max()
