@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ORDER = [
     ("errors", "spatial", "wording", "overlap", "installed", "motor"),
-    ("inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result"),
+    ("inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
@@ -25,7 +25,8 @@ ORDER = [
     ("sizing", "sizing_pass", "momentum", "forward"),
     ("momentum_pass", "free_body"),
     ("one_pass", "equations", "bench"),
-    ("loads", "simulation", "accuracy"),
+    ("loads", "simulation"),
+    ("accuracy", "maximal"),
     ("checks",),
     ("overview", "doctor"),
     ("report",),
