@@ -46,3 +46,33 @@ def spatial_loop(seed=0, kind="point", moving_base=False, **more):
     turn = {"rpy": tuple(rng.uniform(-1, 1, 3))} if kind == "weld" else {}
     loop = Loop("tie", "a3", (0.1, 0.2, -0.1), "b2", (0.2, 0, 0.1), kind, **axes, **turn)
     return built(*parts, moving_base=moving_base), Scene(loops=(loop,), moving_base=moving_base, **more)
+
+
+def crank_slider(*, cut="small_end", **more):
+    """A crank of 0.3 m, a rod of 0.8 m and a slider along x; the tree is open at one of the rod's pins.
+
+    Returns:
+        The model, and the scene that closes it, with the crank at 0.7 rad and 2 rad/s.
+    """
+    turn, crank, rod = (0, -1, 0), 0.3, 0.8
+    parts = [
+        link("frame"),
+        link("crank", 2.0, (0.15, 0, 0), (0, 0, 0, 0.02, 0, 0)),
+        link("rod", 1.5, (0.25, 0, 0.05), (0, 0, 0, 0.05, 0, 0)),
+        link("slider", 3.0),
+        joint("main", "frame", "crank", "continuous", turn),
+        joint("rail", "frame", "slider", "prismatic", (1, 0, 0)),
+    ]
+    tilt = np.arcsin(crank * np.sin(0.7) / rod)
+    q = {"main": 0.7, "rail": crank * np.cos(0.7) + rod * np.cos(tilt)}
+    if cut == "small_end":
+        parts.append(joint("big_end", "crank", "rod", "continuous", turn, (crank, 0, 0)))
+        q["big_end"] = -tilt - 0.7
+        loop = Loop("pin", "rod", (rod, 0, 0), "slider")
+    else:
+        parts += [link("pin_of_rod"), joint("small_end", "slider", "pin_of_rod", "continuous", turn)]
+        parts.append(joint("held", "pin_of_rod", "rod", "fixed", xyz=(-rod, 0, 0)))
+        q["small_end"] = -tilt
+        loop = Loop("pin", "rod", (0, 0, 0), "crank", (crank, 0, 0))
+    scene = Scene(loops=(loop,), initial_q=q, initial_qd={"main": 2.0}, joint_limits="ignore", **more)
+    return built(*parts), scene

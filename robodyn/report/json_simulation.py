@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from robodyn.simulation.loop_figures import PARTS, LoopFigures
 from robodyn.simulation.result import Simulation
 
 
@@ -32,9 +33,26 @@ def simulation_json(result: Simulation) -> str:
             "drift": result.energy_drift,
         },
         "momentum_drift": dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None,
+        "loops": _loops(result.loops) if result.loops else None,
         "effects": [
             {"name": effect.name, "active": why.active, "reason": why.reason} for effect, why in result.effects
         ],
         "notes": list(result.notes),
     }
     return json.dumps(document, indent=2) + "\n"
+
+
+def _loops(loops: LoopFigures) -> dict[str, Any]:
+    final = loops.wrenches[-1].tolist()
+    rows = zip(loops.names, final, loops.gap.tolist(), loops.slip.tolist(), strict=True)
+    return {
+        "equations": loops.equations,
+        "dropped": list(loops.dropped),
+        "rank": loops.rank,
+        "freedoms": loops.freedoms,
+        "stabilised": loops.stabilised,
+        "closures": [
+            {"name": name, "final": dict(zip(PARTS, wrench, strict=True)), "gap": gap, "slip": slip}
+            for name, wrench, gap, slip in rows
+        ],
+    }

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.text_loops import loops_text
 from robodyn.simulation.result import Simulation
+
+FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
+LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
 
 
 def simulation_text(result: Simulation, explain: bool = False, page: Page = PLAIN) -> str:
@@ -15,6 +19,8 @@ def simulation_text(result: Simulation, explain: bool = False, page: Page = PLAI
         explain: add why each effect is on or off.
     """
     parts = [_head(result), page.table(_coordinates(result)), page.table(_rates(result)), _drift(result)]
+    if result.loops:
+        parts.append(loops_text(result.loops, page))
     if explain:
         rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
         parts.append(f"Effects\n{page.table((('effect', '', 'why'), rows))}")
@@ -32,7 +38,7 @@ def _head(result: Simulation) -> str:
     return (
         f"{printable(result.model.name)}: {result.time[-1]:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
         f"effects on: {', '.join(on)}; no contact\n"
-        "form: ODE, qdd = M^-1 (tau - bias) by articulated bodies\n"
+        f"form: {LOOPED if result.loops else FREE}\n"
         f"method: {result.method.name} of order {result.method.order} ({result.method.about}), "
         f"{result.steps} {length}{counted}, {result.executor}\n"
     )

@@ -7,11 +7,14 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.effects.effect import Sample
 from robodyn.errors import InputError
 from robodyn.loops.find import NOTHING, jacobian
 from robodyn.model import Model
+from robodyn.scene import Scene
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.turning import moved, unit
+from robodyn.spatial import rotation_from_rpy
 
 Floats = NDArray[np.float64]
 CLOSED = 1e-13
@@ -45,6 +48,16 @@ def closed_start(closing: Closing, state: Floats) -> Floats:
     return np.array([*closed, *_rolling(closing, closed, qd, given), *state[model.nq + model.n :]])
 
 
+def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> list[str]:
+    """Which of the positions and speeds that a scene gives had to change for the loops to close."""
+    names = [*model.coordinates, *model.rates]
+    given = [name in scene.initial_q for name in model.coordinates] + [name in scene.initial_qd for name in model.rates]
+    changed = [k for k, mine in enumerate(given) if mine and scene.loops and abs(begun[k] - asked[k]) > MISFIT]
+    kinds = ["q" if k < model.nq else "qd" for k in changed]
+    moved = [f"{kind} {names[k]} {asked[k]:.6g} -> {begun[k]:.6g}" for kind, k in zip(kinds, changed, strict=True)]
+    return [f"the loops close only with other values than given: {', '.join(moved)}"] if moved else []
+
+
 def _given(model: Model, coordinates: Collection[str]) -> list[int]:
     """The rates of joints of which one of these is a coordinate."""
     found: list[int] = []
@@ -65,15 +78,46 @@ def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
     reach = _reach(closing)
     for _ in range(TRIES):
         sample = closing.sample(q.tolist(), still)
-        error = np.array(closing.chain.equations(sample).error)
+        error, J = _left(closing, sample)
         if np.abs(error).max(initial=0.0) <= CLOSED * reach:
             return q
+        moving = [rate for rate in free if J[:, rate].any()]
         step = np.zeros(model.n)
-        step[free] = _shortest(jacobian(closing.chain, sample)[:, free], -error)
+        step[moving] = _shortest(J[:, moving], -error)
         step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
         moves = closing.chain.along_parents(sample, step.tolist())
         q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
     return None
+
+
+def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:
+    """phi and J; of a weld the rotation vector of the turn that is left, as its equations hold at half a turn too."""
+    here, J = closing.chain.equations(sample), jacobian(closing.chain, sample)
+    error = np.array(here.error, dtype=float)
+    at = 0
+    for closure, place in zip(closing.chain.closures, here.places, strict=True):
+        turn = rotation_from_rpy(*closure.loop.rpy)
+        for k, equation in enumerate(closure.equations, at):
+            if closure.loop.kind == "weld" and equation.unit == "rad":
+                axis = equation.moment(turn)
+                error[k] = axis @ _rotation_vector(place.B @ turn.T)
+                for rate, twist in place.columns.items():
+                    J[k, rate] = axis @ twist.w
+        at += len(closure.equations)
+    return error, J
+
+
+def _rotation_vector(R: Floats) -> Floats:
+    """The vector t with exp([t]) = R, |t| <= pi."""
+    R = np.asarray(R, dtype=float)
+    v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
+    sine, cosine = float(np.sqrt(v @ v)), 0.5 * (float(np.trace(R)) - 1.0)
+    if cosine > 0.0:
+        return v * (np.arctan2(sine, cosine) / sine if sine else 1.0)
+    across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
+    axis = across[:, int(np.argmax(np.diag(across)))]
+    axis = axis / np.sqrt(axis @ axis)
+    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if axis @ v >= 0.0 else -1.0))
 
 
 def _rolling(closing: Closing, q: Floats, qd: Floats, given: Sequence[int]) -> Floats:
@@ -83,7 +127,8 @@ def _rolling(closing: Closing, q: Floats, qd: Floats, given: Sequence[int]) -> F
     J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate)
     for free in (_others(n, given), _others(n, [])):
         change = np.zeros(n)
-        change[free] = _shortest(J[:, free], -rate)
+        moving = [k for k in free if J[:, k].any()]
+        change[moving] = _shortest(J[:, moving], -rate)
         if np.abs(J @ change + rate).max(initial=0.0) <= CLOSED * _reach(closing) * max(
             1.0, np.abs(qd).max(initial=0.0)
         ):

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from robodyn.effects.effect import Effect, Verdict
 from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.scene import GROUND, Scene
+from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
 
 Floats = NDArray[np.float64]
@@ -46,6 +47,7 @@ class Simulation:
         steps: how many were done.
         evaluations: of the equations of motion; None where an implicit method's sweeps are not counted.
         effects: of every effect whether it is on, and why.
+        loops: of a closed chain, what its loops carry and how far they come apart.
         ended: why the motion ended before its time; empty if it did not.
         notes: what was assumed.
     """
@@ -64,6 +66,7 @@ class Simulation:
     evaluations: int | None
     executor: str
     effects: tuple[tuple[Effect, Verdict], ...]
+    loops: LoopFigures | None = None
     ended: str = ""
     notes: tuple[str, ...] = ()
 
@@ -89,7 +92,8 @@ class Simulation:
         if roots[0].joint.kind == "fixed":
             roots = [body for body in bodies if body.parent == 0]
         alone = bool(roots) and all(body.joint.kind == "floating" for body in roots) and len(roots) == 1
-        return alone and not self.scene.wrenches and not self.scene.fluid_density
+        tied = any(loop.to == GROUND for loop in self.scene.loops)
+        return alone and not self.scene.wrenches and not self.scene.fluid_density and not tied
 
     @property
     def momentum_drift(self) -> tuple[float, float]:
@@ -103,10 +107,11 @@ class Simulation:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of `columns`: `q_`, `qd_`, `qdd_` of every coordinate and rate, `tau_` of every joint."""
+        """Names of `columns`: `q_`, `qd_`, `qdd_` of coordinates and rates, `tau_` of joints, `fx_` .. of loops."""
         q = [f"q_{name}" for name in self.model.coordinates]
         rates = [f"{kind}_{name}" for kind in ("qd", "qdd") for name in self.model.rates]
-        return (*q, *rates, *(f"tau_{self.model.rates[i]}" for i in self.driven))
+        tau = (f"tau_{self.model.rates[i]}" for i in self.driven)
+        return (*q, *rates, *tau, *(self.loops.columns if self.loops else ()))
 
     @property
     def driven(self) -> list[int]:
@@ -116,4 +121,5 @@ class Simulation:
     @property
     def columns(self) -> Floats:
         """(N, k) in the order of `names`, which `robodyn torques` reads."""
-        return np.hstack((self.q, self.qd, self.qdd, self.tau[:, self.driven]))
+        loops = [self.loops.wrenches.reshape(len(self.time), -1)] if self.loops else []
+        return np.hstack((self.q, self.qd, self.qdd, self.tau[:, self.driven], *loops))

@@ -17,12 +17,13 @@ from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import adaptive_motion
-from robodyn.simulation.closed_start import closed_start
+from robodyn.simulation.closed_start import closed_start, start_notes
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import FixedSteps, Motion
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
+from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.methods import Method, method_named
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.table import Signal, Source, Table, read_table
@@ -97,11 +98,13 @@ def simulate(
         evaluations=evaluations,
         executor=motion.executor,
         effects=a_plan.verdicts,
+        loops=loop_figures(a_plan, motion, executor, signal),
         ended=motion.ended,
         notes=(
             *model.notes,
             *signal.said,
             *notes,
+            *start_notes(model, scene, motion.states[0], initial_state(model, scene, signal.table)),
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
         ),
     )

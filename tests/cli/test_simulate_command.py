@@ -73,7 +73,7 @@ def test_json() -> None:
     document = json.loads(simulate(*SWING, "--duration", "0.5", "--format", "json", "--method", "gauss4"))
     assert list(document) == [
         *("robot", "duration", "gravity", "method", "steps", "evaluations", "executor", "ended", "final", "energy"),
-        *("momentum_drift", "effects", "notes"),
+        *("momentum_drift", "loops", "effects", "notes"),
     ]
     assert document["method"] == {"name": "gauss4", "order": 4, "step": 0.001, "rtol": None}
     assert document["ended"] is document["momentum_drift"] is document["evaluations"] is None

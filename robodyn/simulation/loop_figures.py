@@ -1,0 +1,119 @@
+"""What the loops of a closed chain carry along a motion, and how far they come apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.sparse import total
+from robodyn.effects.effect import Sample
+from robodyn.execute.repeated import COLUMNS
+from robodyn.inverse import runner_of
+from robodyn.loops.closed_chain import EXACT, SHARED
+from robodyn.loops.find import NOTHING, jacobian
+from robodyn.plan import Plan, applied
+from robodyn.simulation.closing import Closing
+from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.fixed import Motion
+from robodyn.simulation.table import Signal
+from robodyn.spatial import Scalar
+from robodyn.trace.program import Program, trace
+from robodyn.trace.scalar import Tape
+
+Floats = NDArray[np.float64]
+PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+@dataclass(frozen=True, eq=False)
+class LoopFigures:
+    """At the recorded times, N of them, for L loops.
+
+    Attributes:
+        names: of the loops.
+        wrenches: (N, L, 6) force and moment on each loop's `link` at its point, in the axes of `to` [N, N m].
+        gap, slip: the largest |phi| [m and rad] and |phi'| [m/s and rad/s] of each loop along the motion.
+        equations: how many the loops have, `dropped` those that others of their loop imply, and `rank` how many of the
+            others are independent where the motion begins.
+        freedoms: that are left there.
+        stabilised: how the loops are kept closed.
+    """
+
+    names: tuple[str, ...]
+    wrenches: Floats
+    gap: Floats
+    slip: Floats
+    equations: int
+    dropped: tuple[str, ...]
+    rank: int
+    freedoms: int
+    stabilised: str
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """The largest |phi| and |phi'| of all."""
+        return float(self.gap.max()), float(self.slip.max())
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the entries of the wrenches, loop after loop."""
+        return tuple(f"{part}_{name}" for name in self.names for part in PARTS)
+
+
+def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal) -> LoopFigures | None:
+    """The figures of a motion; None where the scene has no loops."""
+    if not plan.scene.loops:
+        return None
+    equations, closing = Equations(plan), Closing(plan)
+    chain, count = closing.chain, len(plan.scene.loops)
+    rank = _rank(closing, motion.states[0])
+    program = loop_program(equations, EXACT if rank == chain.count else SHARED)
+    runner = runner_of(program, plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
+    columns = runner(sources, len(motion.states), executor=executor)
+    of = [k for k, closure in enumerate(chain.closures) for _ in closure.equations]
+    wrenches, errors, rates = np.split(columns, np.cumsum([6 * count, len(of)]), axis=1)
+    largest = np.zeros((2, count))
+    for found, values in zip(largest, (errors, rates), strict=True):
+        np.maximum.at(found, of, np.abs(values).max(axis=0))
+    kept = f"Baumgarte's terms at {chain.baumgarte:g}/s" if chain.baumgarte else "projection after each step"
+    return LoopFigures(
+        names=tuple(loop.name for loop in plan.scene.loops),
+        wrenches=wrenches.reshape(len(columns), count, 6),
+        gap=largest[0],
+        slip=largest[1],
+        equations=len(of) + len(closing.dropped),
+        dropped=tuple(f"{closure.loop.name} {equation.about}" for closure, equation in closing.dropped),
+        rank=rank,
+        freedoms=plan.model.n - rank,
+        stabilised=kept,
+    )
+
+
+def loop_program(equations: Equations, softness: float) -> Program:
+    """The program of each loop's wrench, then of phi and phi' by equation."""
+    closing = Closing(equations.plan)
+    chain = closing.chain
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        state, given = equations.state(tape), equations.given(tape)
+        sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
+        terms = applied(equations.plan.effects, sample, equations.scene)
+        tau = equations.drives(state.q, state.qd, given)
+        here, left = chain.equations(sample), iter(chain.accelerations(sample, terms, tau, softness)[1])
+        wrenches: list[Scalar] = []
+        for closure, place in zip(chain.closures, here.places, strict=True):
+            parts = [(equation, next(left)) for equation in closure.equations]
+            wrenches += [total(equation.force()[i] * value for equation, value in parts) for i in range(3)]
+            wrenches += [total(equation.moment(place.B)[i] * value for equation, value in parts) for i in range(3)]
+        return [*wrenches, *here.error, *here.rate]
+
+    return trace(outputs)
+
+
+def _rank(closing: Closing, state: Floats) -> int:
+    q = state[: closing.model.nq].tolist()
+    J = jacobian(closing.chain, closing.sample(q, (0.0,) * closing.model.n))
+    return int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0

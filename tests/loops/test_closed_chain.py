@@ -1,0 +1,130 @@
+"""Accelerations of closed chains against the tree's own inverse dynamics, and the least change against NumPy's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from closed_chains import four_bars, spatial_loop
+from small_robots import built, joint, link, random_tree
+
+import robodyn
+from robodyn.dynamics.aligned import aligned
+from robodyn.dynamics.composite_body import composite_body, rates_inward
+from robodyn.dynamics.sparse import Root, SingularError
+from robodyn.effects.effect import Sample
+from robodyn.errors import InputError
+from robodyn.loops.closed_chain import EXACT, SHARED
+from robodyn.loops.find import closed_chain, jacobian
+from robodyn.loops.least_change import LeastChange
+from robodyn.plan import applied, plan
+from robodyn.scene import Loop, Scene
+
+
+def dense(entries, n):
+    M = np.zeros((n, n))
+    for (i, j), value in entries.items():
+        M[i, j] = M[j, i] = value
+    return M
+
+
+def solved(model, scene, q, qd, tau, softness=EXACT):
+    """qdd, lambda, and J in the ground's axes of a fixed-base robot."""
+    a_plan = plan(model, scene)
+    chain = closed_chain(a_plan).chain
+    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
+    qdd, multipliers = chain.accelerations(sample, applied(a_plan.effects, sample, scene), tau.tolist(), softness)
+    here = chain.equations(sample)
+    return np.array(qdd), np.array(multipliers), jacobian(chain, sample), np.array(here.bias, dtype=float)
+
+
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_the_tree_with_the_loops_forces_moves_as_the_closed_chain(kind):
+    model, scene = spatial_loop(4, kind)
+    rng = np.random.default_rng(0)
+    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
+    qdd, multipliers, J, bias = solved(model, scene, q, qd, tau)
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    scale = np.abs(needed).max() + np.abs(J.T @ multipliers).max()
+    assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * scale
+    assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max() * np.linalg.cond(J)
+
+
+def test_equations_given_twice_share_the_force():
+    model, scene = spatial_loop(4)
+    loop = scene.loops[0]
+    again = Scene(loops=(loop, Loop("again", loop.link, loop.point, loop.to, loop.to_point)))
+    rng = np.random.default_rng(0)
+    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
+    once, single, _, _ = solved(model, scene, q, qd, tau)
+    twice, _, _, _ = solved(model, again, q, qd, tau)
+    _, double, _, _ = solved(model, again, q, qd, tau, SHARED)
+    assert np.abs(twice - once).max() <= 1e-9 * np.abs(once).max()
+    assert np.abs(double[:3] + double[3:] - single).max() <= 1e-9 * np.abs(single).max()
+    assert np.abs(double[:3] - double[3:]).max() <= 1e-3 * np.abs(single).max()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mass_matrix_by_composite_bodies(seed):
+    model = aligned(random_tree(seed, 9))
+    q = np.random.default_rng(seed).uniform(-1, 1, model.n)
+    sample = Sample(model, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
+    rotors = [0.1] * model.n
+    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], rotors), model.n)
+    expected = robodyn.mass_matrix(model, q) + 0.1 * np.eye(model.n)
+    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+def test_mass_matrix_with_followers():
+    parts = [link("l0")]
+    more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.2"/>', "j3": '<mimic joint="j1" multiplier="0.5"/>'}
+    for k in range(1, 5):
+        parts.append(link(f"l{k}", 1.0 + k, (0.1, 0.2, 0.3), (1, 0.1, 0.2, 1.2, 0.05, 0.9)))
+        place = {"axis": (0.6, 0, 0.8), "xyz": (0.3, 0.1, 0.2)}
+        parts.append(joint(f"j{k}", f"l{0 if k == 3 else k - 1}", f"l{k}", more=more.get(f"j{k}", ""), **place))
+    model = aligned(built(*parts))
+    q = (0.3, -0.4)
+    sample = Sample(model, q, (0.0, 0.0), (0.0, 0.0))
+    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], [0.0, 0.0]), 2)
+    expected = robodyn.mass_matrix(model, q)
+    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+def test_order_of_rates_makes_no_further_entries():
+    model, _ = four_bars(3)
+    sample = Sample(aligned(model), (0.3,) * model.n, (0.0,) * model.n, (0.0,) * model.n)
+    entries = composite_body(sample.model, sample.motions(), [body.inertia for body in model.bodies], [0.0] * model.n)
+    root = Root(entries, rates_inward(sample.model))
+    assert sum(len(pivot.shares) for pivot in root.pivots) == sum(i != j for i, j in entries)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_least_change(seed):
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(7, 4)) * (rng.uniform(size=(7, 4)) < 0.6)
+    x, b = rng.normal(size=7), rng.normal(size=4)
+    rows = [dict(enumerate(row.tolist())) for row in A]
+    y, multipliers = LeastChange(rows, [2.0**-40] * 4).solve(x.tolist(), b.tolist())
+    expected = x + np.linalg.pinv(A.T) @ (b - A.T @ x)
+    assert np.abs(np.array(y) - expected).max() <= 1e-13 * np.abs(expected).max() * np.linalg.cond(A)
+    assert np.abs(x + A @ multipliers - y).max() <= 1e-13 * np.abs(y).max() * np.linalg.cond(A)
+
+
+def test_least_change_of_columns_that_nearly_depend():
+    """The error of y grows like the condition, 1e7 here, and not like its square."""
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(7, 3))
+    A[:, 2] = A[:, 0] + 1e-7 * A[:, 2]
+    y = rng.normal(size=7)
+    x = y + rng.normal(size=7)
+    x -= (np.eye(7) - A @ np.linalg.pinv(A)) @ (x - y)
+    rows = [dict(enumerate(row.tolist())) for row in A]
+    found, _ = LeastChange(rows, [2.0**-40] * 3).solve(x.tolist(), (A.T @ y).tolist())
+    assert np.abs(np.array(found) - y).max() <= 1e-8
+
+
+def test_a_joint_without_inertia_is_named():
+    parts = (link("l0"), link("l1"), link("l2", 1.0, (1, 0, 0)), joint("j1", "l0", "l1"), joint("j2", "l0", "l2"))
+    with pytest.raises(InputError, match='joint "j1" moves nothing that has inertia'):
+        closed_chain(plan(built(*parts), Scene(loops=(Loop("a", "l1", (1, 0, 0), "l2", (1, 0, 0)),))))
+    with pytest.raises(SingularError):
+        Root({(0, 0): 1.0}, [0, 1])
