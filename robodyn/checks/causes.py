@@ -14,9 +14,11 @@ from robodyn.checks.frames import pose
 from robodyn.checks.inertia_forms import FORMS, Given, Proposal
 from robodyn.checks.masses import Tensor
 from robodyn.checks.mirror import Pair, pairs
+from robodyn.checks.nearest import nearest
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.checks.view import INERTIA, LinkView, numbers
 from robodyn.inertia.exact import Floats
+from robodyn.wording import figure
 
 _DIGITS = 12
 
@@ -75,9 +77,20 @@ def causes(context: Context) -> Mapping[str, Cause]:
 
 
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
-    """The fault of a link's tensor with its cause and the fix for it, where there is one."""
+    """The fault of a link's tensor that no body has, with its cause and the fix for it.
+
+    Where nothing explains it, the fix is the nearest that a body can have.
+    """
     cause = context.once(causes).get(link.name)
-    return fault if cause is None else replace(fault, cause=cause.sentence, fix=cause.fix)
+    if cause is not None:
+        return replace(fault, cause=cause.sentence, fix=cause.fix)
+    given = _given(link)
+    near = None if given is None else nearest(given.tensor)
+    if given is None or near is None:
+        return fault
+    change = float(np.linalg.norm(near - given.tensor) / np.linalg.norm(given.tensor))
+    what = f"the nearest one that a body can have, {figure(100 * change, 2)} % away"
+    return replace(fault, fix=_fix(link, _entries(near, given), what))
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:

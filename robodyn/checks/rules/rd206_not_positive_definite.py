@@ -39,9 +39,9 @@ RULE = Rule(
     summary="The inertia matrix is positive definite.",
     explanation="""A principal moment of inertia is a sum of mass times distance squared. With one that is zero or
 negative the kinetic energy of a spin about its axis is not positive, and simulations gain energy from nothing. The
-principal moments are the eigenvalues of the matrix: large products make one negative although the diagonal is
-positive. Traversaro, Brossette, Escande, Nori, Identification of fully physical consistent inertial parameters (IROS
-2016).""",
+principal moments are the eigenvalues of the matrix: large products make one negative although the diagonal is positive.
+Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Traversaro, Brossette, Escande,
+Nori, Identification of fully physical consistent inertial parameters (IROS 2016).""",
     bad=one_link(f'<mass value="2"/>{INERTIA.replace("0.01", "-0.01")}'),
     good=one_link(f'<mass value="2"/>{INERTIA}'),
     check=check,
