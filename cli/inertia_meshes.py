@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import click
 
+from robodyn.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
-from robodyn.cli.progress import counted
+from robodyn.cli.meter import metered
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
@@ -48,6 +48,8 @@ def _measured(
     density: Sequence[float],
     mass: Sequence[float],
     unit: Sequence[str],
+    accuracy: float | None,
+    exact: bool,
     **how: Any,
 ) -> tuple[list[Part], float | None]:
     """The parts, and the mass of the whole if it is given."""
@@ -61,12 +63,13 @@ def _measured(
         one_each(unit, files, "--unit"),
         strict=True,
     )
+    how["exact"] = exact or (accuracy is not None and needs_rationals(accuracy))
     parts = []
-    with counted([Path(name) for name in files]) as tick:
+    with metered(files) as (heard, done):
         for name, rho, m, units in each:
-            parts.append(mass_properties(name, density=rho, mass=m, unit=units, **how))
-            tick()
-    return parts, whole
+            parts.append(mass_properties(name, density=rho, mass=m, unit=units, heard=heard, **how))
+            done()
+    return parts if accuracy is None else [with_promise(part, accuracy) for part in parts], whole
 
 
 def _combined(parts: Sequence[Part], places: Sequence[Pose], mass: float | None, view: View, form: str) -> None:

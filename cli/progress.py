@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
+
     from robodyn.trajectory.reader import TrajectoryReader
 
 LONG = 20_000_000
@@ -40,16 +42,14 @@ def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
 
 @contextmanager
 def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
-    """A function to call after each of some files; it moves the bar if there is one. The bar of one file swings."""
-    if sum(_size(path) for path in files) < LONG_MESHES or not sys.stderr.isatty():
+    """A function to call after each of some files; it moves the bar if there is one."""
+    if not worth_a_bar(map(bytes_of, files)):
         yield lambda: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import MofNCompleteColumn
 
-    columns = (TextColumn("measuring"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("measuring", total=len(files) if len(files) > 1 else None)
+    with bar_of_meshes(MofNCompleteColumn()) as bar:
+        task = bar.add_task("measuring", total=len(files))
         yield lambda: bar.advance(task)
 
 
@@ -71,7 +71,22 @@ def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], Non
         yield lambda: bar.update(task, advance=1, refresh=True)
 
 
-def _size(path: Path) -> int:
+def bar_of_meshes(*columns: ProgressColumn) -> Progress:
+    """A bar with a percentage and the time left."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    shown = (TextColumn("measuring"), BarColumn(), *columns, TaskProgressColumn(), TimeRemainingColumn())
+    return Progress(*shown, console=Console(stderr=True), transient=True)
+
+
+def worth_a_bar(sizes: Iterable[int]) -> bool:
+    """Whether meshes of so many bytes take long enough, and there is a terminal to show a bar on."""
+    return sum(sizes) >= LONG_MESHES and sys.stderr.isatty()
+
+
+def bytes_of(path: Path) -> int:
+    """The size of a file; 0 if it cannot be told."""
     try:
         return path.stat().st_size
     except (OSError, ValueError):

@@ -19,6 +19,7 @@ from robodyn.mesh.load import from_array, load_triangles
 from robodyn.mesh.measured import Measured, measured
 from robodyn.mesh.scaled import scaled
 from robodyn.mesh.shape import Shape, shape
+from robodyn.mesh.stl_binary import Heard
 from robodyn.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def mass_properties(
     symmetry: bool | None = False,
     symmetrize: bool = False,
     tessellation: bool | None = False,
+    heard: Heard | None = None,
 ) -> Part:
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
@@ -111,6 +113,7 @@ def mass_properties(
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
             where triangles are few (see `robodyn.mesh.shape`).
         symmetrize: average the body over the planes and axes of symmetry that hold (see `symmetrized`).
+        heard: is told how many triangles of a binary STL have been read, whenever some have; it is read several times.
 
     Raises:
         InputError: density, mass or thickness is not positive, or both of the first two are given.
@@ -120,7 +123,7 @@ def mass_properties(
         shapes; correctly rounded if `exact`.
     """
     _check(density, mass, shell)
-    triangles = scaled(_triangles(source, unit, file_type), scale)
+    triangles = scaled(_triangles(source, unit, file_type, heard), scale)
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
@@ -163,10 +166,10 @@ def mass_properties(
 
 
 def _triangles(
-    source: str | os.PathLike[str] | bytes | ArrayLike, unit: str | None, file_type: str | None
+    source: str | os.PathLike[str] | bytes | ArrayLike, unit: str | None, file_type: str | None, heard: Heard | None
 ) -> Triangles:
     if isinstance(source, (str, os.PathLike, bytes)):
-        return load_triangles(source, file_type=file_type, unit=unit)
+        return load_triangles(source, file_type=file_type, unit=unit, heard=heard)
     return from_array(source, unit=unit or "m")
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robodyn.errors import MeshError
 from robodyn.mesh.kinds import SCENES, kind_of
 from robodyn.mesh.source import Source, open_source
-from robodyn.mesh.stl_binary import is_complete, open_binary
+from robodyn.mesh.stl_binary import Heard, is_complete, open_binary
 from robodyn.mesh.triangles import MemoryTriangles, Triangles, check_finite
 from robodyn.mesh.units import scale_of
 
@@ -19,7 +19,11 @@ _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
 
 
 def load_triangles(
-    source: str | os.PathLike[str] | bytes, *, file_type: str | None = None, unit: str | None = None
+    source: str | os.PathLike[str] | bytes,
+    *,
+    file_type: str | None = None,
+    unit: str | None = None,
+    heard: Heard | None = None,
 ) -> Triangles:
     """The triangles of a mesh.
 
@@ -30,6 +34,7 @@ def load_triangles(
         source: name of a file; `-` is standard input; or the bytes themselves.
         file_type: one of `kinds.KINDS`; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
+        heard: is told how many triangles of a binary STL have been read, whenever some have.
 
     Raises:
         MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
@@ -42,7 +47,7 @@ def load_triangles(
         return read_scene(found, kind, unit)
     scale, note = scale_of(unit, None, found.name)
     if kind == "stl":
-        return _read_stl(found, scale, (note,))
+        return _read_stl(found, scale, (note,), heard)
     if kind == "ply":
         from robodyn.mesh.ply import read_ply
 
@@ -80,11 +85,11 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
     return MemoryTriangles(name, values, 24 if values.dtype == np.float32 else 53, scale)
 
 
-def _read_stl(source: Source, scale: float, notes: tuple[str, ...]) -> Triangles:
+def _read_stl(source: Source, scale: float, notes: tuple[str, ...], heard: Heard | None) -> Triangles:
     """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
     head = source.data(_HEAD)
     if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
-        return open_binary(source, head, scale, notes)
+        return open_binary(source, head, scale, notes, heard)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
     from robodyn.mesh.stl_ascii import read_ascii

@@ -26,6 +26,11 @@ _DOUBTFUL = 1 << 12
 _SPARE = 1 << 12
 
 
+def readings(count: int) -> int:
+    """How often `is_one_shell` reads a mesh of so many triangles, if all goes well."""
+    return 1 << (3 * count // HELD).bit_length()
+
+
 def is_one_shell(triangles: Triangles) -> bool:
     """Whether every edge belongs to exactly two triangles, and edges connect all triangles.
 
@@ -49,7 +54,7 @@ def is_one_shell(triangles: Triangles) -> bool:
 
 def _linked(triangles: Triangles, bits: int) -> bool | None:
     """`is_one_shell` where numbers of strips have so many bits; None if they have more."""
-    split = (3 * triangles.count // HELD).bit_length()
+    split = readings(triangles.count).bit_length() - 1
     room = np.empty((3 * triangles.count >> split) + split * _SPARE, np.uint64)
     doubtful: set[int] = set()
     shells: Numbers | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,9 @@ from robodyn.mesh.source import Source
 from robodyn.mesh.triangles import BLOCK, Corners, Floats, check_finite
 
 START, RECORD = 84, 50
+Heard = Callable[[int], object]
+"""Is told how many triangles have been read, after each block of them."""
+
 _TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -36,6 +39,7 @@ class StlTriangles:
     scale: float = 1.0
     notes: tuple[str, ...] = ()
     significand: int = 24
+    heard: Heard | None = None
 
     @property
     def name(self) -> str:
@@ -50,6 +54,12 @@ class StlTriangles:
 
     def records(self, rows: int) -> Iterator[Corners]:
         """As `blocks`, but in the memory of the next, and perhaps not finite."""
+        for block in self._records(rows):
+            yield block
+            if self.heard is not None:
+                self.heard(len(block))
+
+    def _records(self, rows: int) -> Iterator[Corners]:
         held = self.source.memory()
         if held is not None:
             corners = np.frombuffer(held, _TYPE, self.count, START)["corners"]
@@ -80,7 +90,9 @@ def _columns(corners: Corners) -> Corners:
     return found.transpose(2, 0, 1)
 
 
-def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...]) -> StlTriangles:
+def open_binary(
+    source: Source, head: bytes, scale: float, notes: tuple[str, ...], heard: Heard | None = None
+) -> StlTriangles:
     """The triangles of a file that begins with `head`.
 
     Raises:
@@ -101,4 +113,4 @@ def open_binary(source: Source, head: bytes, scale: float, notes: tuple[str, ...
     extra_bytes = source.size - START - RECORD * count
     if extra_bytes:
         notes = (*notes, f"{extra_bytes} bytes after the last triangle are left out")
-    return StlTriangles(source, count, scale, notes)
+    return StlTriangles(source, count, scale, notes, heard=heard)

@@ -1,0 +1,72 @@
+"""The progress of large meshes: a percentage and the time left on a terminal, nothing elsewhere."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+
+import pytest
+from command_line import run
+from mesh_samples import binary_stl, box, torus
+from processes import environment
+from terminals import on_terminal
+
+from robodyn.cli.meter import Meter
+from robodyn.mesh import one_shell
+from robodyn.mesh.load import load_triangles
+from robodyn.part import mass_properties
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Two large tori and a box."""
+    made = [tmp_path / name for name in ("large.stl", "box.stl", "other.stl")]
+    for path, body in zip(made, (torus(2.0, 0.5, 220, 100), box(), torus(2.0, 0.5, 100, 50)), strict=True):
+        path.write_bytes(binary_stl(body))
+    return made
+
+
+def test_a_bar_on_a_terminal_alone(files):
+    names = [str(path) for path in files]
+    code = "from robodyn.cli.main import main; main()"
+    call = [sys.executable, "-I", "-c", code, "inertia", *names, "--format", "json"]
+    shown, piped = on_terminal(call, stdout=False, stderr=True, **environment())
+    plain = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", shown)
+    assert re.search(r"measuring \S+ +\d+% [-0-9]:", plain)
+    assert "100% 0:00:00" in plain
+    assert json.loads(piped) == json.loads(run("inertia", *names, "--format", "json").out)
+    assert on_terminal([*call[:5], names[1]], stdout=False, stderr=True)[0] == ""
+    assert on_terminal([*call[:5], names[0]], stdout=True, stderr=False)[1] == ""
+
+
+@pytest.mark.parametrize("held", [one_shell.HELD, 20_000])
+def test_a_sound_mesh_fills_its_share(monkeypatch, files, held):
+    monkeypatch.setattr(one_shell, "HELD", held)
+    meter = Meter([path.stat().st_size for path in files])
+    seen = []
+    for path in files:
+        before = meter.completed
+        mass_properties(path, heard=lambda triangles: (meter.heard(triangles), seen.append(meter.completed)))
+        size, count = path.stat().st_size, load_triangles(path).count
+        share = min(0.99 * size, 50 * count) * (1 + one_shell.readings(count))
+        assert meter.completed - before == pytest.approx(share)
+        meter.done()
+    assert seen == sorted(seen)
+    assert meter.completed == meter.total
+
+
+def test_other_files_come_all_at_once():
+    meter = Meter([1000, 3000])
+    meter.done()
+    assert meter.completed == meter.total / 4
+
+
+@pytest.mark.parametrize("rows", [7, 100])
+def test_every_triangle_is_heard_of_once_a_reading(rows):
+    told = []
+    mesh = load_triangles(binary_stl(box()), heard=told.append)
+    for reading in (mesh.records, mesh.blocks):
+        told.clear()
+        assert len(list(reading(rows))) == len(told)
+        assert sum(told) == 12
