@@ -10,7 +10,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import VECTOR, AtType, PointType, finite_numbers
+from robodyn.cli.options import POSITIVE, VECTOR, AtType, PointType, finite_numbers
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
 from robodyn.spatial import rotation_from_rpy
@@ -66,6 +66,9 @@ MESH = _both(
     click.option("--type", "file_type", metavar="TYPE", help="stl, obj, ply, urdf and so on; default by the suffix."),
     click.option("--shell", type=float, metavar="THICKNESS", help="Take the surface as a sheet of so many metres."),
     click.option("--exact", is_flag=True, help="Integrate in exact arithmetic."),
+    click.option(
+        "--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error."
+    ),
     click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair."),
     click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
     click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
@@ -95,13 +98,13 @@ ROBOT = _both(
 )
 
 OF_ROBOTS = {"link", "at", "compare", "geometry", "package_path"}
-_VIEW = {"about", "rpy", "form", "file_type"}
+_VIEW = {"about", "rpy", "form", "file_type", "report"}
 _READING = {"geometry", "package_path", "exact", "strict", "repair"}
 _ALLOWED = {
     "a whole robot": {*_VIEW, "at"},
     "a link as declared": {*_VIEW, "link"},
     "a link's shapes": {*_VIEW, *_READING, "link", "density", "mass"},
-    "--compare": {*_READING, "compare", "form", "file_type"},
+    "--compare": {*_READING, "compare", "form", "file_type", "report"},
 }
 
 

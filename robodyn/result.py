@@ -199,6 +199,22 @@ class MomentumReport:
 
 
 @dataclass(frozen=True)
+class Promise:
+    """What became of an accuracy that was asked for.
+
+    Attributes:
+        target, expected: errors relative to the largest torque.
+        met: whether the one is within the other.
+        said: how, or why not, in words.
+    """
+
+    target: float
+    expected: float
+    met: bool
+    said: str
+
+
+@dataclass(frozen=True)
 class Result:
     """What a robot carries along a motion."""
 
@@ -218,6 +234,7 @@ class Result:
     momentum: MomentumReport | None = None
     history: History | None = None
     sizing: Sizing | None = None
+    accuracy: Promise | None = None
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

@@ -17,8 +17,9 @@ from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.scene import Scene
 from robodyn.simulation.fixed import MOST_RECORDS
+from robodyn.simulation.how import LEAST_RTOL
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import LEAST_RTOL, simulate
+from robodyn.simulation.run import simulate
 
 Floats = NDArray[np.float64]
 FIRST_STEP = 1.6e-2

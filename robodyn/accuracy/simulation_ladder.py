@@ -19,9 +19,10 @@ from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
+from robodyn.simulation.how import How
 from robodyn.simulation.methods import METHODS, Method
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import How, integrated, simulate, with_friction
+from robodyn.simulation.run import integrated, simulate, with_friction
 from robodyn.simulation.steps import Steps
 
 STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5

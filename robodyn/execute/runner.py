@@ -23,6 +23,8 @@ from robodyn.wording import alternatives
 if TYPE_CHECKING:
     from robodyn.execute.compiled_blocks import CompiledBlocks
 
+PAIRS = "double-double"
+"""The name of an executor that is never chosen by itself."""
 WORTH_ASKING = 0.02
 """Seconds of work by NumPy, on a typical machine, from which rates and kept machine code are looked up."""
 WORTH_MEASURING = 0.5
@@ -67,7 +69,7 @@ class Runner:
             sources: for each source an array (samples, columns), in any layout.
             samples: how many.
             out: (samples, outputs) of `dtype`, written to if given.
-            executor: "auto", "numpy" or "compiled".
+            executor: "auto", "numpy", "compiled", or "double-double" (1e-30, some 100 times slower than "numpy").
             threads: of the compiled executor; None is all cores.
             expected: samples of this run and of those that will follow, if known.
             dtype: float64 or float32: of inputs, results and all operations.
@@ -81,6 +83,8 @@ class Runner:
         Accuracy: as `NumpyBlocks` and `CompiledBlocks`.
         """
         kind, workers = np.dtype(dtype).type, cores(threads)
+        if executor == PAIRS:
+            return self._in_pairs(sources, samples, out)
         if self._chosen(executor, kind, samples, max(expected, samples), workers) == "compiled":
             return self._compiled[kind](sources, samples, out, workers)
         run = self._by_numpy(kind)
@@ -88,6 +92,17 @@ class Runner:
         self._runs += 1
         self._blocks += -(-samples // run.block)
         return run(sources, samples, out)
+
+    def _in_pairs(self, sources: Mapping[str, NDArray[Any]], samples: int, out: NDArray[Any] | None) -> NDArray[Any]:
+        """The high parts of the results, which are the results rounded once."""
+        from robodyn.execute.double_double import DoubleDouble
+
+        self.choice = Choice(PAIRS, "as asked")
+        high = DoubleDouble(self.program)(sources, samples).high
+        if out is None:
+            return high
+        out[...] = high
+        return out
 
     def _chosen(self, executor: str, kind: type, samples: int, expected: int, threads: int) -> str:
         """The executor to use, which is ready."""

@@ -22,6 +22,7 @@ def simulation_json(result: Simulation) -> str:
         "evaluations": result.evaluations,
         "executor": result.executor,
         "ended": result.ended or None,
+        **({"accuracy": {"target": result.target, "expected": result.expected_error}} if result.target else {}),
         "final": {
             "q": dict(zip(result.model.coordinates, result.q[-1].tolist(), strict=True)),
             "qd": dict(zip(result.model.rates, result.qd[-1].tolist(), strict=True)),

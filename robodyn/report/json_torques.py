@@ -58,6 +58,8 @@ def torques_json(result: Result) -> str:
     }
     if result.momentum is not None:
         document["momentum"] = asdict(result.momentum)
+    if result.accuracy is not None:
+        document["accuracy"] = asdict(result.accuracy)
     if result.sizing is not None:
         from robodyn.report.json_sizing import sizing_data
 

@@ -36,6 +36,9 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
         parts.append(f"Effects: {plan}\n{page.table(effect_table(result))}")
     parts.append(_checks(result))
     parts.append(_limits(result, page))
+    if result.accuracy:
+        met = "" if result.accuracy.met else "NOT MET: "
+        parts.append(f"accuracy: {met}{result.accuracy.said}\n")
     parts.append("".join(f"warning: {printable(line)}\n" for line in result.warnings))
     return "\n".join(part for part in parts if part)
 
@@ -65,8 +68,8 @@ def load_table(joints: Sequence[JointLoad]) -> Content:
             number(joint.peak_power),
             number(joint.work_positive),
             number(joint.work_negative),
-            _use(joint.peak, joint.effort_limit),
-            _use(joint.max_speed, joint.velocity_limit),
+            use(joint.peak, joint.effort_limit),
+            use(joint.max_speed, joint.velocity_limit),
         )
         for joint in joints
     ]
@@ -74,7 +77,8 @@ def load_table(joints: Sequence[JointLoad]) -> Content:
     return (*head, "of effort limit", "of velocity limit"), rows
 
 
-def _use(value: float, limit: float | None) -> str:
+def use(value: float, limit: float | None) -> str:
+    """How much of a limit a value takes, in percent."""
     if limit is None:
         return "-"
     percent = 100.0 * abs(value) / limit if limit > 0.0 else 0.0

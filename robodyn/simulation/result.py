@@ -50,6 +50,7 @@ class Simulation:
         loops: of a closed chain, what its loops carry and how far they come apart.
         ended: why the motion ended before its time; empty if it did not.
         notes: what was assumed.
+        target, expected_error: the accuracy that was asked for, and what was measured; None where none was.
     """
 
     model: Model
@@ -69,6 +70,8 @@ class Simulation:
     loops: LoopFigures | None = None
     ended: str = ""
     notes: tuple[str, ...] = ()
+    target: float | None = None
+    expected_error: float | None = None
 
     @property
     def qdd(self) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from simulated_robots import pendulum, slide
@@ -29,7 +31,7 @@ def test_the_error_is_within_the_expected_one(target):
 def test_a_lower_target_takes_no_more_steps():
     """Steps are counted where the method is the same, which does not depend on the machine."""
     found = [simulate_within(pendulum(), SWING, 1.0, target) for target in (1e-2, 1e-5, 1e-8, 1e-11)]
-    for a, b in zip(found, found[1:], strict=False):
+    for a, b in pairwise(found):
         assert b.expected_error < a.expected_error
         if a.method == b.method:
             assert a.steps <= b.steps
