@@ -163,7 +163,7 @@ class _Look:
                 found = part
             else:
                 alike = sorted(name for name in names if name.casefold() == part.casefold())
-                if not alike:
+                if len(alike) != 1:
                     return None
                 found = alike[0]
             root = root / found

@@ -128,7 +128,9 @@ def test_a_name_used_twice_is_one_finding(package: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "uri", ["../meshes/Part.STL", "package:///arm_description/meshes/part.stl"], ids=["case", "slashes"]
+    "uri",
+    ["../meshes/Part.STL", "package:///arm_description/meshes/part.stl", "..\\meshes\\part.stl"],
+    ids=["case", "slashes", "backslashes"],
 )
 def test_names_are_fixed(package: Path, uri: str) -> None:
     file = saved(package, described(uri, uri))

@@ -44,7 +44,7 @@ RULE = Rule(
     explanation="""I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times
 distance squared, and so never negative. The entries of the diagonal say too little: the law holds for the principal
 moments, in every axes. Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Wensing,
-Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (IEEE RA-L 2018).""",
+Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).""",
     bad=one_link(
         f'<mass value="2"/>{INERTIA.replace(chr(34) + "0.02" + chr(34) + "/", chr(34) + "0.05" + chr(34) + "/")}'
     ),

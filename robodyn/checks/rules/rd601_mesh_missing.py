@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
@@ -49,12 +50,19 @@ def _missing(context: Context, name: MeshName) -> Fault:
         scheme = name.uri.partition("://")[0]
         better = f"{scheme}://{package[1]}"
         remedy = f"the package has no name: write two slashes, {shown_path(better)}"
-        there = resolve(better, context.reading.file.rpartition("/")[0] or ".", context.package_path) is not None
-        edits = tuple(Edit(use.at.start, use.at.end, better) for use in name.uses)
-        fix = Fix("two slashes before the package", edits, safe=True) if there else None
+        fix = _written(context, name, better)
     elif "\\" in name.uri:
-        remedy = "write / between folders"
+        better = name.uri.replace("\\", "/")
+        remedy, fix = f"write / between folders: {shown_path(better)}", _written(context, name, better)
     return _fault(name, what, remedy, fix=fix)
+
+
+def _written(context: Context, name: MeshName, better: str) -> Fix | None:
+    """The edit that writes another name, if the mesh is there by that."""
+    if resolve(better, Path(context.reading.file).parent, context.package_path) is None:
+        return None
+    edits = tuple(Edit(use.at.start, use.at.end, better) for use in name.uses)
+    return Fix(f"write {shown_path(better)}", edits, safe=True)
 
 
 def _unknown(names: list[MeshName]) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from robodyn.checks.context import Context
-from robodyn.checks.mesh_files import STDIN, mesh_names, package_of
+from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names, package_of
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.wording import shown_path
 
@@ -17,7 +17,7 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 def check(context: Context) -> Iterator[Fault]:
     for name in context.once(mesh_names).values():
-        why = _why(context, name.uri)
+        why = _why(context, name)
         if why is not None:
             use = name.uses[0]
             yield Fault(
@@ -28,7 +28,8 @@ def check(context: Context) -> Iterator[Fault]:
             )
 
 
-def _why(context: Context, uri: str) -> str | None:
+def _why(context: Context, name: MeshName) -> str | None:
+    uri = name.uri
     if uri.startswith("/") or _DRIVE.match(uri) or uri.startswith("\\\\"):
         return "is an absolute path"
     if uri.startswith("file://"):
@@ -38,6 +39,8 @@ def _why(context: Context, uri: str) -> str | None:
         return "leads out of its package"
     if package is None and "://" not in uri and _leaves(context.reading.file, uri):
         return "leads out of this file's package"
+    if "\\" in uri and name.state is State.FOUND:
+        return "has \\ between folders, which Windows alone reads"
     return None
 
 
@@ -66,7 +69,8 @@ RULE = Rule(
     stage=Stage.DOCUMENT,
     summary="Meshes are named within their package.",
     explanation="""An absolute path, a `file://` and a name that leads out of the package mean a file of one machine.
-The description cannot be installed or shared. Also the folder with the package.xml above a file is a package.""",
+The description cannot be installed or shared. A name with \\ between folders is found on Windows alone. Also the
+folder with the package.xml above a file is a package.""",
     bad=_named("package://part/../meshes/part.stl"),
     good=_named("package://part/meshes/part.stl"),
     check=check,
