@@ -39,7 +39,7 @@ def command(
     """
     check_asked(form, output, at=at, qd=qd, tau=tau)
     check_names([urdf, scene_file], None)
-    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=form == "dae")
     if output == "c":
         show(c_source(model, scene))
     elif form == "dae":

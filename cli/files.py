@@ -19,16 +19,24 @@ if TYPE_CHECKING:
 STANDARD_INPUT = "-"
 
 
-def robot_in_scene(urdf: str, scene_file: str | None, gravity: Vector | None) -> tuple[Model, Scene]:
-    """The robot of a URDF file and the scene it is in; without a file the default scene, and `gravity` wins over it."""
+def robot_in_scene(
+    urdf: str, scene_file: str | None, gravity: Vector | None, *, loops: bool = False
+) -> tuple[Model, Scene]:
+    """The robot of a URDF file and the scene it is in; without a file the default scene, and `gravity` wins over it.
+
+    Args:
+        loops: whether the scene may close some.
+    """
     from robodyn.assemble import load
     from robodyn.scene import DEFAULT
-    from robodyn.scene_fit import check_scene
+    from robodyn.scene_fit import check_scene, refuse_loops
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene if gravity is None else replace(scene, gravity=gravity)
     model = load(_bytes() if urdf == STANDARD_INPUT else urdf, moving_base=scene.moving_base)
     check_scene(scene, model, scene_file)
+    if not loops:
+        refuse_loops(scene, scene_file)
     return model, scene
 
 

@@ -50,7 +50,7 @@ def command(
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --duration 2
     """
     check_names([urdf, scene_file, table], out)
-    model, scene = robot_in_scene(urdf, scene_file, None)
+    model, scene = robot_in_scene(urdf, scene_file, None, loops=True)
     if accuracy is None:
         result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
     else:

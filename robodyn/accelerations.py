@@ -16,6 +16,7 @@ from robodyn.effects.effect import Sample, Terms
 from robodyn.effects.rotor_inertia import reflected
 from robodyn.model import Joint, Model
 from robodyn.plan import Plan, applied
+from robodyn.scene_fit import refuse_loops
 from robodyn.spatial import Scalar
 from robodyn.trace.program import Program, trace
 from robodyn.trace.scalar import Tape
@@ -23,6 +24,7 @@ from robodyn.trace.scalar import Tape
 
 def acceleration_program(plan: Plan) -> Program:
     """The program of qdd from q, qd and tau, which is another input; `plan.still` may name its entries too."""
+    refuse_loops(plan.scene)
     model, scene, still = aligned(plan.model), plan.scene, plan.still
 
     def outputs(tape: Tape) -> Iterable[Scalar]:

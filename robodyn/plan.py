@@ -15,7 +15,7 @@ from robodyn.effects.catalogue import EFFECTS
 from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
 from robodyn.model import Model
 from robodyn.scene import Scene
-from robodyn.scene_fit import check_scene
+from robodyn.scene_fit import check_scene, refuse_loops
 from robodyn.spatial import Scalar
 from robodyn.trace.program import Program, trace
 from robodyn.trace.scalar import Tape
@@ -63,10 +63,12 @@ class Plan:
 
     def torques(self) -> Program:
         """The program of tau alone, all effects together."""
+        refuse_loops(self.scene)
         return trace(lambda tape: loads(*self._with(tape, self.effects)).tau, self.model.tips_first)
 
     def wrenches(self, joints: bool = False) -> Program:
         """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
+        refuse_loops(self.scene)
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             result = loads(*self._with(tape, self.effects))

@@ -46,6 +46,18 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         )
 
 
+def refuse_loops(scene: Scene, file: str | None = None) -> None:
+    """Raise if the scene closes loops, where only the open tree could be computed.
+
+    Raises:
+        SceneError: it does.
+    """
+    if scene.loops:
+        what = "a scene with loops is simulated: nothing else here knows what joints and loops share"
+        remedy = "robodyn simulate follows the closed chain; without [[loop]] its open tree is computed"
+        raise SceneError(what, remedy=remedy, file=file)
+
+
 def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
     where = f"[[loop]] {shown(loop.name)}"
     _known(where, "link", loop.link, model.links, file)

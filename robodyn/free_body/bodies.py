@@ -20,6 +20,7 @@ from robodyn.free_body.types import Action, FreeBodies, FreeBody, JointRow
 from robodyn.model import Model
 from robodyn.plan import applied, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import refuse_loops
 
 GROUND = "ground"
 _FREEDOM = {"fixed": 0, "revolute": 1, "prismatic": 1, "floating": 6}
@@ -54,6 +55,7 @@ def free_bodies(
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     if shape:
         raise InputError(f"{shape} samples", remedy="a free-body diagram is of one state")
+    refuse_loops(scene)
     a_plan = plan(model, scene, still(sources))
     state = {name: tuple(values[0].tolist()) for name, values in sources.items() if values.size or name != "columns"}
     extra = dict(zip(scene.columns, state.pop("columns", ()), strict=True))

@@ -24,6 +24,7 @@ def check_leapfrog(equations: Equations) -> None:
         return
     undriven = Equations(replace(equations.plan, scene=replace(scene, drive={})))
     causes = [effect.name for effect in effects if _needs_speed(undriven, [effect])]
+    causes = ["loops"] if scene.loops else causes
     causes += ["drives with kd"] * any(drive.kd for drive in scene.drive.values())
     what = f"verlet does not apply: accelerations depend on speeds ({', '.join(causes)})"
     raise InputError(what, remedy="--method gauss2 keeps energy too, whatever forces there are")
