@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,23 +19,18 @@ from robodyn.simulation.adaptive import adaptive_motion
 from robodyn.simulation.closed_start import closed_start, start_notes
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.simulation.fixed import FixedSteps, Motion
+from robodyn.simulation.fixed import SHORTER, FixedSteps, Motion
+from robodyn.simulation.how import How, how_of, way
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
-from robodyn.simulation.methods import Method, method_named
+from robodyn.simulation.remarks import held, pushed_back
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.table import Signal, Source, Table, read_table
 
 Floats = NDArray[np.float64]
 DURATION = 10.0
 """s, where none is given and no table says it."""
-STEP = 1e-3
-"""s, where neither a step nor a tolerance is given."""
-RTOL = 1e-9
-"""Of an adaptive method, where none is given."""
-LEAST_RTOL = 1e-13
-"""Below, SciPy's methods only follow rounding."""
 SLIP_SPEED = 1e-3
 """rad/s, where a joint has Coulomb friction and the scene gives none."""
 
@@ -64,9 +58,10 @@ def simulate(
         table: where the scene's drives, wrenches or initial state name columns: a file, or arrays by name with `time`
             among them, which begins when the simulation does. References are cubic splines through its rows; torques
             and wrenches are straight between them, or held, as the scene says.
-        step: s; of a method with a fixed step; by default 1 ms.
+        step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it.
         rtol: of an adaptive method.
-        method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", with `rtol` "dop853".
+        method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", "radau" where that needs
+            too many steps, with `rtol` "dop853".
         executor: "numpy", "compiled", or "auto": the quicker.
 
     Raises:
@@ -75,13 +70,18 @@ def simulate(
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
-    how = _how(step, rtol, method)
+    how = how_of(step, rtol, method)
     _check_positive(duration=duration, step=step, rtol=rtol)
     scene, notes = with_friction(model, scene)
     a_plan = plan(model, scene)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     length = duration or (DURATION if signal.table is None else signal.table.duration)
-    motion, evaluations = integrated(a_plan, how, length, executor, signal)
+    begun = initial_state(model, scene, signal.table)
+    how, stiff, remedy = way(a_plan, how, begun[: model.nq], length, step is None, method is None)
+    try:
+        motion, evaluations = integrated(a_plan, how, length, executor, signal)
+    except InputError as error:
+        raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     return Simulation(
         model=model,
@@ -104,18 +104,13 @@ def simulate(
             *model.notes,
             *signal.said,
             *notes,
-            *start_notes(model, scene, motion.states[0], initial_state(model, scene, signal.table)),
+            *start_notes(model, scene, motion.states[0], begun),
+            *stiff,
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
+            *map(str, held(model, scene, motion.time, qd)),
+            *([pushed_back(model, motion.time, q, qd)] if scene.joint_limits == "spring" else []),
         ),
     )
-
-
-class How(NamedTuple):
-    """A method, with the step of one that has fixed steps, or the tolerance of one that has not."""
-
-    method: Method
-    step: float
-    rtol: float
 
 
 def integrated(
@@ -163,15 +158,6 @@ def initial_state(model: Model, scene: Scene, table: Table | None = None) -> Flo
                 raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
             h /= np.linalg.norm(h)
     return state
-
-
-def _how(step: float | None, rtol: float | None, name: str | None) -> How:
-    method = method_named(name or ("rk4" if rtol is None else "dop853"))
-    if method.adaptive and step is not None:
-        raise InputError(f"{method.name} chooses its own steps", remedy="give --rtol instead of --step")
-    if not method.adaptive and rtol is not None:
-        raise InputError(f"{method.name} has steps of a fixed length", remedy="give --step instead of --rtol")
-    return How(method, STEP if step is None else step, max(RTOL if rtol is None else rtol, LEAST_RTOL))
 
 
 def _check_positive(**given: float | None) -> None:

@@ -12,6 +12,9 @@ from robodyn.spatial import Scalar
 from robodyn.trace.program import Program, trace
 from robodyn.trace.scalar import Tape
 
+REST = 2.0**-16
+"""Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class Steps:
@@ -20,6 +23,8 @@ class Steps:
     Of an implicit method the stages `K_i` (rates of u, qd and work) follow the state: `sweep` puts
     `f(y + h sum_j A_ij K_j)` in place of every K_i, again and again until they stay, and tells their change; `step`
     then ends the step and keeps them as a guess for the next one. Of an explicit one there are no stages to keep.
+    The change is relative to the stages, or to a small part of positions per step: where forces cancel, a robot at
+    rest has no stages to speak of.
     """
 
     equations: Equations
@@ -54,7 +59,7 @@ class Steps:
         return trace(outputs)
 
     def sweep(self) -> Program | None:
-        """The program of the state, the stages after a sweep, and `|change|^2 / |stages|^2`; None if explicit."""
+        """The program of the state, the stages after a sweep and the square of their change; None if explicit."""
         if not self.method.implicit:
             return None
 
@@ -63,7 +68,8 @@ class Steps:
             new = [self._stage(state, old, row, now) for row, now in zip(self.method.A, given, strict=True)]
             before, after = _flat(old), _flat(new)
             change = _square(a - b for a, b in zip(after, before, strict=True))
-            return [*state.q, *state.qd, state.work, state.step, *after, change / (_square(after) + 1e-300)]
+            floor = (REST + REST * _square(state.q)) / (state.step * state.step)
+            return [*state.q, *state.qd, state.work, state.step, *after, change / (_square(after) + floor)]
 
         return trace(outputs)
 

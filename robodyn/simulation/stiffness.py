@@ -1,0 +1,145 @@
+"""How fast the stiffest friction, drive or spring settles, and the longest step that follows it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import floor, log10
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.effects.friction import rubbing
+from robodyn.inverse import mass_matrix
+from robodyn.model import Joint
+from robodyn.plan import Plan
+from robodyn.simulation.methods import Method
+
+Floats = NDArray[np.float64]
+FRICTION = "Coulomb friction near rest"
+CONTRACTION = 0.45
+"""46 sweeps then end in rounding."""
+
+
+class Stiffest(NamedTuple):
+    """The fastest rate [1/s] at which something in a scene settles or swings, what it is, and at which joint."""
+
+    rate: float
+    cause: str
+    joint: str
+
+    def longest(self, method: Method) -> float:
+        """The longest stable step of a method [s]."""
+        return reach(method) / self.rate
+
+    def __str__(self) -> str:
+        return f'{self.cause} of "{self.joint}" settles at {self.rate:.3g}/s'
+
+    def remedy(self, method: Method, step: float, slip_speed: float) -> str:
+        """What to do about a step that is too long."""
+        longest = self.longest(method)
+        more = (
+            f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene" if self.cause == FRICTION else ""
+        )
+        return f"give --step {rounded(0.5 * longest):g}, or --method radau{more}"
+
+
+def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
+    """The stiffest of what a scene has at q; None where nothing is stiff.
+
+    The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
+    root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
+    """
+    damping, stiffness = list(_slopes(a_plan)), list(_springs(a_plan))
+    if not damping and not stiffness:
+        return None
+    M = mass_matrix(a_plan.model, q, scene=a_plan.scene, executor="numpy")
+    found = [_fastest(M, slopes, power) for slopes, power in ((damping, 1.0), (stiffness, 0.5)) if slopes]
+    return max((each for each in found if each is not None), default=None)
+
+
+class Slope(NamedTuple):
+    """A torque's slope at the joint of a coordinate [N m s/rad or N m/rad]."""
+
+    joint: Joint
+    cause: str
+    value: float
+
+
+def _slopes(a_plan: Plan) -> Iterator[Slope]:
+    model, scene = a_plan.model, a_plan.scene
+    for _, joint, friction in rubbing(model, scene):
+        steepest = max(abs(friction.forward), abs(friction.backward), abs(friction.stribeck or 0.0))
+        if scene.slip_speed and steepest:
+            yield Slope(joint, FRICTION, steepest / scene.slip_speed)
+        if friction.viscous:
+            yield Slope(joint, "viscous friction", friction.viscous)
+    for joint in model.independent:
+        drive = scene.drive.get(joint.name)
+        if drive is not None and drive.kd > 0:
+            yield Slope(joint, "the drive's kd", drive.kd)
+    yield from _at_limits(a_plan, "the limit spring's damping", "damping")
+
+
+def _springs(a_plan: Plan) -> Iterator[Slope]:
+    model, scene = a_plan.model, a_plan.scene
+    for body in model.bodies:
+        spring = scene.spring.get(body.joint.name)
+        if spring is not None and spring.stiffness > 0:
+            yield Slope(body.joint, "the spring", spring.stiffness)
+    for joint in model.independent:
+        drive = scene.drive.get(joint.name)
+        if drive is not None and drive.kp > 0:
+            yield Slope(joint, "the drive's kp", drive.kp)
+    yield from _at_limits(a_plan, "the limit spring", "stiffness")
+
+
+def _at_limits(a_plan: Plan, cause: str, which: str) -> Iterator[Slope]:
+    value = getattr(a_plan.scene.limit_spring, which, 0.0)
+    for body in a_plan.model.bodies:
+        if value and (body.joint.lower is not None or body.joint.upper is not None):
+            yield Slope(body.joint, cause, value)
+
+
+def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
+    """The root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
+    S = np.zeros(len(M))
+    for slope in slopes:
+        S[slope.joint.rate] += slope.joint.multiplier**2 * slope.value
+    weight = np.sqrt(S)
+    try:
+        values, vectors = np.linalg.eigh(weight[:, None] * np.linalg.inv(M) * weight)
+    except np.linalg.LinAlgError:
+        return None
+    if not np.isfinite(values).all() or values[-1] <= 0.0:
+        return None
+    place = int(np.argmax(np.abs(vectors[:, -1])))
+    here = [slope for slope in slopes if slope.joint.rate == place]
+    most = max(here, key=lambda slope: slope.joint.multiplier**2 * slope.value)
+    return Stiffest(float(values[-1]) ** power, most.cause, most.joint.name)
+
+
+def reach(method: Method) -> float:
+    """The longest step times rate that a method with fixed steps follows.
+
+    Of an explicit one the end of `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an
+    implicit one where each sweep still leaves no more than CONTRACTION of the error, which is x times the spectral
+    radius of A.
+    """
+    if method.semi or method.leapfrog:
+        return 2.0
+    A, b = np.array(method.A), np.array(method.b)
+    if method.implicit:
+        return CONTRACTION / float(np.abs(np.linalg.eigvals(A)).max())
+    one, low, high = np.ones(len(b)), 0.5, 10.0
+    while high - low > 1e-9:
+        x = 0.5 * (low + high)
+        stable = abs(1.0 - x * (b @ np.linalg.solve(np.eye(len(b)) + x * A, one))) <= 1.0
+        low, high = (x, high) if stable else (low, x)
+    return low
+
+
+def rounded(step: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is no more than this."""
+    power = 10.0 ** floor(log10(step))
+    return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")
