@@ -22,8 +22,11 @@ _TURN = 0.6180339887
 """Angle between the rows and the coordinate axes, so that the edges of a part do not lie along them."""
 
 
-_ORDERS = np.array([(0, 1, 2), (1, 0, 2), (0, 2, 1), (0, 1, 2), (0, 1, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)])
+_ORDERS = np.array([(0, 1, 2), (1, 0, 2), (0, 2, 1), (0, 1, 2), (0, 1, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]).T
 """Corners in ascending order, by whether 0 > 1, 1 > 2 and 0 > 2 as bits 1, 2 and 4."""
+
+_DOWN = np.where((_ORDERS[1] - _ORDERS[0]) % 3 == 1, -1, 1)
+"""-1 where that order is the one of the winding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,19 +99,19 @@ class Lattice:
         v = _along(X, self.frame[1])
         row = np.clip(np.floor((v - self.corner[1]) / self.step + 0.5), 0, self.rows).astype(np.int32)
         (met,) = np.nonzero((row[0] != row[1]) | (row[0] != row[2]))
-        row = row[:, met]
-        order = _ORDERS[(row[0] > row[1]) * 1 + (row[1] > row[2]) * 2 + (row[0] > row[2]) * 4].T
-        down = np.where((order[1] - order[0]) % 3 == 1, -1, 1)
-        row, v = (np.take_along_axis(part, order, axis=0) for part in (row, v[:, met]))
-        X = X.take(met, axis=2)
-        points = np.stack([np.take_along_axis(_along(X, axis), order, axis=0) for axis in self.frame[::2]])
+        row, X, count = row.take(met, axis=1), X.take(met, axis=2), len(met)
+        case = (row[0] > row[1]) + 2 * (row[1] > row[2]).view(np.uint8) + 4 * (row[0] > row[2]).view(np.uint8)
+        place = _ORDERS.take(case, axis=1) * count + np.arange(count)
+        row = row.ravel().take(place)
+        points = np.stack([part.ravel().take(place) for part in (*(_along(X, a) for a in self.frame[::2]), v[:, met])])
         which, step = _counted(row[2] - row[0])
-        line = row[0, which] + step
+        line = row[0].take(which) + step
         height = self.corner[1] + (line + 0.5) * self.step
-        low = (line >= row[1, which]).astype(np.int64)
-        long = _at(points[:, 0, which], points[:, 2, which], v[0, which], v[2, which], height)
-        short = _at(points[:, low, which], points[:, low + 1, which], v[low, which], v[low + 1, which], height)
-        return self._within(long, short, line, down[which])
+        low = (line >= row[1].take(which)) * count + which
+        flat = points.reshape(3, -1)
+        long = _at(points[:, 0].take(which, axis=1), points[:, 2].take(which, axis=1), height)
+        short = _at(flat.take(low, axis=1), flat.take(low + count, axis=1), height)
+        return self._within(long, short, line, _DOWN.take(case.take(which)))
 
     def _within(self, long: Floats, short: Floats, line: Integers, sign: Integers) -> Hits:
         """Columns between the two edges of a triangle on a line; each edge is given as rows (along, depth)."""
@@ -171,9 +174,9 @@ def _along(X: Floats, axis: Floats) -> Floats:
     return along
 
 
-def _at(start: Floats, end: Floats, low: Floats, high: Floats, height: Floats) -> Floats:
-    """What is interpolated at a height between those of two points."""
-    between: Floats = start + (height - low) / (high - low) * (end - start)
+def _at(start: Floats, end: Floats, height: Floats) -> Floats:
+    """The first two rows of points, interpolated at a height between those of the third rows."""
+    between: Floats = start[:2] + (height - start[2]) / (end[2] - start[2]) * (end[:2] - start[:2])
     return between
 
 
