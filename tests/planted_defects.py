@@ -111,6 +111,7 @@ _GRIP = '<limit lower="0" upper="0.04" effort="25" velocity="0.2"/>'
 _SHOULDER = '<limit lower="-2.9" upper="2.8" effort="120" velocity="2.5"/>'
 _TO_LIMIT = HEALTHY.partition('"shoulder" ')[2].partition("<dynamics")[0]
 _RIGHT = '<mass value="0.12"/><inertia ixx="3.1e-4" ixy="0" ixz="0" iyy="2.1e-4" iyz="0" izz="2.5e-4"/>'
+_ROD = '<cylinder radius="0.05" length="0.4"/>'
 _SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'
 
 DEFECTS = tuple(
@@ -277,6 +278,26 @@ DEFECTS = tuple(
         ("RD606", 'size="0.3 0.3 0.1"', 'size="@0.3 0.3 -0.1"'),
         ("RD606", 'radius="0.05"', 'radius="@0"'),
         ("RD606", 'length="0.4"', 'length="@-0.4"'),
+        ("RD606", _ROD, '<mesh filename="package://a/b.stl" scale="@1 0 1"/>'),
+        ("RD606", _ROD, '<mesh filename="package://a/b.stl" scale="@1 -1 1"/>'),
+        ("RD601", _ROD, '<mesh filename="@"/>'),
+        ("RD601", _ROD, '<mesh filename="@http://localhost/a.stl"/>'),
+        ("RD603", _ROD, '<mesh filename="@package://a/../b.stl"/>'),
+        ("RD008", _LENS, "@<!-- robodyn: allow RD211 -->" + _LENS),
+        ("RD008", _LENS, "@<!-- robodyn: allow RD999 it is so -->" + _LENS),
+        ("RD008", _LENS, "@<!-- robodyn: ignore RD211, it is so -->" + _LENS),
+        ("RD009", _LENS, "@<!-- robodyn: allow RD207 it is so -->" + _LENS),
+        ("RD009", _OPTICS, _OPTICS + "@<!-- robodyn: allow RD501 it is so -->"),
+        ("RD205", '<mass value="0.2"/>', '<mass value="@-0e3"/>'),
+        ("RD301", _ARM, '<inertia ixx="0.2" ixy="0.001" ixz="-0.002" iyy="@0.245" iyz="0.0005" izz="0.1"/>'),
+        ("RD303", _ARM, '<inertia ixx="1e-4" ixy="0" ixz="0" iyy="@1.2e-4" iyz="0" izz="9e-5"/>'),
+        ("RD304", 'value="3.5"', 'value="@60"'),
+        ("RD701", '<gazebo reference="arm">', '<gazebo reference="@amr">'),
+        ("RD701", _OPTICS, f'{_OPTICS}<transmission name="t"><type>x</type><joint name="@rol"/></transmission>'),
+        ("RD701", _OPTICS, f'{_OPTICS}<ros2_control name="s" type="system"><joint name="@rol"/></ros2_control>'),
+        ("RD801", 'effort="40"', 'effort="@0.001"'),
+        ("RD803", 'effort="120"', 'effort="@95000"'),
+        ("RD804", 'damping="0.4"', 'damping="@4000"'),
     )
 )
 
