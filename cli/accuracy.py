@@ -7,6 +7,7 @@ import click
 from robodyn.cli.accuracy_input import accuracy_of
 from robodyn.cli.files import check_names
 from robodyn.cli.options import FORMAT, GRAVITY, PATH, POSITIVE, SCENE, Vector
+from robodyn.cli.reports import REPORT, reported
 from robodyn.cli.screen import page, show
 from robodyn.cli.whole_file import write_whole
 from robodyn.report.json_accuracy import accuracy_json
@@ -21,6 +22,7 @@ from robodyn.report.text_accuracy import accuracy_text
 @click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
 @SCENE
 @GRAVITY
+@REPORT
 @FORMAT
 def command(
     files: tuple[str, ...],
@@ -29,6 +31,7 @@ def command(
     plot: str | None,
     scene_file: str | None,
     gravity: Vector | None,
+    report: str | None,
     form: str,
 ) -> int:
     """True errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the motion
@@ -37,10 +40,11 @@ def command(
     \b
     Examples:
       robodyn accuracy robots/meshes/bracket.stl --target 1e-6
-      robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv
+      robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv --report accuracy.html
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
     check_names([*files, scene_file], plot)
+    check_names([*files, scene_file], report)
     picture = form_of(plot) if plot else ""
     found = accuracy_of(files, scene_file, gravity, duration)
     written = ""
@@ -49,5 +53,9 @@ def command(
 
         write_whole(plot, rendered(accuracy_figure(found, target), picture))
         written = f"\nwritten: {plot}\n"
+    if report:
+        from robodyn.report.page_accuracy import accuracy_page
+
+        written += reported(report, lambda pictures: accuracy_page(found, target, pictures))
     show(accuracy_json(found, target) if form == "json" else accuracy_text(found, target, page()) + written)
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))

@@ -18,22 +18,25 @@ from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names
 from robodyn.cli.options import PATH
 from robodyn.cli.progress import robots_done
+from robodyn.cli.reports import REPORT, write_report
 from robodyn.cli.screen import show
 
 
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @OPTIONS
+@REPORT
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
     A file named - is standard input; a folder means every .urdf below it; a .xacro file is expanded first.
     The exit status is 1 if an error is found. `robodyn rule CODE` explains a finding.
 
     \b
-    Example:
+    Examples:
       robodyn check robots/ --ignore RD110
+      robodyn check robots/puma.urdf --report findings.html
     """
-    check_names([*urdfs], None)
+    check_names([*urdfs], flags["report"])
     check_flags(flags, STANDARD_INPUT in urdfs)
     asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"])
     given = Options(flags["select"] or (), flags["ignore"] or (), package_path=flags["packages"], asked=asked)
@@ -51,6 +54,10 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         checked = _new(checked, flags["baseline"])
     if not flags["diff"]:
         show(report(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
+    if flags["report"]:
+        from robodyn.report.page_check import check_page
+
+        click.echo(write_report(flags["report"], check_page(checked)).strip(), err=True)
     fatal = (Severity.E, Severity.W) if flags["strict"] else (Severity.E,)
     return int(any(checked.count(severity) for severity in fatal))
 

@@ -9,6 +9,7 @@ import click
 from robodyn.cli.files import check_names
 from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
 from robodyn.cli.options import PATH, Vector
+from robodyn.cli.reports import REPORT
 from robodyn.inertia.view import View
 
 
@@ -19,7 +20,8 @@ from robodyn.inertia.view import View
 @COMBINE
 @ROBOT
 @VIEW
-def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, **how: Any) -> None:
+@REPORT
+def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **how: Any) -> None:
     """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input.
 
@@ -29,17 +31,17 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, **how: A
       robodyn inertia a.stl b.stl --combine --place 0,0,0 --place 0,0,0.1,0,0,1.57
       robodyn inertia robot.urdf --at 0.1,-0.5,0.3
       robodyn inertia robot.urdf --at elbow=0.3 --about origin
-      robodyn inertia robot.urdf --link forearm
+      robodyn inertia robot.urdf --link forearm --report forearm.html
       robodyn inertia robot.urdf --link forearm --geometry collision --density 2700 --format urdf
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
-    check_names([*files], None)
+    check_names([*files], report)
     view, ctx = View(about, rpy), click.get_current_context()
     if how["file_type"] == "urdf" or any(name.lower().endswith(".urdf") for name in files):
         from robodyn.cli.inertia_robot import robot
 
-        robot(files, view, form, ctx)
+        robot(files, view, form, report, ctx)
     else:
         from robodyn.cli.inertia_meshes import meshes
 
-        meshes(files, view, form, ctx, **how)
+        meshes(files, view, form, report, ctx, **how)

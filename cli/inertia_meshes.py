@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import click
 
 from robodyn.accuracy.inertia_within import needs_rationals, with_promise
+from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
 from robodyn.cli.meter import metered
+from robodyn.cli.reports import reported
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
 from robodyn.inertia.urdf_text import inertial_element
 from robodyn.inertia.view import View
-from robodyn.part import Part, mass_properties
+from robodyn.part import Floats, Part, mass_properties
 from robodyn.report.json_inertia import inertia_json
 from robodyn.report.text_inertia import inertia_text
 
@@ -24,6 +27,7 @@ def meshes(
     files: Sequence[str],
     view: View,
     form: str,
+    report: str | None,
     ctx: click.Context,
     combine: bool,
     place: Sequence[Pose],
@@ -34,12 +38,34 @@ def meshes(
     if combine or form == "urdf":
         how |= {name: how[name] or False for name in ("symmetry", "tessellation")}
     parts, whole = _measured(files, combine, **{name: value for name, value in how.items() if name not in OF_ROBOTS})
+    shapes = partial(_shapes, files, how) if report else None
     if combine:
-        _combined(parts, place, whole, view, form)
-    elif form == "urdf":
+        _combined(parts, place, whole, view, form, report, shapes)
+        return
+    written = ""
+    if shapes:
+        from robodyn.report.page_inertia import parts_page
+
+        written = reported(report, lambda pictures: parts_page(parts, view, shapes(pictures)))
+    if form == "urdf":
         show("\n".join(inertial_element(part.body, "") for part in parts) + "\n")
     else:
-        show(inertia_json(parts, view) if form == "json" else inertia_text(parts, view, page()))
+        show(inertia_json(parts, view) if form == "json" else inertia_text(parts, view, page()) + written)
+
+
+def _shapes(files: Sequence[str], how: dict[str, Any], pictures: bool) -> list[Floats | None]:
+    """The triangles of each file [m]; None where they are not wanted or cannot be read a second time."""
+    from robodyn.mesh.load import load_triangles
+
+    units = one_each(how["unit"], files, "--unit")
+    found: list[Floats | None] = []
+    for name, unit in zip(files, units, strict=True):
+        if not pictures or name == STANDARD_INPUT:
+            found.append(None)
+            continue
+        triangles = load_triangles(name, file_type=how["file_type"], unit=unit)
+        found.append(triangles.array() * triangles.scale)
+    return found
 
 
 def _measured(
@@ -72,13 +98,25 @@ def _measured(
     return parts if accuracy is None else [with_promise(part, accuracy) for part in parts], whole
 
 
-def _combined(parts: Sequence[Part], places: Sequence[Pose], mass: float | None, view: View, form: str) -> None:
+def _combined(
+    parts: Sequence[Part],
+    places: Sequence[Pose],
+    mass: float | None,
+    view: View,
+    form: str,
+    report: str | None,
+    shapes: Callable[[bool], list[Floats | None]] | None,
+) -> None:
     from robodyn.combination import combined
     from robodyn.report.json_composite import combination_json
     from robodyn.report.text_composite import combination_text
 
-    found = combined(parts, places, mass)
+    found, written = combined(parts, places, mass), ""
+    if shapes:
+        from robodyn.report.page_composite import combination_page
+
+        written = reported(report, lambda pictures: combination_page(found, view, shapes(pictures)))
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     else:
-        show(combination_json(found, view) if form == "json" else combination_text(found, view, page()))
+        show(combination_json(found, view) if form == "json" else combination_text(found, view, page()) + written)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
 from robodyn.cli.files import described
 from robodyn.cli.inertia_options import check_use, one_each
 from robodyn.cli.progress import counted
+from robodyn.cli.reports import pictured, write_report
 from robodyn.cli.screen import page, show
 from robodyn.inertia.urdf_text import inertial_element
 from robodyn.inertia.view import View
@@ -24,7 +26,7 @@ from robodyn.urdf.description import Description
 from robodyn.urdf.geometry import Kind
 
 
-def robot(files: Sequence[str], view: View, form: str, ctx: click.Context) -> None:
+def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: click.Context) -> None:
     """Show what the options ask of one description."""
     given = ctx.params
     shapes = given["geometry"] is not None
@@ -42,7 +44,7 @@ def robot(files: Sequence[str], view: View, form: str, ctx: click.Context) -> No
         "a whole robot": _whole,
         "a link's shapes": _from_shapes,
         "a link as declared": _declared,
-    }[use](description, view, form, ctx)
+    }[use](description, view, form, report, ctx)
 
 
 def _reading(ctx: click.Context) -> Reading:
@@ -50,31 +52,44 @@ def _reading(ctx: click.Context) -> Reading:
     return Reading(how, watch=counted)
 
 
-def _compared(description: Description, view: View, form: str, ctx: click.Context) -> None:
+def _compared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     kind: Kind = ctx.params["geometry"] or "visual"
     found = compare(description, kind, ctx.params["package_path"], _reading(ctx))
-    show(comparison_json(found) if form == "json" else comparison_text(found, page()))
+    written = _written(report, "differences_page", found)
+    show(comparison_json(found) if form == "json" else comparison_text(found, page()) + written)
 
 
-def _whole(description: Description, view: View, form: str, ctx: click.Context) -> None:
+def _written(report: str | None, build: str, *given: Any) -> str:
+    """Write the report that a function builds, if one is asked for; a line that says so."""
+    if report is None:
+        return ""
+    from robodyn.report import page_composite
+
+    pictures = () if build == "differences_page" else (pictured(report),)
+    return write_report(report, getattr(page_composite, build)(*given, *pictures))
+
+
+def _whole(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = robot_inertia(description, ctx.params["at"] or ())
+    written = _written(report, "robot_page", found, description, view)
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     else:
-        show(robot_json(found, view) if form == "json" else robot_text(found, view, page()))
+        show(robot_json(found, view) if form == "json" else robot_text(found, view, page()) + written)
 
 
-def _declared(description: Description, view: View, form: str, ctx: click.Context) -> None:
+def _declared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = link_inertia(description, ctx.params["link"])
+    written = _written(report, "link_page", found, description, view)
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     elif form == "json":
         show(link_json(description.name, found, view))
     else:
-        show(link_text(description.file, found, view, page()))
+        show(link_text(description.file, found, view, page()) + written)
 
 
-def _from_shapes(description: Description, view: View, form: str, ctx: click.Context) -> None:
+def _from_shapes(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     given = ctx.params
     found = link_from_shapes(
         description,
@@ -85,9 +100,10 @@ def _from_shapes(description: Description, view: View, form: str, ctx: click.Con
         package_paths=given["package_path"],
         reading=_reading(ctx),
     )
+    written = _written(report, "link_shapes_page", found, description, view)
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     elif form == "json":
         show(link_shapes_json(description.name, found, view))
     else:
-        show(link_shapes_text(description.file, found, view, page()))
+        show(link_shapes_text(description.file, found, view, page()) + written)

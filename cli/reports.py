@@ -65,6 +65,15 @@ def _import() -> None:
             import_module(name)
 
 
+def reported(report: str | None, document: Callable[[bool], Any]) -> str:
+    """Write a report if one is asked for; a line that says so.
+
+    Args:
+        document: what is to be written, with figures or without.
+    """
+    return "" if report is None else write_report(report, document(pictured(report)))
+
+
 def write_report(path: str, document: Any) -> str:
     """Write a document with the command and the versions at its foot; a line that says so.
 

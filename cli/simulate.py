@@ -6,6 +6,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
+from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
 from robodyn.report.json_simulation import simulation_json
@@ -27,6 +28,7 @@ from robodyn.trajectory.write import open_writer
 @click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
 @click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
+@REPORT
 @FORMAT
 def command(
     urdf: str,
@@ -40,16 +42,20 @@ def command(
     out: str | None,
     explain: bool,
     executor: str,
+    report: str | None,
     form: str,
 ) -> None:
     """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base.
     Drives and wrenches may follow columns of a table (--traj). There is no contact. A file named - is standard input.
 
     \b
-    Example:
+    Examples:
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --duration 2
+      robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --report r.html
     """
     check_names([urdf, scene_file, table], out)
+    check_names([urdf, scene_file, table], report)
+    get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, None, loops=True)
     if accuracy is None:
         result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
@@ -64,4 +70,8 @@ def command(
         with open_writer(out, result.names) as writer:
             writer.write(result.time, result.columns)
         written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
+    if report:
+        from robodyn.report.page_simulation import simulation_page
+
+        written += reported(report, lambda pictures: simulation_page(result, pictures))
     show(simulation_json(result) if form == "json" else simulation_text(result, explain, page()) + written)

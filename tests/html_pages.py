@@ -108,6 +108,8 @@ def _accessible(page: Page) -> None:
                 assert value.removeprefix("#") in names, value
         if element.attributes.get("role") in ("img", "region"):
             assert element.attributes.get("aria-label") or element.attributes.get("aria-labelledby"), element
+    regions = [each.attributes.get("aria-label") for each in page.elements if each.attributes.get("role") == "region"]
+    assert len(regions) == len(set(regions)), regions
     assert all(each.attributes.get("scope") in ("row", "col") for each in page.all("th"))
     assert len(page.all("caption")) == len(page.all("table"))
     assert len(page.all("figure")) == len(page.all("figcaption"))

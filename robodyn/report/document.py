@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from robodyn.report.table import printable
+
 Level = Literal["good", "doubtful", "bad", "neutral"]
 
 
@@ -80,7 +82,7 @@ class Findings:
     """Remarks on places of a file.
 
     Attributes:
-        items: each a level, a title, and lines; a line of the source is among them as (text, True).
+        items: each a level, a title, and lines; lines of the source are among them as (text, True).
     """
 
     items: tuple[tuple[Level, str, tuple[tuple[str, bool], ...]], ...]
@@ -120,6 +122,11 @@ class Document:
     blocks: tuple[Block, ...]
     command: str = ""
     versions: tuple[str, ...] = ()
+
+
+def code_lines(text: str) -> str:
+    """Lines of a source as they are shown: with control characters escaped."""
+    return "\n".join(map(printable, text.split("\n")))
 
 
 LARGEST = 400_000

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from robodyn.history import Floats
 
 INK, SOFT, GRID, PAPER, BAD, GOOD = "#0a0b01", "#0a0b02", "#0a0b03", "#0a0b04", "#0a0b05", "#0a0b06"
-SERIES = tuple(f"#0a0c{k:02d}" for k in range(1, 9))
+SERIES = tuple(f"#0a0c{k:02d}" for k in range(1, 11))
 """Colours that stand for those of a page: words and axes, less important ones, lines behind, the page itself, what is
 bad, what is good, and those of curves."""
 _NAMES = {INK: "ink", SOFT: "soft", GRID: "grid", PAPER: "paper", BAD: "bad", GOOD: "good"}
@@ -76,14 +76,20 @@ def plot(width: int, height: int, draw: Callable[[Figure], None], name: str, dot
 
 
 def few_ticks(axes: Axes, across: int = 6, up: int = 4) -> None:
-    """So many numbers at most along each linear axis, each whole, for a factor beside the axis is overlooked."""
-    from matplotlib.ticker import FuncFormatter
-
+    """So many numbers at most along each linear axis."""
     for axis, bins in ((axes.xaxis, across), (axes.yaxis, up)):
         if axis.get_scale() == "linear":
             locator: Any = axis.get_major_locator()
             locator.set_params(nbins=bins)
-            axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.5g}".replace("-", "\u2212")))
+    whole_numbers(axes)
+
+
+def whole_numbers(axes: Axes) -> None:
+    """Numbers without a factor beside the axis, which is overlooked, and without formulas."""
+    from matplotlib.ticker import FuncFormatter
+
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.5g}".replace("-", "\u2212")))
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> None:

@@ -7,7 +7,7 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
-from robodyn.report.document import Document, Download, Heading
+from robodyn.report.document import Document, Download, Heading, code_lines
 from robodyn.report.table import is_numeric, printable
 
 _ASSETS = Path(__file__).parent / "assets"
@@ -23,7 +23,7 @@ def html(document: Document) -> str:
 
     strict: dict[str, Any] = {"autoescape": True, "undefined": StrictUndefined}
     room = Environment(loader=FileSystemLoader(_ASSETS), trim_blocks=True, lstrip_blocks=True, **strict)
-    room.filters |= {"words": printable, "data": _data}
+    room.filters |= {"words": printable, "code": code_lines, "data": _data}
     room.tests["block"] = lambda block, name: type(block).__name__ == name
     script = _asset("page.js")
     digest = base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode()

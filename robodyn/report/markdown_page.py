@@ -17,6 +17,7 @@ from robodyn.report.document import (
     Paragraph,
     Table,
     Verdict,
+    code_lines,
 )
 from robodyn.report.table import is_numeric, printable
 
@@ -68,8 +69,13 @@ def _fact(what: str, figure: str, more: str) -> str:
 
 
 def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
-    rows = "".join(f"\n  {'    ' + printable(text) if code else escaped(text)}\n" for text, code in lines)
+    rows = "".join(f"\n{_indented(text) if code else '  ' + escaped(text)}\n" for text, code in lines)
     return f"- {_SIGNS[level]} **{escaped(title)}**\n{rows}"
+
+
+def _indented(code: str) -> str:
+    """Lines of code within a list."""
+    return "\n".join(f"      {line}" for line in code_lines(code).split("\n"))
 
 
 def _table(table: Table) -> str:

@@ -16,7 +16,7 @@ def _finding(finding: Finding) -> str:
     place = f"{finding.file}:{finding.line}:{finding.column}"
     lines = [
         f"{place}: {finding.severity.value} {finding.code} {finding.name}: {finding.message}",
-        *_marked(finding.line, finding.excerpt),
+        *marked(finding.line, finding.excerpt),
     ]
     if finding.cause is not None:
         lines.append(f"  cause: {finding.cause}")
@@ -26,7 +26,7 @@ def _finding(finding: Finding) -> str:
     return "".join(f"{printable(line)}\n" for line in lines)
 
 
-def _marked(line: int, excerpt: Excerpt) -> list[str]:
+def marked(line: int, excerpt: Excerpt) -> list[str]:
     """The source and the caret below; the lines that a terminal would break are escaped before they are counted."""
     if not excerpt.text:
         return []
@@ -37,12 +37,13 @@ def _marked(line: int, excerpt: Excerpt) -> list[str]:
 
 
 def _summary(checked: Checked) -> str:
-    files = _counted(len(checked.files), "file")
+    files = counted(len(checked.files), "file")
     if not checked.findings:
         return f"{files} checked: nothing found\n"
     names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
-    return f"{files} checked: {', '.join(_counted(checked.count(one), name) for one, name in names.items())}\n"
+    return f"{files} checked: {', '.join(counted(checked.count(one), name) for one, name in names.items())}\n"
 
 
-def _counted(count: int, noun: str) -> str:
+def counted(count: int, noun: str) -> str:
+    """So many of a thing."""
     return f"{count} {noun}{'' if count == 1 else 's'}"

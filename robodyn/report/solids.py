@@ -1,0 +1,89 @@
+"""Solids of triangles as a picture: seen from (1, 1, 1), drawn from the back to the front."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from robodyn.history import Floats
+from robodyn.report.figures import SOFT
+from robodyn.report.svg_arrows import RIGHT, TOWARDS, UP
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+PAPER = np.stack((RIGHT, UP, TOWARDS))
+"""Ground axes to right, up, and towards the reader."""
+_CELLS, _FEWEST, _MOST = 230, 60, 30_000
+"""Of triangles with corners in the same cells one is drawn. A cell is the size of all over _CELLS, about two pixels, or
+more where there would be too many triangles otherwise."""
+_PLACES = np.array((1, 1 << 20, 1 << 40))
+_CORNERS = np.array((1, 0x9E3779B97F4A7C15 - (1 << 64), 0x51ED270B7A3C9D4B))
+"""Numbers that make one of three."""
+_LIGHT = np.array([0.25, 0.55, 0.8])
+_TINTS = ((0.62, 0.67, 0.74), (0.53, 0.59, 0.68))
+_MARKED = (0.95, 0.60, 0.25)
+Solid = tuple[int, Floats]
+"""A number that gives the colour, and triangles (m, 3, 3)."""
+
+
+def on_paper(solids: Sequence[Solid]) -> list[Solid]:
+    """The solids in the axes of the paper, coarse enough for a picture; none where there is nothing to see."""
+    placed = [(number, triangles @ PAPER.T) for number, triangles in solids if len(triangles)]
+    if not placed:
+        return []
+    corners = np.concatenate([each.reshape(-1, 3) for _, each in placed])
+    finite = corners[np.isfinite(corners).all(axis=1)]
+    size = float(np.ptp(finite, axis=0).max()) if len(finite) else 0.0
+    if not size > 0.0:
+        return []
+    cells, coarse = float(_CELLS), placed
+    while cells == _CELLS or (sum(len(each) for _, each in coarse) > _MOST and cells > _FEWEST):
+        coarse = [(number, _coarse(each, size / cells)) for number, each in placed]
+        cells *= 0.8
+    return coarse
+
+
+def _coarse(triangles: Floats, cell: float) -> Floats:
+    """One of the triangles whose corners lie in the same three cells, none with two corners in one."""
+    finite = triangles[np.isfinite(triangles).all(axis=(1, 2))]
+    places = np.rint(finite / cell).astype(np.int64) @ _PLACES
+    a, b, c = np.sort(places, axis=1).T
+    real = (a != b) & (b != c)
+    _, first = np.unique((np.stack((a, b, c), axis=1) @ _CORNERS)[real], return_index=True)
+    found: Floats = finite[real][first]
+    return found
+
+
+def paint(axes: Axes, solid: Sequence[Solid], marked: int | None = None) -> None:
+    """Draw what `on_paper` returns by the painter's algorithm: what is behind is drawn first."""
+    from matplotlib.collections import PolyCollection
+
+    triangles = np.concatenate([each for _, each in solid])
+    tints = [_MARKED if number == marked else _TINTS[number % 2] for number, _ in solid]
+    colours = np.repeat(np.array(tints), [len(each) for _, each in solid], axis=0)
+    order = np.argsort(triangles[:, :, 2].sum(axis=1))
+    triangles, colours = triangles[order], colours[order]
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
+    light = np.abs(normal @ (_LIGHT / np.linalg.norm(_LIGHT)))
+    colours = np.clip(colours * (0.5 + 0.62 * light[:, None]), 0.0, 1.0)
+    flat: Any = triangles[:, :, :2]
+    faces = PolyCollection(flat, facecolors=colours, edgecolors=colours, linewidths=0.3, rasterized=True)
+    axes.add_collection(faces)
+    axes.autoscale_view()
+
+
+def triad(canvas: Canvas) -> None:
+    """The axes of the frame, in a corner."""
+    axes = canvas.add_axes((0.0, 0.0, 0.16, 0.16))
+    axes.set_axis_off()
+    axes.set_xlim(-1.5, 1.5)
+    axes.set_ylim(-1.5, 1.5)
+    for k, letter in enumerate("xyz"):
+        across, up, _ = PAPER[:, k]
+        axes.plot((0, across), (0, up), color=SOFT, linewidth=1.5)
+        axes.text(1.35 * across, 1.35 * up, letter, color=SOFT, ha="center", va="center", fontsize=11)
