@@ -42,8 +42,8 @@ class CentralMoments:
         for order, M in enumerate(self.tensors, start=2):
             image = M
             for _ in range(order):
-                image = np.tensordot(image, Q, axes=(0, 1))
-            bound = max(bound, float(np.abs(M - image).max()) / (2 * self.volume * self.reach**order))
+                image = image.reshape(3, -1).T @ Q.T
+            bound = max(bound, float(np.abs(M - image.reshape(M.shape)).max()) / (2 * self.volume * self.reach**order))
         return bound
 
 

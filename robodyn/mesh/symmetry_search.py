@@ -182,4 +182,4 @@ class Search:
 
 
 def _parallel(one: Array, other: Array) -> bool:
-    return bool(np.linalg.norm(np.cross(one, other)) <= _APART)
+    return bool(min(np.linalg.norm(one - other), np.linalg.norm(one + other)) <= _APART)
