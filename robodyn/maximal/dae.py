@@ -2,46 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from robodyn.dynamics.types import Wrench
 from robodyn.equations.jobs import check_equations
 from robodyn.errors import InputError
-from robodyn.forward import forward_dynamics
+from robodyn.maximal.closed import closed_state
+from robodyn.maximal.comparison import Comparison, compared
 from robodyn.maximal.consistent import Residuals, residuals
-from robodyn.maximal.coordinates import consistent
 from robodyn.maximal.counts import Counts, counted
-from robodyn.maximal.elimination import Reduced, Step, accelerations_along, independent_accelerations, reduced, steps
+from robodyn.maximal.elimination import Reduced, Step, accelerations_along, reduced, steps
 from robodyn.maximal.posed import Posed, posed
-from robodyn.maximal.reactions import joint_wrenches, loop_wrenches
+from robodyn.maximal.reactions import joint_wrenches
 from robodyn.maximal.solve import Solution, rank_of, solved
 from robodyn.model import Model
-from robodyn.plan import loads
 from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
 from robodyn.scene import DEFAULT, Scene
 
 Floats = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """Both forms side by side.
-
-    Attributes:
-        qdd: (n,) of the ODE form; wrenches: of its recursion of forces, one for each body's joint.
-        accelerations: the largest difference as a part of the largest acceleration.
-        forces: as a part of the largest force at a joint, on a body, or that moves one; moments: of the largest moment
-            at a joint, or of that force at the robot's length.
-    """
-
-    qdd: Floats
-    wrenches: tuple[Wrench, ...]
-    accelerations: float
-    forces: float
-    moments: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +64,8 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
     `[[M, G^T], [G, 0]] (a, -lambda) = (f, gamma)`.
 
     Args:
-        at, qd, tau: by order or by name, the rest zero; a base that moves stands upright at the ground's origin. In a
-            scene with loops `at` and `qd` are where the nearest state that closes them is sought, None being the
-            scene's initial state.
+        at, qd, tau: by order or by name, the rest zero; a base that moves stands upright at the ground's origin. Where
+            the scene has loops, the rest begins at the scene's initial values and moves so that the loops close.
 
     Raises:
         InputError: there are no equations, a name is none of a joint, or a number is not finite.
@@ -94,19 +74,13 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
     condition up to 1e7.
     """
     check_equations(model, scene)
-    q, speeds, torques = configuration(model, () if at is None else at), rates(model, qd), rates(model, tau)
+    torques = rates(model, tau)
     with np.errstate(all="ignore"):
         if scene.loops:
-            q, speeds = closed_state(model, scene, q, speeds, at is None)
+            q, speeds = closed_state(model, scene, at, qd)
+        else:
+            q, speeds = configuration(model, () if at is None else at), rates(model, qd)
         return dae_at(model, scene, q, speeds, torques)
-
-
-def closed_state(model: Model, scene: Scene, q: Floats, qd: Floats, initial: bool) -> tuple[Floats, Floats]:
-    """The nearest q and qd that close the loops, sought from those given or from the scene's initial ones."""
-    if initial:
-        for names, values, start in ((model.coordinates, q, scene.initial_q), (model.rates, qd, scene.initial_qd)):
-            values[:] = [start.get(name, value) for name, value in zip(names, values.tolist(), strict=True)]
-    return consistent(posed(model, scene, q.tolist(), qd.tolist(), [0.0] * model.n))
 
 
 def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Dae:
@@ -134,38 +108,6 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
         wrenches,
         left,
         steps(robot, left, solution),
-        None if solution is None or qdd is None else _compared(robot, left, solution, qdd, wrenches),
+        None if solution is None or qdd is None else compared(robot, rank, solution, qdd, wrenches),
         (*beyond_limits(model, q), *model.notes),
     )
-
-
-def _compared(robot: Posed, left: Reduced, solution: Solution, qdd: Floats, wrenches: tuple[Wrench, ...]) -> Comparison:
-    """The articulated-body recursion and the recursion of forces beside the saddle-point system."""
-    model, sample = robot.model, robot.sample
-    loops = loop_wrenches(robot.system, robot.at, solution.reactions.tolist())
-    if robot.scene.loops:
-        ode = independent_accelerations(left)
-    else:
-        q, qd, tau = (np.array(x, dtype=float) for x in (sample.q, sample.qd, robot.tau))
-        ode = forward_dynamics(model, q, qd, tau, scene=robot.scene, executor="numpy")
-    terms = replace(robot.terms, qd=sample.qd, qdd=tuple(ode.tolist()), wrenches=(*robot.terms.wrenches, *loops))
-    others = tuple(loads(sample, terms).reactions)
-    found = robot.matrices
-    moved = [part.reshape(-1, 6)[:, 3:] for part in (found.f, found.M @ solution.a)]
-    force = max(_largest(part) for part in (*moved, [wrench.f for wrench in others]))
-    moment = max(_largest([wrench.n for wrench in others]), force * robot.length)
-    return Comparison(
-        ode,
-        others,
-        _difference(qdd, ode, _largest(ode)),
-        _difference([wrench.f for wrench in wrenches], [wrench.f for wrench in others], force),
-        _difference([wrench.n for wrench in wrenches], [wrench.n for wrench in others], moment),
-    )
-
-
-def _largest(values: ArrayLike) -> float:
-    return float(np.abs(np.asarray(values, dtype=float)).max(initial=0.0))
-
-
-def _difference(one: ArrayLike, other: ArrayLike, scale: float) -> float:
-    return _largest(np.asarray(one, dtype=float) - np.asarray(other, dtype=float)) / (scale or 1.0)

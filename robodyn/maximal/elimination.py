@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +84,8 @@ def accelerations_at_rest(robot: Posed) -> Floats:
 
 def steps(robot: Posed, left: Reduced, solution: Solution | None) -> tuple[Step, ...]:
     """Every step with its identity, held against numbers from elsewhere."""
-    model, scene, found, rows = robot.model, robot.scene, robot.matrices, robot.system.tree
+    model, found, rows = robot.model, robot.matrices, robot.system.tree
+    scene = replace(robot.scene, loops=())
     q, qd, tau = (np.array(x, dtype=float) for x in (robot.sample.q, robot.sample.qd, robot.tau))
     G, gamma, J = found.G[:rows], found.gamma[:rows], left.J
     M = mass_matrix(model, q, scene=scene, executor="numpy")
@@ -128,7 +129,7 @@ def steps(robot: Posed, left: Reduced, solution: Solution | None) -> tuple[Step,
             "against bias(q, qd) of the recursion",
             left.free,
             tau - bias,
-            np.abs(J.T) @ (np.abs(found.f) + np.abs(found.M) @ np.abs(left.drift)),
+            _sizes(robot, left),
         ),
     ]
     return tuple(out) if solution is None else (*out, *_solved(robot, left, solution))
@@ -150,35 +151,62 @@ def independent_accelerations(left: Reduced) -> Floats:
 
 def _solved(robot: Posed, left: Reduced, solution: Solution) -> list[Step]:
     """The solution of the DAE put into the equations that are left."""
-    found, rows = robot.matrices, robot.system.tree
-    qdd = accelerations_along(robot, solution)
-    loops = solution.reactions[rows:]
-    what, formula = "M(q) qdd = tau - bias", "M(q) qdd = tau - bias(q, qd)"
-    right = left.free
-    if len(loops):
-        what, formula = f"{what} + G_l^T lambda_l", f"{formula} + G_l^T lambda_l, G_l qdd = gamma_l"
-        right = right + left.G.T @ loops
+    found, qdd = robot.matrices, accelerations_along(robot, solution)
     a = left.J @ qdd + left.drift
-    acting = found.M @ a - found.f
-    sizes = np.abs(found.M) @ np.abs(a) + np.abs(found.f)
+    back = _step(
+        "back to the reactions, where they are asked for",
+        "G^T lambda = M a - f",
+        "with qdd of the ODE form and lambda of the DAE",
+        found.G.T @ solution.reactions,
+        found.M @ a - found.f,
+        np.abs(found.M) @ np.abs(a) + np.abs(found.f),
+    )
+    ode = _with_loops if robot.system.loops else _without_loops
+    return [*ode(robot, left, solution, qdd), back]
+
+
+def _without_loops(robot: Posed, left: Reduced, solution: Solution, qdd: Floats) -> list[Step]:
     return [
         _step(
-            "the ODE form" if not len(loops) else "what is left: loops keep their reactions, G_l = G J",
-            formula,
-            f"qdd of the DAE in {what}",
+            "the ODE form",
+            "M(q) qdd = tau - bias(q, qd)",
+            "with qdd of the DAE",
             left.M @ qdd,
-            right,
-            np.abs(left.M) @ np.abs(qdd) + np.abs(right),
+            left.free,
+            np.abs(left.M) @ np.abs(qdd) + _sizes(robot, left),
+        )
+    ]
+
+
+def _with_loops(robot: Posed, left: Reduced, solution: Solution, qdd: Floats) -> list[Step]:
+    loops = solution.reactions[robot.system.tree :]
+    own = independent_accelerations(left)
+    start = np.abs(left.drift).max(initial=0.0)
+    return [
+        _step(
+            "what is left: loops keep their reactions, with G_l = G J",
+            "M(q) qdd = tau - bias(q, qd) + G_l^T lambda_l,  G_l qdd = gamma_l",
+            "with qdd and lambda of the DAE",
+            left.M @ qdd,
+            left.free + left.G.T @ loops,
+            np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(loops) + _sizes(robot, left),
         ),
         _step(
-            "back to the reactions, where they are asked for",
-            "G^T lambda = M a - f",
-            "with qdd of the ODE form and lambda of the DAE",
-            found.G.T @ solution.reactions,
-            acting,
-            sizes,
+            "the motions that the loops leave, G_l N = 0: their reactions go too",
+            "qdd = q_p + N z,  N^T M N z = N^T (tau - bias - M q_p)",
+            "qdd of these against that of the DAE",
+            own,
+            qdd,
+            np.abs(qdd) + start,
         ),
     ]
+
+
+def _sizes(robot: Posed, left: Reduced) -> Floats:
+    """Of what adds up to J^T (f - M drift)."""
+    found = robot.matrices
+    sizes: Floats = np.abs(left.J.T) @ (np.abs(found.f) + np.abs(found.M) @ np.abs(left.drift))
+    return sizes
 
 
 def accelerations_along(robot: Posed, solution: Solution) -> Floats:

@@ -118,7 +118,7 @@ def both_text(found: Dae) -> str:
     if both is None:
         return "nothing resists some motion: the accelerations and reactions are not defined\n"
     loops = bool(found.robot.scene.loops)
-    other = "the ODE form in the coordinates that the loops leave" if loops else "the ODE form's recursions"
+    other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
     return (
         f"Both forms: against {other} accelerations qdd differ by {error(both.accelerations)} of the largest,\n"
         f"forces at joints by {error(both.forces)} and moments by {error(both.moments)}\n"

@@ -8,7 +8,7 @@ from oracles import robot
 from single_bodies import HINGE, NEAR, four_bar, taken_apart
 from small_robots import built, chain, joint, link, random_tree
 
-from robodyn.maximal.dae import closed_state, dae, dae_at
+from robodyn.maximal.dae import dae, dae_at
 from robodyn.maximal.rank import ranked
 from robodyn.scene import Loop, Scene
 
@@ -72,9 +72,7 @@ def test_trees_have_nothing_redundant(name, free):
 
 
 def closed(model, scene):
-    q, qd, tau = (np.array(x) for x in NEAR)
-    q, qd = closed_state(model, scene, q, qd, False)
-    return dae_at(model, scene, q, qd, tau)
+    return dae(model, scene, *NEAR)
 
 
 def test_a_planar_four_bar_of_hinges():

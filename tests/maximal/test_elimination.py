@@ -1,4 +1,4 @@
-"""The elimination step by step: its identities, that they can fail, and closed chains in their own coordinates."""
+"""The elimination step by step: its identities, and that they can fail."""
 
 from __future__ import annotations
 
@@ -8,13 +8,10 @@ import numpy as np
 import pytest
 from busy_robot import BUSY_SCENE, busy_robot
 from oracles import robot, worst
-from single_bodies import HINGE, NEAR, four_bar, taken_apart
+from single_bodies import taken_apart
 from small_robots import random_tree
 
-import robodyn
 from robodyn.maximal import elimination
-from robodyn.maximal.dae import closed_state, dae_at
-from robodyn.maximal.elimination import independent_accelerations
 from robodyn.maximal.posed import own_rates
 from robodyn.scene import Rotor, Scene
 
@@ -73,38 +70,3 @@ def test_a_wrong_mass_matrix_would_show(monkeypatch):
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[3] > 1e-6
     assert max(errors[:3]) <= 4e-15
-
-
-def closed(kind, **more):
-    model, scene = four_bar(kind, **more)
-    q, qd, tau = (np.array(x) for x in NEAR)
-    return dae_at(model, scene, *closed_state(model, scene, q, qd, False), tau)
-
-
-@pytest.mark.parametrize(("kind", "more"), [("hinge", HINGE), ("point", {})])
-def test_a_closed_chain(kind, more):
-    """The saddle-point system, the chain in its own coordinate, and the loop cut open with its reaction as a load."""
-    found = closed(kind, **more)
-    assert max(step.error for step in found.steps) <= 1e-14
-    assert "G_l" in found.steps[5].formula
-    both = found.comparison
-    assert max(both.accelerations, both.forces, both.moments) <= 1e-12
-    assert worst(found.qdd, independent_accelerations(found.reduced)) <= 1e-12
-    assert worst(found.reduced.G @ found.qdd, found.reduced.gamma) <= 1e-13
-    free = robodyn.forward_dynamics(
-        found.robot.model, found.q, found.qd, found.tau + found.reduced.G.T @ found.solution.reactions[-_size(found):],
-        scene=replace(found.robot.scene, loops=()),
-    )  # fmt: skip
-    assert worst(free, found.qdd) <= 1e-12
-
-
-def _size(found):
-    return sum(len(loop.equations) for loop in found.robot.system.loops)
-
-
-def test_a_loop_does_no_work():
-    """Power of the loop's reaction, and its rate: lambda^T G v = 0."""
-    found = closed("point")
-    reactions, size = found.solution.reactions, _size(found)
-    power = reactions[-size:] @ (found.reduced.G @ found.qd)
-    assert abs(power) <= 1e-13 * np.abs(reactions[-size:]).max()

@@ -1,0 +1,118 @@
+"""Closed chains by the DAE form: against `robodyn.loops`, in the coordinates that loops leave, and cut open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_chains import crank_slider, four_bars, spatial_loop
+from oracles import worst
+from single_bodies import HINGE, NEAR, four_bar
+
+import robodyn
+from robodyn.errors import InputError
+from robodyn.maximal.closed import by_the_tree
+from robodyn.maximal.dae import dae
+from robodyn.maximal.reactions import loop_wrenches
+from robodyn.scene import Loop, Scene
+
+SPATIAL = [(kind, free) for kind in ("point", "hinge", "weld") for free in (False, True)]
+
+
+def torques(model, seed=0):
+    """Of the joints, by name."""
+    found = zip(model.rates, np.random.default_rng(seed).normal(size=model.n).tolist(), strict=True)
+    return {name: x for name, x in found if not name.startswith("base_")}
+
+
+def agrees(found):
+    """With `robodyn.loops`: accelerations, what every loop does to both bodies, and then all joints."""
+    both = found.comparison
+    assert max(both.accelerations, both.forces, both.moments) <= 1e-12
+    assert max(step.error for step in found.steps) <= 1e-13
+    assert np.abs(found.residuals.places).max() <= 1e-14 * max(found.robot.length, 1.0)
+    single = found.robot
+    qdd, theirs = by_the_tree(single, 10**6, found.solution)
+    assert worst(found.qdd, qdd, max(np.abs(qdd).max(), 9.81)) <= 1e-12
+    mine = loop_wrenches(single.system, single.at, found.solution.reactions.tolist())
+    force = max(np.abs(wrench.f).max() for wrench in found.wrenches)
+    assert [i for i, _ in mine] == [i for i, _ in theirs]
+    for (_, one), (_, other) in zip(mine, theirs, strict=True):
+        assert worst(np.array(one), np.array(other), force * max(single.length, 1.0)) <= 1e-12
+
+
+@pytest.mark.parametrize(("kind", "free"), SPATIAL)
+def test_loops_in_space(kind, free):
+    model, scene = spatial_loop(4, kind, free)
+    last = model.joint_names[-1]
+    found = dae(model, scene, at={last: 0.3}, qd={last: 1.0}, tau=torques(model))
+    assert found.counts.freedom == model.n - {"point": 3, "hinge": 5, "weld": 6}[kind]
+    assert not found.counts.redundant
+    assert found.q[model.coordinates.index(last)] == pytest.approx(0.3, abs=1e-12)
+    agrees(found)
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_four_bars_side_by_side(count):
+    """The IFToMM benchmark: one freedom for any number of four-bars, one redundant equation in each."""
+    model, scene = four_bars(count)
+    for at in (None, {"k0": 1.1}):
+        found = dae(model, scene, at=at, qd={"k0": -1.0}, tau={"k0": 3.0})
+        assert (found.counts.freedom, len(found.counts.redundant)) == (1, count)
+        assert found.qd[: count + 1] == pytest.approx(-1.0, abs=1e-13)
+        agrees(found)
+
+
+@pytest.mark.parametrize("cut", ["small_end", "big_end"])
+def test_crank_and_slider(cut):
+    """Wherever the chain is cut open, the crank accelerates alike."""
+    found = dae(*crank_slider(cut=cut), tau={"main": 1.5})
+    agrees(found)
+    other = dae(*crank_slider(), tau={"main": 1.5})
+    assert found.qdd[0] == pytest.approx(other.qdd[0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("kind", "more"), [("hinge", HINGE), ("point", {})])
+def test_the_loop_cut_open(kind, more):
+    """The open chain with the loop's reaction as torques accelerates as the closed one does."""
+    model, scene = four_bar(kind, **more)
+    found = dae(model, scene, *NEAR)
+    agrees(found)
+    assert "G_l" in found.steps[5].formula
+    loads = found.reduced.G.T @ found.solution.reactions[found.robot.system.tree :]
+    free = robodyn.forward_dynamics(model, found.q, found.qd, found.tau + loads, scene=replace(scene, loops=()))
+    assert worst(free, found.qdd) <= 1e-12
+    assert worst(found.reduced.G @ found.qdd, found.reduced.gamma) <= 1e-13
+
+
+def test_a_loop_does_no_work():
+    found = dae(*four_bar("point"), *NEAR)
+    reactions = found.solution.reactions[found.robot.system.tree :]
+    assert abs(reactions @ (found.reduced.G @ found.qd)) <= 1e-13 * np.abs(reactions).max()
+    assert np.abs(reactions).max() > 1.0
+
+
+def test_loops_that_depend_on_each_other_leave_reactions_open():
+    """A loop given twice: accelerations are unique, who carries what is not, and the counts say so."""
+    model, scene = spatial_loop(4)
+    loop = scene.loops[0]
+    again = Scene(loops=(loop, Loop("again", loop.link, loop.point, loop.to, loop.to_point)))
+    once, twice = dae(model, scene, tau=torques(model)), dae(model, again, tau=torques(model))
+    assert worst(twice.qdd, once.qdd) <= 1e-12
+    assert twice.counts.redundant == (("again", "Fx"), ("again", "Fy"), ("again", "Fz"))
+    assert {name for name, _ in twice.counts.undetermined} == {"tie", "again"}
+    assert max(twice.comparison.forces, twice.comparison.moments) <= 1e-12
+
+
+def test_what_is_given_stays():
+    found = dae(*four_bar("point"), at={"j1": 1.4}, qd={"j1": 2.0})
+    assert found.q[0] == pytest.approx(1.4, abs=1e-14)
+    assert found.qd[0] == pytest.approx(2.0, abs=1e-13)
+
+
+def test_what_cannot_close_is_refused():
+    model, scene = four_bar("point")
+    far = replace(scene, loops=(replace(scene.loops[0], to_point=(5.0, 0.0, 0.0)),))
+    with pytest.raises(InputError, match='loop "closure" does not close'):
+        dae(model, far, at={"j1": 1.4})
