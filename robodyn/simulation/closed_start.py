@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,23 +29,37 @@ LONGEST = 0.3
 def closed_start(closing: Closing, state: Floats) -> Floats:
     """A state (width,) with positions and speeds on the loops, by Newton's steps, each the shortest that there is.
 
-    Coordinates that the scene gives stay as they are if the others alone can close the loops; likewise speeds.
+    Coordinates that the scene gives stay as they are if the others alone can close the loops; else as many as can be,
+    those before the others that the scene gives first. Likewise speeds.
 
     Raises:
-        InputError: the loops do not close, or not at the speeds that are given.
+        InputError: the loops do not close.
 
     Accuracy: 1e-13 m or rad, for links of up to a metre.
     """
     model, scene = closing.model, closing.plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
-    closed = _closed(closing, q, _others(model.n, _given(model, scene.initial_q)))
-    if closed is None:
-        closed = _closed(closing, q, _others(model.n, []))
+    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(closing, q, _others(model.n, kept)))
     if closed is None:
         raise _open(closing, q)
     _check_dropped(closing, closed)
-    given = [rate for rate, name in enumerate(model.rates) if name in scene.initial_qd]
-    return np.array([*closed, *_rolling(closing, closed, qd, given), *state[model.nq + model.n :]])
+    given = [model.rates.index(name) for name in scene.initial_qd]
+    rolling = _keeping(given, lambda kept: _rolling(closing, closed, qd, _others(model.n, kept)))
+    if rolling is None:
+        raise InputError("the loops allow no speeds near those given", remedy="give [initial] qd of fewer joints")
+    return np.array([*closed, *rolling, *state[model.nq + model.n :]])
+
+
+def _keeping(given: Sequence[int], found: Callable[[Sequence[int]], Floats | None]) -> Floats | None:
+    """What is found with as many of the given kept as can be, the first before the others; None if nothing is."""
+    best, low, high = found(given), 0, len(given)
+    if best is not None or not given:
+        return best
+    while low < high:
+        middle = (low + high) // 2
+        one = found(given[:middle])
+        best, low, high = (best, low, middle) if one is None else (one, middle + 1, high)
+    return best
 
 
 def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> list[str]:
@@ -58,14 +72,14 @@ def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> lis
     return [f"the loops close only with other values than given: {', '.join(moved)}"] if moved else []
 
 
-def _given(model: Model, coordinates: Collection[str]) -> list[int]:
-    """The rates of joints of which one of these is a coordinate."""
-    found: list[int] = []
+def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
+    """The rates of the joints that these coordinates belong to, in this order."""
+    owner = {}
     for joint in model.independent:
         numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
-        if set(model.coordinates[joint.coordinate : joint.coordinate + numbers]) & set(coordinates):
-            found += range(joint.rate, joint.rate + rates)
-    return found
+        for name in model.coordinates[joint.coordinate : joint.coordinate + numbers]:
+            owner[name] = range(joint.rate, joint.rate + rates)
+    return list(dict.fromkeys(rate for name in coordinates for rate in owner[name]))
 
 
 def _others(n: int, given: Sequence[int]) -> list[int]:
@@ -120,19 +134,17 @@ def _rotation_vector(R: Floats) -> Floats:
     return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if axis @ v >= 0.0 else -1.0))
 
 
-def _rolling(closing: Closing, q: Floats, qd: Floats, given: Sequence[int]) -> Floats:
-    """qd with J qd = 0, the given speeds kept if that is possible, else all changed as little as possible."""
-    chain, n = closing.chain, closing.model.n
+def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
+    """qd with J qd = 0, the free speeds changed as little as possible; None if they cannot do it alone."""
+    chain = closing.chain
     sample = closing.sample(q.tolist(), qd.tolist())
-    J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate)
-    for free in (_others(n, given), _others(n, [])):
-        change = np.zeros(n)
-        moving = [k for k in free if J[:, k].any()]
-        change[moving] = _shortest(J[:, moving], -rate)
-        if np.abs(J @ change + rate).max(initial=0.0) <= CLOSED * _reach(closing) * max(
-            1.0, np.abs(qd).max(initial=0.0)
-        ):
-            break
+    J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate, dtype=float)
+    moving = [k for k in free if J[:, k].any()]
+    change = np.zeros(closing.model.n)
+    change[moving] = _shortest(J[:, moving], -rate)
+    left = np.abs(J @ change + rate).max(initial=0.0)
+    if left > CLOSED * _reach(closing) * max(1.0, np.abs(qd).max(initial=0.0)):
+        return None
     rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
     return rolling
 

@@ -17,6 +17,9 @@ SCENES = {
     "rigid_body": ("rigid_body", "rigid_body_flip"),
     "gripper": ("gripper", "gripper_pick"),
     "two_link_planar_swing_down": ("two_link_planar", "two_link_planar_swing"),
+    "pendulum_a01": ("pendulum", None),
+    "four_bars_a02": ("four_bars", None),
+    "crank_slider_pump": ("crank_slider", None),
 }
 KEYS = {
     "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
@@ -27,6 +30,7 @@ KEYS = {
     "wrench": {"link", "point", "frame", "force", "moment"},
     "drive": {"torque", "kp", "kd", "reference"},
     "initial": {"q", "qd"},
+    "loop": {"name", "link", "point", "to", "to_point", "kind", "axis", "to_axis", "rpy", "directions"},
 }
 SINGLE = {"gravity", "base", "slip_speed"}
 
@@ -38,13 +42,13 @@ def test_every_scene_is_listed():
 @pytest.mark.parametrize("name", SCENES)
 def test_scene_names_joints_links_and_columns_that_exist(name):
     robot, motion = SCENES[name]
-    scene, columns = read_scene(name), set(read_csv(motion))
+    scene, columns = read_scene(name), set(read_csv(motion) if motion else ())
     description = load_description(FOLDER / f"{robot}.urdf")
     assert set(scene) <= {*SINGLE, *KEYS}
     for part in ("friction", "rotor", "spring", "drive", "motor"):
         assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
         assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
-    for part in ("payload", "wrench"):
+    for part in ("payload", "wrench", "loop"):
         for entry in scene.get(part, []):
             assert set(entry) <= KEYS[part]
             assert entry["link"] in {link.name for link in description.links}
