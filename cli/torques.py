@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from robodyn.cli.batch_options import BATCH, is_batch
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.momentum_options import MOMENTUM, momentum_view
 from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, PATH, SCENE, Vector
@@ -22,10 +23,10 @@ from robodyn.trajectory.reader import MODES, Derivatives
 
 @click.command("torques", short_help="What every joint and bearing carries along a motion.")
 @click.argument("urdf", type=PATH)
-@click.argument("trajectory", type=PATH)
+@click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @SCENE
 @GRAVITY
-@click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet or .npz.")
+@click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many: a FOLDER.")
 @click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too.")
 @click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does.")
 @MOMENTUM
@@ -34,11 +35,12 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded.")
 @REPORT
+@BATCH
 @EXECUTION
 @FORMAT
 def command(
     urdf: str,
-    trajectory: str,
+    trajectories: tuple[str, ...],
     scene_file: str | None,
     gravity: Vector | None,
     out: str | None,
@@ -58,10 +60,18 @@ def command(
     Examples:
       robodyn torques robots/scara.urdf robots/scara_pick_and_place.csv --out tau.csv
       robodyn torques robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
+      robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/
     """
     if reactions and not out:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
     view = momentum_view(how)
+    options: dict[str, Any] = {"reactions": reactions, "sizing": sizing, "momentum": view}
+    if is_batch(trajectories, out, how):
+        from robodyn.cli.torques_batch import run_batch
+
+        options |= {"derivatives": derivatives, "ignore_extra": ignore_extra, **how}
+        return run_batch(urdf, trajectories, scene_file, gravity, out, report, options, form, fail_on_limits)
+    (trajectory,) = trajectories
     check_names([urdf, trajectory, scene_file], out)
     check_names([urdf, trajectory, scene_file], report)
     get_ready(report)
@@ -69,8 +79,8 @@ def command(
     names = output_names(model, reactions, view is not None)
     reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
     with reader, sinks(out, names, reader) as gather:
-        how |= {"history": pictured(report), "reactions": reactions, "momentum": view, "sizing": sizing or None}
-        result = torques(model, reader, scene, sinks=gather, **how)
+        options |= {"history": pictured(report), "sizing": sizing or None}
+        result = torques(model, reader, scene, sinks=gather, **options, **how)
     written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
     if report:
         from robodyn.report.page_torques import torques_page

@@ -33,6 +33,7 @@ OPTIONAL = (
     Library("mpmath", "mpmath", "reference values with many digits", "'robodyn[exact]'"),
     Library("sympy", "sympy", "equations in closed form", "'robodyn[symbolic]'"),
     Library("xacrodoc", "xacrodoc", "xacro files", "'robodyn[xacro]'"),
+    Library("distributed", "distributed", "`torques --dask`", "'robodyn[dask]'"),
     Library("pin", "pinocchio", "Pinocchio in `bench --peers`"),
     Library("mujoco", "mujoco", "MuJoCo in `bench --peers`"),
     Library("drake", "pydrake", "Drake in `bench --peers`"),

@@ -28,8 +28,9 @@ ORDER = [
     ("loads", "simulation"),
     ("accuracy", "maximal"),
     ("checks",),
-    ("overview", "doctor"),
+    ("overview", "doctor", "batch_result"),
     ("report",),
+    ("batch",),
     ("cli",),
 ]
 """Each layer imports from those above it, and its parts not from each other."""
@@ -43,6 +44,7 @@ HEAVY = {
     "sympy",
     "mpmath",
     "llvmlite",
+    "distributed",
     "matplotlib",
     "jinja2",
 }

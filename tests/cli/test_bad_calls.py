@@ -28,8 +28,8 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     ),
     (("--verson",), "no such option '--verson'; did you mean '--version'? (try: robodyn --help)"),
     (("torques",), "missing argument 'URDF' (try: robodyn torques --help)"),
-    (("torques", "arm.urdf"), "missing argument 'TRAJECTORY' (try: robodyn torques --help)"),
-    ((*ARM, "more.csv"), "got unexpected extra argument (more.csv) (try: robodyn torques --help)"),
+    (("torques", "arm.urdf"), "missing argument 'TRAJECTORY...' (try: robodyn torques --help)"),
+    ((*ARM, "more.csv"), "many trajectories need --out FOLDER for their results (try: robodyn torques --help)"),
     ((*ARM, "--gravty", "0,0,0"), "no such option '--gravty'; did you mean '--gravity'? (try: robodyn torques --help)"),
     ((*ARM, "--gravity"), "option '--gravity' requires an argument"),
     ((*ARM, "--format", "xml"), "invalid value for '--format': 'xml' is not one of 'text', 'json'"),
@@ -98,7 +98,7 @@ def test_interrupted(interruption: type[BaseException], monkeypatch: pytest.Monk
 HELP: list[tuple[tuple[str, ...], str]] = [
     (("--help",), "Usage: robodyn [OPTIONS]"),
     ((), "Usage: robodyn [OPTIONS]"),
-    (("torques", "-h"), "Usage: robodyn torques [OPTIONS] URDF TRAJECTORY"),
+    (("torques", "-h"), "Usage: robodyn torques [OPTIONS] URDF TRAJECTORY..."),
 ]
 
 

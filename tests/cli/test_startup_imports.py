@@ -14,7 +14,7 @@ HEAVY = (
     *("sympy", "matplotlib", "pandas", "numpy.ma"),
 )
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
-OURS = 116
+OURS = 117
 """Modules of robodyn that one job may import. It has about 100 small ones, each 0.2 ms from cached bytecode."""
 BEYOND = 40
 """Modules that are neither ours nor come with `import numpy, click`: expat, csv, threads, json, dataclasses."""

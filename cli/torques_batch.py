@@ -1,0 +1,107 @@
+"""`robodyn torques` on many trajectories: results in a folder, on all cores or on a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import sys
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from typing import Any
+
+import click
+
+from robodyn.batch.jobs import Job, jobs_of
+from robodyn.batch.processes import worked_here
+from robodyn.batch.setup import Setup
+from robodyn.batch_result import Batch, Outcome
+from robodyn.cli.batch_progress import files_done
+from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
+from robodyn.cli.screen import page, show
+from robodyn.errors import InputError
+from robodyn.execute.llvm.machine import compiler
+from robodyn.execute.runner import cores
+from robodyn.installed import version_of
+from robodyn.report.json_batch import batch_json
+from robodyn.report.table import printable
+from robodyn.report.text_batch import batch_text, outcome_line
+
+
+def run_batch(
+    urdf: str,
+    trajectories: Sequence[str],
+    scene_file: str | None,
+    gravity: Any,
+    out: str | None,
+    report: str | None,
+    options: dict[str, Any],
+    form: str,
+    fail_on_limits: bool,
+) -> int:
+    """The exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
+    if report:
+        raise click.UsageError("--report is of one trajectory", click.get_current_context())
+    if not out:
+        raise click.UsageError("many trajectories need --out FOLDER for their results", click.get_current_context())
+    if os.path.isfile(out):
+        raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
+    if STANDARD_INPUT in (urdf, scene_file, *trajectories):
+        raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
+    jobs = jobs_of(trajectories, out)
+    processes, dask = options.pop("jobs"), options.pop("dask")
+    setup, robot = _setup(urdf, scene_file, gravity, options)
+    work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, min(processes or cores(), len(jobs)))
+    with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
+        outcomes = _gathered(work, jobs, tick, form == "text")
+    batch = Batch(robot, tuple(outcomes))
+    show(batch_json(batch) if form == "json" else f"\n{batch_text(batch, page())}")
+    return 2 if batch.count("failed") else int(fail_on_limits and not batch.within_limits)
+
+
+def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, Any]) -> tuple[Setup, str]:
+    """What all trajectories have in common, which is checked here once; and the robot's name."""
+    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    view, executor, threads = options["momentum"], options.pop("executor"), options.pop("threads")
+    if view is not None:
+        view.check(model, scene)
+    if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
+        executor = "numpy" if compiler().problem else "compiled"
+    setup = Setup(
+        robot=_packed(urdf),
+        scene=None if scene_file is None else _packed(scene_file),
+        gravity=gravity,
+        executor=executor,
+        threads=threads or 1,
+        version=version_of("robodyn") or "",
+        **options,
+    )
+    return setup, model.name
+
+
+def _packed(path: str) -> bytes:
+    with open(path, "rb") as stream:
+        return zlib.compress(stream.read())
+
+
+def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
+    from robodyn.batch.cluster import worked_there
+
+    return worked_there(setup, jobs, address, lambda line: click.echo(f"note: {printable(line)}", err=True))
+
+
+def _gathered(
+    work: Iterator[tuple[int, Outcome]], jobs: Sequence[Job], tick: Callable[[int], None], lines: bool
+) -> list[Outcome]:
+    """All outcomes; a line for each is written as soon as all before it are there, errors on standard error."""
+    found: dict[int, Outcome] = {}
+    said = 0
+    for number, outcome in work:
+        found[number] = outcome
+        tick(number)
+        while (last := found.get(said)) is not None:
+            if last.status == "failed":
+                print(f"error: {printable(last.error)}", file=sys.stderr)  # by print, above a progress bar
+            elif lines:
+                print(outcome_line(last), flush=True)
+            said += 1
+    return [found[number] for number in range(len(jobs))]

@@ -1,0 +1,68 @@
+"""What is the same for all trajectories of a batch, in a form that goes to other processes and machines."""
+
+from __future__ import annotations
+
+import threading
+import zlib
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+
+from robodyn.assemble import load
+from robodyn.model import Model
+from robodyn.momentum import View
+from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_file import parse_scene
+from robodyn.trajectory.reader import Derivatives
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Robot, scene and options.
+
+    Attributes:
+        robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
+        gravity: m/s^2, in place of the scene's.
+        reactions, sizing, momentum, derivatives, ignore_extra, explain: as for `torques`.
+        executor: "numpy" or "compiled"; threads: of each process.
+        version: of robodyn, which all machines must have.
+    """
+
+    robot: bytes
+    scene: bytes | None
+    gravity: tuple[float, float, float] | None
+    reactions: bool
+    sizing: bool
+    momentum: View | None
+    derivatives: Derivatives
+    ignore_extra: bool
+    explain: bool
+    executor: str
+    threads: int
+    version: str
+
+    def loaded(self) -> tuple[Model, Scene]:
+        """The robot and its scene, read once by each thread, which then has programs of its own."""
+        if getattr(_KEPT, "setup", None) != self:
+            scene = DEFAULT if self.scene is None else parse_scene(zlib.decompress(self.scene))
+            scene = scene if self.gravity is None else replace(scene, gravity=self.gravity)
+            _KEPT.robot = load(zlib.decompress(self.robot), moving_base=scene.moving_base), scene
+            _KEPT.setup = self
+        robot: tuple[Model, Scene] = _KEPT.robot
+        return robot
+
+    def digest(self, path: str) -> str:
+        """A hash of everything that the results of a trajectory depend on: its bytes, robot, scene, options, version.
+
+        Raises:
+            OSError: the file cannot be read.
+        """
+        scene = None if self.scene is None else zlib.decompress(self.scene)
+        same = replace(self, robot=zlib.decompress(self.robot), scene=scene, threads=1)
+        hashed = blake2b(repr(same).encode(), digest_size=20)
+        with open(path, "rb") as stream:
+            while piece := stream.read(1 << 20):
+                hashed.update(piece)
+        return hashed.hexdigest()
+
+
+_KEPT = threading.local()
