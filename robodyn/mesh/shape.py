@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.triangles import Triangles
 
@@ -17,6 +19,9 @@ SYMMETRY_TRIANGLES = 30_000
 
 TESSELLATION_TRIANGLES = 100_000
 """Up to which facets are asked unasked: a tenth of a second."""
+
+_LARGEST = 1 << 24
+"""Bytes of an array that may be needed again and again."""
 
 _UNDEFINED = "symmetry and tessellation: not of sheets, and not of surfaces that are open or overlap themselves"
 
@@ -62,12 +67,21 @@ def shape(
     from robodyn.mesh.symmetry import symmetry
     from robodyn.mesh.tessellation import tessellation
 
+    _keep_what_is_freed()
     body = CentredBody.of(triangles, integrals)
     return Shape(
         symmetry(body).scaled(triangles.scale) if seek else None,
         tessellation(body.line_masses, integrals, body.centre, fixed_mass=fixed_mass) if ask else None,
         notes_even + notes_smooth,
     )
+
+
+def _keep_what_is_freed() -> None:
+    """Let glibc keep the memory of arrays up to this size for the next ones, as it does once one of them is freed.
+
+    Without, every array of a few hundred kilobytes is new memory, and touching that is a sixth of the time.
+    """
+    np.empty(_LARGEST, np.uint8)
 
 
 def _wanted(name: str, asked: bool | None, count: int, most: int) -> tuple[bool, tuple[str, ...]]:

@@ -19,9 +19,9 @@ from markdown_tables import main, table
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 JOB = (
-    "import sys; from robodyn.cli.main import main; "
+    "import sys; from robodyn.cli.start import start; "
     f"sys.argv = ['robodyn', 'torques', {str(ROBOTS / 'scara.urdf')!r}, "
-    f"{str(ROBOTS / 'scara_pick_and_place.csv')!r}, '--out', 'tau.csv']; main()"
+    f"{str(ROBOTS / 'scara_pick_and_place.csv')!r}, '--out', 'tau.csv']; start()"
 )
 REFERENCE = 'python -c "import numpy, click"'
 CODES = {
