@@ -16,6 +16,8 @@ HEAVY = (
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 OURS = 117
 """Modules of robodyn that one job may import. It has about 100 small ones, each 0.2 ms from cached bytecode."""
+MESH_OURS = 70
+"""As many for one mesh."""
 BEYOND = 40
 """Modules that are neither ours nor come with `import numpy, click`: expat, csv, threads, json, dataclasses."""
 
@@ -58,3 +60,20 @@ def test_group_imports_commands_only_when_it_lists_them(call: tuple[str, ...]) -
 
 def test_version_needs_no_numpy() -> None:
     assert "numpy" not in imported("from robodyn.cli.main import main; main()", "--version")
+
+
+def inertia_imports(*options: str) -> set[str]:
+    """The modules that one mesh takes."""
+    return imported(
+        "from robodyn.cli.main import main; main()", "inertia", str(ROBOTS / "meshes" / "hub.stl"), *options
+    )
+
+
+def test_a_mesh_imports_what_it_is_asked() -> None:
+    asked = inertia_imports()
+    plain = inertia_imports("--no-symmetry", "--no-tessellation")
+    assert not asked & set(HEAVY)
+    assert {name.rpartition(".")[2] for name in asked - plain} >= {"symmetry", "tessellation", "columns"}
+    ours = {name for name in plain if name.partition(".")[0] == "robodyn"}
+    assert not ours & {"robodyn.mesh.symmetry_kinds", "robodyn.mesh.repair", "robodyn.execute.choice", "robodyn.model"}
+    assert len(ours) <= MESH_OURS, sorted(ours)
