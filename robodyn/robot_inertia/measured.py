@@ -51,7 +51,12 @@ class Reading:
     watch: Watch = unwatched
 
     def parts(self, files: Iterable[MeshFile]) -> dict[MeshFile, Outcome]:
-        """The part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once."""
+        """The part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once.
+
+        Two threads on two processors gain 5 % at most, as most of the time is Python's own: reading DAE, and repairs.
+        Two processes, each of which has to import what it needs, gain 1.5 times for TALOS's 38 meshes (3.5 s), and lose
+        5 and 30 % for Romeo's 24 and TIAGo's 30 (1.2 s), though their files are of the same size: not enough to choose.
+        """
         wanted = list(dict.fromkeys(files))
         with self.watch([path for path, _ in wanted]) as tick:
 
