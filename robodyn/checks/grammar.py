@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from robodyn.checks.attributes import Subject
 from robodyn.urdf.elements import Element
 
 
@@ -71,12 +72,17 @@ KINDS: Mapping[str, Kind] = {
 }
 
 
-def own_elements(root: Element) -> Iterator[tuple[Element, Kind]]:
-    """The elements that URDF knows, in the order of the file; what other tools read is left out."""
-    waiting = [root]
+def own_elements(root: Element) -> Iterator[tuple[Element, Kind, Subject | None]]:
+    """The elements that URDF knows, in the order of the file, each with what it is a part of.
+
+    What other tools read is left out.
+    """
+    waiting: list[tuple[Element, Subject | None]] = [(root, None)]
     while waiting:
-        element = waiting.pop()
+        element, subject = waiting.pop()
         kind = KINDS[element.tag]
-        yield element, kind
-        inside = _OWN if element is root else kind.children
-        waiting += [child for child in reversed(element.children) if child.tag in inside and child.tag in KINDS]
+        yield element, kind, subject
+        for child in reversed(element.children):
+            if child.tag in (_OWN if element is root else kind.children) and child.tag in KINDS:
+                name = child.get("name") if element is root else None
+                waiting.append((child, Subject(child.tag, name) if name else subject))

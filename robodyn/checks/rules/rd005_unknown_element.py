@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from robodyn.checks.attributes import Subject
 from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.grammar import Kind, own_elements
@@ -13,26 +14,27 @@ from robodyn.wording import alternatives, shown
 
 
 def check(context: Context) -> Iterator[Fault]:
-    for element, kind in own_elements(context.view.root):
-        yield from _children(element, kind)
+    for element, kind, subject in own_elements(context.view.root):
+        yield from _children(element, kind, subject)
         for name in element.values:
             if name not in kind.attributes and ":" not in name and name != "xmlns":
                 what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
                 remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
-                yield Fault(at=element.attributes[name].span, what=what, remedy=remedy)
+                yield Fault(at=element.attributes[name].span, subject=subject, what=what, remedy=remedy)
 
 
-def _children(element: Element, kind: Kind) -> Iterator[Fault]:
+def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator[Fault]:
     seen: dict[str, Element] = {}
     for child in element.children:
         known = child.tag in kind.children
         if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
             what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
             remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
-            yield Fault(at=child.span, what=what, remedy=remedy)
+            yield Fault(at=child.span, subject=subject, what=what, remedy=remedy)
         elif known and child.tag not in kind.repeated and child.tag in seen:
-            what = f"a second <{child.tag}> in <{element.tag}>, the first is in line {seen[child.tag].line}"
-            yield Fault(at=child.span, what=f"{what}; readers differ in which they take", remedy="keep one of them")
+            first = f"the first is in line {seen[child.tag].line}"
+            what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
+            yield Fault(at=child.span, subject=subject, what=what, remedy="keep one of them")
         seen.setdefault(child.tag, child)
 
 

@@ -12,17 +12,17 @@ from robodyn.checks.view import numbers
 
 
 def check(context: Context) -> Iterator[Fault]:
-    for element, kind in own_elements(context.view.root):
+    for element, kind, subject in own_elements(context.view.root):
         for name, count in kind.attributes.items():
             if not count:
                 continue
             found = numbers(element, name, count)
             if found.problem is not None:
                 what = f"{name} of <{element.tag}> {found.problem}"
-                yield Fault(at=found.span, what=what, remedy=found.problem.remedy)
+                yield Fault(at=found.span, subject=subject, what=what, remedy=found.problem.remedy)
             elif not found.given and name in kind.needed:
                 what = f"<{element.tag}> has no attribute '{name}'"
-                yield Fault(at=found.span, what=what, remedy=f'write {name}="..."')
+                yield Fault(at=found.span, subject=subject, what=what, remedy=f'write {name}="..."')
 
 
 RULE = Rule(
