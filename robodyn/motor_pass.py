@@ -15,6 +15,10 @@ from robodyn.statistics import Integrals
 Floats = NDArray[np.float64]
 
 
+LEAST = 1e-9
+"""Of a peak curve's largest torque: what its use is measured by where it allows less, beyond its last speed."""
+
+
 class MotorPass:
     """Peaks and integrals at the shafts of motors.
 
@@ -28,6 +32,8 @@ class MotorPass:
         self.torque, self.speed, self.gear = Greatest(k), Greatest(k), Greatest(k)
         self.power, self.braking, self.near = Greatest(k), Greatest(k), Greatest(k)
         self.integrals = Integrals()
+        tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
+        self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
 
     def update(self, time: Floats, first_row: int, before: float, tau: Floats, qd: Floats, qdd: Floats) -> None:
         """Take in a block.
@@ -52,8 +58,8 @@ class MotorPass:
         self.gear.update(time, first_row, carried)
         self.power.update(time, first_row, power)
         self.braking.update(time, first_row, -power)
-        over = np.where(np.isfinite(peak), size - peak, -pace)
-        self.near.update(time, first_row, over, torque=size, speed=pace, limit=peak)
+        use = size / np.maximum(peak, self.least)
+        self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
         quantities = {
             "square": torque * torque,
             "travel": pace,

@@ -20,7 +20,7 @@ class Exceeded:
 
     Attributes:
         quantity: what is too large. RMS motor torque and mean gear torque wear out and heat, the others break or stall.
-        value, limit, unit: at the moment when value - limit is largest.
+        value, limit, unit: at the moment when value / limit is largest.
         time, row: of that moment [s; from 1]; None for quantities of the whole motion.
         speed: of the motor then, or its mean over the motion where the limit depends on it; else None.
         seconds: how long the limit is exceeded in all; None for quantities of the whole motion.
@@ -47,7 +47,7 @@ class Exceeded:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The sample at which |torque| - limit is largest: where a motor comes closest to its peak curve, or is beyond it.
+    """The sample at which |torque| / limit is largest: where a motor comes closest to its peak curve, or is beyond it.
 
     Attributes:
         torque, limit: magnitudes [N m or N]; speed: magnitude [rad/s or m/s]; time [s]; row from 1.
@@ -120,7 +120,7 @@ class MotorLoad:
 
     @property
     def peak_margin(self) -> float | None:
-        """What is left below the peak curve where it is least, negative if exceeded."""
+        """What is left below the peak curve at `nearest`, negative if exceeded."""
         return None if self.nearest is None else self.nearest.limit - self.nearest.torque
 
 

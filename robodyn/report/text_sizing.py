@@ -19,7 +19,7 @@ _WORDS = {
 }
 _LIMITS = {
     "motor torque": "the peak curve allows",
-    "motor speed": "it may turn at",
+    "motor speed": "it may have",
     "RMS motor torque": "the continuous curve allows",
     "gear torque": "the gear bears",
     "mean gear torque": "the gear bears",
@@ -63,10 +63,10 @@ def _verdict(load: JointLoad, joint: JointSizing) -> Iterator[tuple[str, str]]:
 
 def in_words(exceeded: Exceeded) -> str:
     """What is too large, by how much, when, and for how long."""
-    unit = exceeded.unit
-    more = f" ({100 * exceeded.excess / exceeded.limit:.3g} % more)" if exceeded.limit > 0 else ""
-    text = f"{_WORDS[exceeded.quantity]} is {number(exceeded.value)} {unit}, {_LIMITS[exceeded.quantity]} "
-    text += f"{number(exceeded.limit) if exceeded.limit else '0'} {unit}{more}"
+    unit, limit = exceeded.unit, exceeded.limit
+    text = f"{_WORDS[exceeded.quantity]} is {number(exceeded.value)} {unit}, "
+    text += f"{100 * exceeded.excess / limit:.3g} % above the {number(limit)}" if limit > 0 else "above the 0"
+    text += f" {unit} that {_LIMITS[exceeded.quantity]}"
     if exceeded.speed is not None:
         mean = "a mean speed of " if exceeded.time is None else ""
         text += f" at {mean}{number(exceeded.speed)} {'m/s' if unit == 'N' else 'rad/s'}"
@@ -91,7 +91,8 @@ def _nearness(load: JointLoad, motor: MotorLoad | None) -> Iterator[str]:
 
 
 def _percent(value: float, limit: float) -> str:
-    return f"{100.0 * value / limit:.0f} %" if limit > 0 else "0 %"
+    percent = 100.0 * value / limit if limit > 0 else 0.0
+    return "<1 %" if 0.0 < percent < 0.5 else f"{percent:.0f} %"
 
 
 def _use(result: Result, sizing: Sizing) -> Content:
@@ -112,7 +113,7 @@ def _use(result: Result, sizing: Sizing) -> Content:
         for joint, load in zip(sizing.joints, result.joints, strict=True)
     ]
     head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
-    return (*head, "least power [W]", "static peak", "static RMS", "of RMS"), rows
+    return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
 
 
 def _motors(driven: list[tuple[str, MotorLoad]]) -> Content:

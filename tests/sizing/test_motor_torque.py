@@ -147,13 +147,14 @@ def test_continuous_torque_at_the_mean_speed():
 
 
 def test_peak_curve_and_speed():
-    """Beyond the curve where |T| - limit is largest, found by plain NumPy."""
-    curve = ((0.0, 39.0), (1.0, 36.0), (2.5, 12.0), (3.0, 0.0))
+    """Beyond the curve where |T| / limit is largest, found by plain NumPy."""
+    curve = ((0.0, 39.0), (1.0, 36.0), (2.5, 12.0), (3.0, 8.0), (3.1, 7.0))
     joint = of_swing(Motor(peak=curve))
     taken = swing(wheel())
     T, v = np.abs(2 * taken.qdd[:, 0]), np.abs(taken.qd[:, 0])
-    limit = np.where(v > 3.0, 0.0, np.interp(v, *zip(*curve, strict=True)))
-    at = np.argmax(T - limit)
+    limit = np.where(v > 3.1, 1e-9 * 39.0, np.interp(v, *zip(*curve, strict=True)))
+    at = np.argmax(T / limit)
+    limit = np.where(v > 3.1, 0.0, limit)
     torque, speed = joint.exceeded if joint.exceeded[0].quantity == "motor torque" else joint.exceeded[::-1]
     assert (torque.quantity, speed.quantity, joint.level) == ("motor torque", "motor speed", "over peak")
     assert (torque.row, torque.time) == (at + 1, taken.time[at])
@@ -161,7 +162,7 @@ def test_peak_curve_and_speed():
     assert abs(torque.limit - limit[at]) <= 4 * EPS * T.max()
     assert torque.speed == v[at]
     assert torque.seconds == pytest.approx(trapezoid((limit < T).astype(float), taken.time), rel=1e-12)
-    assert (speed.value, speed.limit, speed.row) == (np.pi, 3.0, 1)
+    assert (speed.value, speed.limit, speed.row) == (np.pi, 3.1, 1)
     assert joint.motor.peak_margin == torque.limit - torque.value
     assert of_swing(Motor(peak=curve, max_speed=3.2)).motor.speed_limit == 3.2
     assert of_swing(Motor(peak=40.0)).level == "OK"

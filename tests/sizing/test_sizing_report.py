@@ -70,7 +70,7 @@ def test_motors_from_the_table_that_is_written(puma):
         peak = train_of(own, scene).motor.peak
         if isinstance(peak, tuple):
             limit = np.interp(np.abs(speed), *zip(*peak, strict=True), right=0.0)
-            at = (np.abs(torque) - limit).argmax()
+            at = (np.abs(torque) / limit).argmax()
             assert motor["nearest"]["row"] == at + 1
             assert motor["nearest"]["limit"] == pytest.approx(limit[at], rel=1e-12, abs=1e-15)
             expected["seconds_over_peak"] = trapezoid((np.abs(torque) > limit).astype(float), time)
@@ -176,21 +176,24 @@ def test_verdicts_in_plain_words():
         "44 % of the effort limit, 68 % of the velocity limit"
     )
     assert lines[3] == (
-        "wrist_roll   OVER CONTINUOUS: the motor's RMS torque is 0.02147 N m, the continuous curve allows 0.02000 N m "
-        "(7.34 % more) at a mean speed of 63.47 rad/s"
+        "wrist_roll   OVER CONTINUOUS: the motor's RMS torque is 0.02147 N m, 7.34 % above the 0.02000 N m that the "
+        "continuous curve allows at a mean speed of 63.47 rad/s"
     )
     assert lines[4] == (
-        "wrist_pitch  OVER PEAK: the motor's torque is 0.02809 N m, the peak curve allows 0.008026 N m (250 % more) "
-        "at 138.0 rad/s; worst at 0.69 s (row 70), over for 0.56 s in all"
+        "wrist_pitch  OVER PEAK: the motor's torque is 0.02663 N m, 274 % above the 0.007111 N m that the peak curve "
+        "allows at 139.3 rad/s; worst at 0.73 s (row 74), over for 0.56 s in all"
     )
-    assert lines[5].startswith("flange_roll  OVER PEAK: the motor's speed is 215.8 rad/s, it may turn at 200.0 rad/s")
+    assert lines[5] == (
+        "flange_roll  OVER PEAK: the motor's speed is 215.8 rad/s, 7.92 % above the 200.0 rad/s that it may have; "
+        "worst at 2.15 s (row 216), over for 0.52 s in all"
+    )
     assert "\nNo limit of the description is exceeded.\n" in text
 
 
 def test_a_limit_of_zero_in_words():
     over = Exceeded("motor torque", 0.5, 0.0, "N", 1.0, 7, 2.0, 0.25)
     assert in_words(over) == (
-        "the motor's torque is 0.5000 N, the peak curve allows 0 N at 2.000 m/s; "
+        "the motor's torque is 0.5000 N, above the 0 N that the peak curve allows at 2.000 m/s; "
         "worst at 1 s (row 7), over for 0.25 s in all"
     )
 
