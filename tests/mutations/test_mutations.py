@@ -25,6 +25,10 @@ QUICK = [
     "execute/test_compiled_outputs.py",
     "execute/test_elementary_functions.py",
     "loads/test_sizing_figures.py",
+    "sizing/test_motor_torque.py",
+    "sizing/test_bearings.py",
+    "sizing/test_sizing_blocks.py",
+    "sizing/test_sizing_report.py",
     "loads/test_blocks.py",
     "loads/test_self_checks.py",
 ]
