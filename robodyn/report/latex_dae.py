@@ -89,10 +89,10 @@ def dae_latex(found: Dae) -> str:
 
 def _law(found: Dae, i: int) -> str:
     forces, moments = [], []
-    for sign, name in acting(found, i):
+    for sign, name, moment in acting(found, i):
         forces.append(f"{sign}F_{{{name}}}")
-        arm = "r" if not sign else "s"
-        moments += [f"{sign}M_{{{name}}}", f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
+        arm = "s" if sign else "r"
+        moments += [f"{sign}M_{{{name}}}"] * moment + [f"{sign}{arm}_{{{name}}} \\times F_{{{name}}}"]
     weight = [f"m_{{{i}}} g"] if found.robot.system.inertias[i].m and any(found.robot.scene.gravity) else []
     if any(body == i for body, _ in found.robot.terms.wrenches):
         forces.append(f"F^e_{{{i}}}")

@@ -118,9 +118,9 @@ def _bodies(found: Dae, page: Page) -> str:
 def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
     """The terms of forces and of moments on body i that its joints, the joints that it carries, and loops make."""
     forces, moments = [], []
-    for sign, name in acting(found, i):
+    for sign, name, moment in acting(found, i):
         forces.append(f"{sign}F{name}")
-        moments += [f"{sign}M{name}", f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
+        moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
     return forces, moments
 
 

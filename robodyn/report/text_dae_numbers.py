@@ -41,16 +41,20 @@ def numbers_text(found: Dae, page: Page) -> str:
 
 
 def _state(found: Dae) -> Content:
-    model = found.robot.model
+    model, qdd = found.robot.model, found.qdd
     at = dict(zip(model.coordinates, found.q.tolist(), strict=True))
-    head = ("coordinate", "q", "qd", "tau", *(["qdd"] if found.qdd is not None else []))
     rows = []
     for k, name in enumerate(model.rates):
-        values = [found.qd[k], found.tau[k], *([found.qdd[k]] if found.qdd is not None else [])]
-        scales = [0.0, 0.0, *([float(np.abs(found.qdd).max())] if found.qdd is not None else [])]
-        cells = [number(float(x), scale) if x else "0" for x, scale in zip(values, scales, strict=True)]
-        rows.append((name, f"{at[name]:.6g}" if name in at else "-", *cells))
-    return head, rows[:MOST]
+        given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
+        falling = [] if qdd is None else [number(float(qdd[k]), _fastest(found))]
+        rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
+    return ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows[:MOST]
+
+
+def _fastest(found: Dae) -> float:
+    """The largest acceleration, of bodies and of free fall too, beside which others vanish."""
+    assert found.solution is not None
+    return float(np.abs([*found.solution.a, *found.robot.scene.gravity]).max())
 
 
 def _consistent(found: Dae) -> str:
@@ -69,9 +73,9 @@ def _consistent(found: Dae) -> str:
 def _accelerations(found: Dae) -> Content:
     assert found.solution is not None
     each = found.solution.a.reshape(-1, 6)
-    scales = [float(np.abs(each[:, :3]).max())] * 3 + [float(np.abs(each[:, 3:]).max())] * 3
+    scale = _fastest(found)
     rows = [
-        (f"{i} {body.name}", *(number(x, scale) for x, scale in zip(row, scales, strict=True)))
+        (f"{i} {body.name}", *(number(x, scale) for x in row))
         for i, (body, row) in enumerate(zip(found.robot.model.bodies, each.tolist(), strict=True))
     ]
     return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows[:MOST]

@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import sympy
 from busy_robot import BUSY_SCENE, busy_robot
 from oracles import robot, worst
 from single_bodies import taken_apart
-from small_robots import random_tree
+from small_robots import built, joint, link, random_tree
 
 from robodyn.maximal import elimination
-from robodyn.maximal.posed import own_rates
+from robodyn.maximal.elimination import reduced
+from robodyn.maximal.posed import own_rates, posed
 from robodyn.scene import Rotor, Scene
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
@@ -70,3 +72,23 @@ def test_a_wrong_mass_matrix_would_show(monkeypatch):
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[3] > 1e-6
     assert max(errors[:3]) <= 4e-15
+
+
+def vanishes(expression):
+    return sympy.simplify(sympy.nsimplify(expression, rational=True)) == 0
+
+
+def test_the_pendulum_in_symbols():
+    """The same functions for SymPy: M = m l^2, tau - m g l sin q, and the rope's pull m (g cos q + l w^2)."""
+    model = built(link("frame"), link("bob", 2.0, (0, 0, -0.5)), joint("rope", "frame", "bob", "continuous", (0, 1, 0)))
+    q, w, tau = sympy.symbols("q w tau", real=True)
+    single = posed(model, Scene(gravity=(0.0, 0.0, -10.0)), [q], [w], [tau])
+    left = reduced(single)
+    assert vanishes(left.M[0, 0] - 0.5)
+    assert vanishes(left.free[0] - (tau - 10 * sympy.sin(q)))
+    a = left.J[:, 0] * (left.free[0] / left.M[0, 0]) + left.drift
+    needed = single.matrices.M @ a - single.matrices.f
+    along = sympy.Matrix([sympy.sin(q), 0, sympy.cos(q)])
+    pull = sympy.Matrix(needed[9:12]).dot(along).subs(tau, 0)
+    assert vanishes(pull - 2 * (10 * sympy.cos(q) + w**2 / 2))
+    assert all(vanishes(x) for x in single.matrices.G @ a - single.matrices.gamma)
