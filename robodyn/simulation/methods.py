@@ -21,6 +21,7 @@ class Method:
         A, b: its table.
         semi: the position moves at the speed that the step ends with (symplectic Euler); K is then the speed's alone.
         leapfrog: half a step at the old speed and half at the new; only where no speed changes an acceleration.
+        keeps: after each step the rates of a free base are set so that its momenta stay; only for free robots.
         scipy: the name of the method that `scipy.integrate.solve_ivp` has; A and b are then empty.
     """
 
@@ -32,6 +33,7 @@ class Method:
     semi: bool = False
     scipy: str = ""
     leapfrog: bool = False
+    keeps: bool = False
 
     @property
     def implicit(self) -> bool:
@@ -54,6 +56,7 @@ class Method:
 
 
 _R3, _R15 = sqrt(3.0), sqrt(15.0)
+_RK4 = (0.0, 0.0, 0.0, 0.0), (0.5, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
 METHODS: tuple[Method, ...] = (
     Method("euler", 1, "explicit Euler: gains energy; for comparison", ((0.0,),), (1.0,)),
     Method("symplectic-euler", 1, "semi-implicit Euler: the new speed moves the position", ((0.0,),), (1.0,), True),
@@ -66,12 +69,14 @@ METHODS: tuple[Method, ...] = (
         leapfrog=True,
     ),
     Method("midpoint", 2, "explicit midpoint rule", ((0.0, 0.0), (0.5, 0.0)), (0.0, 1.0)),
+    Method("rk4", 4, "the classical Runge-Kutta method", _RK4, (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
     Method(
-        "rk4",
+        "rk4-momenta",
         4,
-        "the classical Runge-Kutta method",
-        ((0.0, 0.0, 0.0, 0.0), (0.5, 0.0, 0.0, 0.0), (0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)),
+        "rk4, and after each step the base's speeds that keep the momenta of a free robot",
+        _RK4,
         (1 / 6, 1 / 3, 1 / 3, 1 / 6),
+        keeps=True,
     ),
     Method("gauss2", 2, "implicit midpoint rule: reversible, energy does not drift", ((0.5,),), (1.0,)),
     Method(

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from robodyn.effects.effect import Effect, Verdict
 from robodyn.model import Model
-from robodyn.scene import GROUND, Scene
+from robodyn.scene import Scene
+from robodyn.simulation.free import is_free
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
 
@@ -90,13 +91,7 @@ class Simulation:
     @property
     def free(self) -> bool:
         """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
-        bodies = self.model.bodies
-        roots = [body for body in bodies if body.parent < 0]
-        if roots[0].joint.kind == "fixed":
-            roots = [body for body in bodies if body.parent == 0]
-        alone = bool(roots) and all(body.joint.kind == "floating" for body in roots) and len(roots) == 1
-        tied = any(loop.to == GROUND for loop in self.scene.loops)
-        return alone and not self.scene.wrenches and not self.scene.fluid_density and not tied
+        return is_free(self.model, self.scene)
 
     @property
     def momentum_drift(self) -> tuple[float, float]:

@@ -20,6 +20,7 @@ from robodyn.simulation.closed_start import closed_start, start_notes
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import SHORTER, FixedSteps, Motion
+from robodyn.simulation.free import check_free
 from robodyn.simulation.how import How, how_of, way
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
@@ -128,6 +129,8 @@ def integrated(
         return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal)
     if method.leapfrog:
         check_leapfrog(Equations(a_plan))
+    if method.keeps:
+        check_free(a_plan.model, a_plan.scene, method.name)
     ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
     motion = ready.motion(state, duration, how.step, limits)
     return motion, None if method.implicit else motion.steps * len(method.b)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
+from robodyn.simulation.free import kept
 from robodyn.simulation.methods import Method
 from robodyn.simulation.turning import moved, unit
 from robodyn.spatial import Scalar
@@ -116,6 +117,8 @@ class Steps:
         u = [h * total for total in (qd if self.method.semi else _sums(b, [K.u for K in stages], model.n))]
         work = _sums(b, [[K.work] for K in stages], 1)[0]
         q, qd = self.equations.settled(moved(model, state.q, u), qd)
+        if self.method.keeps:
+            qd = kept(self.equations, (state.q, state.qd), q, qd, h)
         return [*q, *qd, state.work + h * work, h]
 
 

@@ -27,10 +27,17 @@ def test_a_pendulum_hangs_down_after_a_quarter_of_its_period(degrees, method):
     assert abs(found.qd[-1, 0] - speed) <= 1e-11 * abs(speed)
 
 
-@pytest.mark.parametrize(("case", "start", "bound"), [("large(pi/2,0)", 0.5, 1e-11), ("chaotic(3pi/4,0)", 0.75, 1e-9)])
+CASES = [
+    ("small", (0.1, 0.05), 1e-12),
+    ("large(pi/2,0)", (0.5 * np.pi, 0.0), 1e-11),
+    ("chaotic(3pi/4,0)", (0.75 * np.pi, 0.0), 1e-9),
+]
+
+
+@pytest.mark.parametrize(("case", "start", "bound"), CASES)
 @pytest.mark.parametrize("time", ["1", "2", "5"])
 def test_double_pendulum(case, start, bound, time):
-    scene = Scene(initial_q={"j1": start * np.pi})
+    scene = Scene(initial_q=dict(zip(("j1", "j2"), start, strict=True)))
     found = robodyn.simulate(pendulum(masses=2), scene, float(time), rtol=1e-13)
     expected = np.array(DOUBLE[case][time], dtype=float)
     assert np.abs([*found.q[-1], *found.qd[-1]] - expected).max() <= bound
