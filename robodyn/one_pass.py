@@ -143,7 +143,8 @@ class Pass:
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
         if self.history is not None:
-            self.history.update(block.time, qd, tau.T[self.rates], base.T, energies, rows, left / samples)
+            motion = qd, block.qdd[:, self.rates].T
+            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
             self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources))
         columns = loads if self.options.reactions else tau
@@ -199,13 +200,15 @@ class Pass:
         """q at the peak of each joint."""
         return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
 
-    def _uncertainty(self, k: int, last: Trajectory) -> float:
-        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque."""
+    def _uncertainty(self, k: int, last: Trajectory) -> tuple[float, float]:
+        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
         if last.derivation is None or k not in self.statistics.at_peak:
-            return 0.0
+            return 0.0, 0.0
         peak = int(self.statistics.torque.index[k])
         from_end = min(peak, self.statistics.samples - 1 - peak)
-        spread = {joint.name: joint.std_acceleration_near(from_end) for joint in last.derivation.joints}
-        std = np.array([spread.get(name, 0.0) for name in self.model.rates])
-        M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)
-        return float(np.linalg.norm(M[k + self.rates.start] * std))
+        derived = {joint.name: joint for joint in last.derivation.joints}
+        joints = [derived.get(name) for name in self.model.rates]
+        std = np.array([joint.std_acceleration_near(from_end) if joint else 0.0 for joint in joints])
+        bar = np.array([joint.bar_acceleration_near(from_end) if joint else 0.0 for joint in joints])
+        M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)[k + self.rates.start]
+        return float(np.linalg.norm(M * std)), float(np.linalg.norm(M * bar))

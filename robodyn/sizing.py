@@ -39,12 +39,13 @@ def joint_load(
     name: str,
     scene: Scene,
     shares: Mapping[str, float],
-    uncertainty: float,
+    uncertainty: tuple[float, float],
 ) -> JointLoad:
     """The figures of joint k.
 
     RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral |qd| dt)`, work
-    `integral max(+-tau qd, 0) dt`. A motion of one sample has its torque as mean and as RMS.
+    `integral max(+-tau qd, 0) dt`. `uncertainty` is a standard deviation
+    and an error bar. The torque of a motion of one sample is its mean and its RMS.
     """
     totals = gathered.integrals.totals
     peak = float(gathered.torque.value[k])
@@ -78,7 +79,8 @@ def joint_load(
         upper=joint.upper,
         q_min=float(gathered.q_min[k]),
         q_max=float(gathered.q_max[k]),
-        uncertainty=uncertainty,
+        uncertainty=uncertainty[0],
+        error_bar=uncertainty[1],
         shares=dict(shares),
     )
 

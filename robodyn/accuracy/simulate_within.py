@@ -67,7 +67,7 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     halved = _halved(run, target)
     measure = MotionError.over(model, _states(halved.motion))
     checked, apart, seconds = _checked(run, halved, measure, target)
-    error = max(halved.error, apart)
+    error = halved.error + apart
     if error > target:
         _refuse(target, f"{halved.motion.method.name} and {checked.method.name} differ by {apart:.0e}")
     quicker = checked if seconds < halved.seconds else halved.motion
@@ -84,7 +84,7 @@ def _halved(run: Callable[..., Simulation], target: float) -> Halved:
     problems = []
     for method in HALVED:
         try:
-            return _by_halving(partial(run, method=method), target)
+            return _by_halving(partial(run, method=method), 0.5 * target)
         except InputError as error:
             problems.append(f"{method}: {error.what}")
     _refuse(target, "; ".join(problems))
@@ -150,7 +150,7 @@ def _checked(
             off = float(measure(_states(other)[rows], between(other.time[rows])).max())
             if found is None or off < found[1]:
                 found = other, off, seconds
-            if off <= max(halved.error, 0.1 * target) or rtol <= LEAST_RTOL:
+            if off + halved.error <= target and (off <= halved.error or rtol <= LEAST_RTOL or off <= 0.1 * target):
                 return found
         if found is not None:
             return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from time import perf_counter
 from typing import Any
 
@@ -90,7 +90,7 @@ def _tries(
     """A method at ever shorter steps or tolerances as long as that helps, and what failed."""
     found: list[_Try] = []
     failed: list[str] = []
-    why, size = "", _operations(a_plan, method)
+    why = ""
     executor = "auto" if method.adaptive else executor
     run = partial(simulate, a_plan.model, a_plan.scene, method=method.name, executor=executor)
     for name, how, given in _settings(method, duration):
@@ -109,7 +109,7 @@ def _tries(
             continue
         evaluations = motion.evaluations
         count = evaluations if method.adaptive else motion.steps
-        work = None if method.implicit or count is None else float(count * size)
+        work = None if method.implicit or count is None else float(count * _operations(a_plan, method))
         found.append(_Try(name, how, executor, (end, way), drift_of(motion), evaluations, work))
         if took > LONGEST / 4 or (len(found) > 1 and way > GAIN * found[-2].errors[1]):
             break
@@ -145,6 +145,7 @@ def drift_of(motion: Simulation) -> float:
     return motion.energy_drift / kinetic if kinetic else motion.energy_drift
 
 
+@lru_cache(maxsize=32)
 def _operations(a_plan: Plan, method: Method) -> int:
     """Of a step, or of an evaluation by a method that chooses its steps."""
     equations = Equations(a_plan)

@@ -43,12 +43,12 @@ class Arithmetic:
     def fulfilled(self, result: Result) -> Result:
         """The result with what it promises: the error of the arithmetic, and of noise in derived accelerations."""
         largest = max((abs(joint.peak) for joint in result.joints), default=0.0)
-        noise = max((joint.uncertainty for joint in result.joints), default=0.0) / largest if largest else 0.0
+        noise = max((joint.error_bar for joint in result.joints), default=0.0) / largest if largest else 0.0
         name = "pairs of doubles" if self.executor else "doubles"
         said = f"{self.target:g} asked: {name} are within {self.expected:.0e} of the largest torque"
         met = noise <= self.target
         if noise:
-            said += f", and the noise in derived accelerations is {noise:.0e} of it (1 sigma)"
+            said += f", and noise in derived accelerations is within {noise:.0e} of it (95 %)"
             said += "" if met else "; no arithmetic helps: give accelerations, or quieter positions"
         return replace(result, accuracy=Promise(self.target, max(self.expected, noise), met, said))
 

@@ -98,7 +98,7 @@ class Runner:
         from robodyn.execute.double_double import DoubleDouble
 
         self.choice = Choice(PAIRS, "as asked")
-        high = DoubleDouble(self.program)(sources, samples).high
+        high: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high
         if out is None:
             return high
         out[...] = high

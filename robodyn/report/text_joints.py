@@ -18,7 +18,7 @@ def share_table(result: Result) -> Content:
     for joint, row in zip(joints, rows, strict=True):
         row.append(f"{number(joint.peak)} {joint.unit}")
     for title, values in (
-        ("noise (1 sigma)", [f"{joint.uncertainty:.2g}" for joint in joints]),
+        ("error (95 %)", [f"{joint.error_bar:.2g}" for joint in joints]),
         ("friction holds", [number(joint.hold) for joint in joints]),
     ):
         if set(values) != {"0"}:

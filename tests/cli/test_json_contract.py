@@ -67,6 +67,7 @@ JOINT = [
     "q_min",
     "q_max",
     "uncertainty",
+    "error_bar",
     "effort_margin",
     "velocity_margin",
     "shares",

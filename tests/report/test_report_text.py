@@ -96,7 +96,7 @@ def test_derived_motion_says_method_noise_and_what_it_does_to_the_peak() -> None
         assert [float(cell) for cell in cells[7:]] == pytest.approx(
             (joint.std_velocity, joint.std_acceleration), rel=0.05
         )
-    assert "noise (1 sigma)" in section(text, "What makes the peaks")[1]
+    assert "error (95 %)" in section(text, "What makes the peaks")[1]
 
 
 def test_clean_derived_motion_takes_one_line() -> None:
