@@ -17,7 +17,7 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import METHODS, method_named
 from robodyn.simulation.steps import Steps
 
-APPLYING = [method for method in METHODS if not method.leapfrog]
+APPLYING = [method for method in METHODS if not (method.leapfrog or method.keeps)]
 TIME = np.linspace(0.0, 2.0, 101)
 WEIGHTLESS = Scene(gravity=(0, 0, 0), joint_limits="ignore")
 PUSHED = replace(WEIGHTLESS, drive={"j1": Drive(torque="push")})
