@@ -10,15 +10,15 @@ from robodyn.cli.progress import bar_of_meshes, bytes_of, worth_a_bar
 from robodyn.mesh.one_shell import readings
 from robodyn.mesh.stl_binary import RECORD
 
-_MOST = 0.99
+_MOST, _OVERDUE = 0.99, 1.02
 _STEPS = 1000
 
 
 class Meter:
     """How much of the readings of files that are measured one after the other is done.
 
-    A file counts by its size and by how often a sound binary STL of that size is read. What needs more readings, and
-    files of other kinds, stay at the last hundredth of their share until they are done.
+    A file counts by its size and by how often a sound binary STL of that size is read. What needs more readings stays
+    at the last hundredth of its share, and is overdue, until it is done.
     """
 
     def __init__(self, sizes: Sequence[int]) -> None:
@@ -29,11 +29,16 @@ class Meter:
 
     @property
     def completed(self) -> float:
-        return self._before + self._read
+        return self._before + min(self._read, _MOST * self._shares[0] if self._shares else 0.0)
+
+    @property
+    def overdue(self) -> bool:
+        """Whether the present file has been read more often than was foreseen: nobody knows how long it will take."""
+        return bool(self._shares) and self._read > _OVERDUE * self._shares[0]
 
     def heard(self, triangles: int) -> None:
         """So many more triangles of the present file have been read."""
-        self._read = min(self._read + triangles * RECORD, _MOST * self._shares[0])
+        self._read += triangles * RECORD
 
     def done(self) -> None:
         """The present file is done."""
@@ -47,15 +52,16 @@ def metered(files: Sequence[str]) -> Iterator[tuple[Callable[[int], None] | None
     if not worth_a_bar(sizes):
         yield None, lambda: None
         return
-    meter, shown = Meter(sizes), 0
+    meter, shown = Meter(sizes), (0, False)
     with bar_of_meshes() as bar:
         task = bar.add_task("measuring", total=meter.total)
 
         def show() -> None:
             nonlocal shown
-            now = int(_STEPS * meter.completed / meter.total)
+            now = int(_STEPS * meter.completed / meter.total), meter.overdue
             if now != shown:
                 shown = now
+                bar.tasks[task].total = None if meter.overdue else meter.total
                 bar.update(task, completed=meter.completed)
 
         def heard(triangles: int) -> None:

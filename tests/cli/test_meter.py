@@ -6,9 +6,10 @@ import json
 import re
 import sys
 
+import numpy as np
 import pytest
 from command_line import run
-from mesh_samples import binary_stl, box, torus
+from mesh_samples import binary_stl, box, moved, torus
 from processes import environment
 from terminals import on_terminal
 
@@ -16,6 +17,11 @@ from robodyn.cli.meter import Meter
 from robodyn.mesh import one_shell
 from robodyn.mesh.load import load_triangles
 from robodyn.part import mass_properties
+
+
+def two(body):
+    """A body twice, apart: shells have to be told from each other."""
+    return np.concatenate([body, moved(body, (9, 0, 0))])
 
 
 @pytest.fixture
@@ -70,3 +76,27 @@ def test_every_triangle_is_heard_of_once_a_reading(rows):
         told.clear()
         assert len(list(reading(rows))) == len(told)
         assert sum(told) == 12
+
+
+def test_a_mesh_that_takes_longer_than_foreseen(tmp_path):
+    path = tmp_path / "two.stl"
+    path.write_bytes(binary_stl(two(torus(2.0, 0.5, 100, 50))))
+    meter = Meter([path.stat().st_size, 500])
+    late = []
+    mass_properties(path, heard=lambda triangles: (meter.heard(triangles), late.append(meter.overdue)))
+    assert late[0] is False
+    assert late[-1] is True
+    assert late == sorted(late)
+    assert meter.completed == 0.99 * path.stat().st_size * (1 + one_shell.readings(20_000))
+    meter.done()
+    assert meter.overdue is False
+
+
+def test_the_bar_of_a_mesh_that_takes_longer_shows_no_percentage(tmp_path):
+    path = tmp_path / "two.stl"
+    path.write_bytes(binary_stl(two(torus(2.0, 0.5, 300, 100))))
+    code = "from robodyn.cli.main import main; main()"
+    shown, _ = on_terminal([sys.executable, "-I", "-c", code, "inertia", str(path)], stdout=False, stderr=True)
+    frames = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", shown)
+    assert re.search(r"measuring \S+ +\r", frames)
+    assert "100% 0:00:00" in frames
