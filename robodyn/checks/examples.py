@@ -64,3 +64,13 @@ def a_shaped_link(
         f"""<visual><origin xyz="0 0 0.125"/><geometry>{shape}</geometry></visual>
     <inertial>{inertial}</inertial>""",
     )
+
+
+def a_mesh(name: str, kind: str = "collision") -> str:
+    """A robot of one link with one mesh."""
+    return f"""<robot name="part">
+  <link name="part">
+    <{kind}><geometry><mesh filename="{name}"/></geometry></{kind}>
+  </link>
+</robot>
+"""

@@ -11,11 +11,13 @@ from pathlib import Path
 from robodyn.checks.context import Context
 from robodyn.checks.mesh_facts import MeshFacts
 from robodyn.checks.mesh_store import facts_of
+from robodyn.checks.rule import Edit, Fault, Fix, Severity
 from robodyn.checks.view import GeometryView, LinkView, value_span
 from robodyn.checks.xml_reader import unexpanded
 from robodyn.urdf.geometry import resolve
 from robodyn.urdf.packages import package_folders
 from robodyn.urdf.places import Span
+from robodyn.wording import shown_path
 
 STDIN = "<stdin>"
 _MANIFEST = "package.xml"
@@ -69,11 +71,17 @@ class MeshName:
         """Whether no <collision> uses it."""
         return all(use.geometry.kind == "visual" for use in self.uses)
 
-    @property
-    def others(self) -> str:
-        """In how many more places it is, in words."""
-        more = len(self.uses) - 1
-        return f" (and {more} more place{'s' if more > 1 else ''})" if more else ""
+    def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
+        """`the mesh NAME what`, at its first use, with the count of the others."""
+        use, more = self.uses[0], len(self.uses) - 1
+        others = f" (and {more} more place{'s' if more > 1 else ''})" if more else ""
+        sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
+        return Fault(at=use.at, subject=use.link.subject, what=sentence, remedy=remedy, severity=severity, fix=fix)
+
+    def renamed(self, better: str) -> Fix:
+        """The safe fix that writes another name wherever this one stands."""
+        edits = tuple(Edit(use.at.start, use.at.end, better) for use in self.uses)
+        return Fix(f"write {shown_path(better)}", edits, safe=True)
 
 
 def mesh_uses(context: Context) -> Iterator[MeshUse]:

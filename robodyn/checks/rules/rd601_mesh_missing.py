@@ -8,7 +8,7 @@ from pathlib import Path
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses, package_of
-from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
+from robodyn.checks.rule import Fault, Fix, Rule, Severity, Stage
 from robodyn.urdf.geometry import resolve
 from robodyn.wording import listed, shown, shown_path
 
@@ -20,13 +20,12 @@ def check(context: Context) -> Iterator[Fault]:
         if name.state is State.MISSING:
             yield _missing(context, name)
         elif name.state is State.REMOTE:
-            what = f"the mesh {shown_path(name.uri)} is not on this machine{name.others}"
-            yield _fault(name, what, "save it in the package: few programs fetch meshes", Severity.W)
+            yield name.fault("is not on this machine", "save it in the package: few programs fetch meshes", Severity.W)
     yield from _unknown([name for name in names if name.state is State.UNKNOWN])
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         if facts.problem is not None and facts.finite:
-            yield _fault(name, f"the mesh {shown_path(uri)} cannot be read: {facts.problem}{name.others}", facts.remedy)
+            yield name.fault(f"cannot be read: {facts.problem}", facts.remedy)
 
 
 def _unnamed(context: Context) -> Iterator[Fault]:
@@ -38,11 +37,7 @@ def _unnamed(context: Context) -> Iterator[Fault]:
 
 
 def _missing(context: Context, name: MeshName) -> Fault:
-    what, remedy, fix = (
-        f"the mesh {shown_path(name.uri)} is not there{name.others}",
-        "names are relative to this file",
-        None,
-    )
+    remedy, fix = "names are relative to this file", None
     package = package_of(name.uri)
     if package is not None and package[0]:
         remedy = f"no such file in the package {shown(package[0])}; or name its folder with --package-path"
@@ -54,15 +49,13 @@ def _missing(context: Context, name: MeshName) -> Fault:
     elif "\\" in name.uri:
         better = name.uri.replace("\\", "/")
         remedy, fix = f"write / between folders: {shown_path(better)}", _written(context, name, better)
-    return _fault(name, what, remedy, fix=fix)
+    return name.fault("is not there", remedy, fix=fix)
 
 
 def _written(context: Context, name: MeshName, better: str) -> Fix | None:
     """The edit that writes another name, if the mesh is there by that."""
-    if resolve(better, Path(context.reading.file).parent, context.package_path) is None:
-        return None
-    edits = tuple(Edit(use.at.start, use.at.end, better) for use in name.uses)
-    return Fix(f"write {shown_path(better)}", edits, safe=True)
+    there = resolve(better, Path(context.reading.file).parent, context.package_path)
+    return None if there is None else name.renamed(better)
 
 
 def _unknown(names: list[MeshName]) -> Iterator[Fault]:
@@ -78,11 +71,6 @@ def _unknown(names: list[MeshName]) -> Iterator[Fault]:
         remedy="say where it is with --package-path" if packages else "check the file by its name",
         severity=Severity.I,
     )
-
-
-def _fault(name: MeshName, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
-    use = name.uses[0]
-    return Fault(at=use.at, subject=use.link.subject, what=what, remedy=remedy, severity=severity, fix=fix)
 
 
 RULE = Rule(

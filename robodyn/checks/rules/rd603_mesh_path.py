@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from robodyn.checks.context import Context
+from robodyn.checks.examples import a_mesh
 from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names, package_of
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown_path
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
@@ -19,13 +19,7 @@ def check(context: Context) -> Iterator[Fault]:
     for name in context.once(mesh_names).values():
         why = _why(context, name)
         if why is not None:
-            use = name.uses[0]
-            yield Fault(
-                at=use.at,
-                subject=use.link.subject,
-                what=f"the mesh {shown_path(name.uri)} {why}{name.others}",
-                remedy="write package://NAME/... or a name relative to this file",
-            )
+            yield name.fault(why, "write package://NAME/... or a name relative to this file")
 
 
 def _why(context: Context, name: MeshName) -> str | None:
@@ -53,15 +47,6 @@ def _leaves(file: str, uri: str) -> bool:
     return root is not None and root not in Path(os.path.normpath(folder / uri)).parents
 
 
-def _named(name: str) -> str:
-    return f"""<robot name="part">
-  <link name="part">
-    <visual><geometry><mesh filename="{name}"/></geometry></visual>
-  </link>
-</robot>
-"""
-
-
 RULE = Rule(
     code="RD603",
     name="mesh-path",
@@ -71,7 +56,7 @@ RULE = Rule(
     explanation="""An absolute path, a `file://` and a name that leads out of the package mean a file of one machine.
 The description cannot be installed or shared. A name with \\ between folders is found on Windows alone. Also the
 folder with the package.xml above a file is a package.""",
-    bad=_named("package://part/../meshes/part.stl"),
-    good=_named("package://part/meshes/part.stl"),
+    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
+    good=a_mesh("package://part/meshes/part.stl", "visual"),
     check=check,
 )

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.checks.context import Context
+from robodyn.checks.examples import a_mesh
 from robodyn.checks.mesh_facts import MeshFacts
 from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown_path
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
@@ -20,14 +20,7 @@ def check(context: Context) -> Iterator[Fault]:
         if found is None or name.state is State.OTHER_CASE:
             continue
         what, severity = found
-        use = name.uses[0]
-        yield Fault(
-            at=use.at,
-            subject=use.link.subject,
-            what=f"the mesh {shown_path(uri)} {what}{name.others}",
-            remedy=_REMEDY,
-            severity=severity,
-        )
+        yield name.fault(what, _REMEDY, severity)
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
@@ -47,15 +40,6 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     return None if what is None else (what, Severity.I if name.is_seen_only else Severity.W)
 
 
-def _named(name: str) -> str:
-    return f"""<robot name="part">
-  <link name="part">
-    <collision><geometry><mesh filename="{name}"/></geometry></collision>
-  </link>
-</robot>
-"""
-
-
 RULE = Rule(
     code="RD604",
     name="mesh-surface",
@@ -67,7 +51,7 @@ coordinates that are no numbers; shells wound inwards that are no cavities; face
 edges (by the boundary chain, see `robodyn.mesh.closed`); and shells that reach into another, as far as a few points of
 each show. The last three are a remark where a mesh is only a <visual>, and a warning in a <collision>. The bad example
 stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.""",
-    bad=_named("open.stl"),
-    good=_named("closed.stl"),
+    bad=a_mesh("open.stl"),
+    good=a_mesh("closed.stl"),
     check=check,
 )

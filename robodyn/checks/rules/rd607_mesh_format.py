@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.checks.context import Context
+from robodyn.checks.examples import a_mesh
 from robodyn.checks.mesh_formats import READS, unread
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 
@@ -23,15 +24,6 @@ def check(context: Context) -> Iterator[Fault]:
             )
 
 
-def _named(name: str) -> str:
-    return f"""<robot name="part">
-  <link name="part">
-    <collision><geometry><mesh filename="{name}"/></geometry></collision>
-  </link>
-</robot>
-"""
-
-
 _KNOWN = "; ".join(
     f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
     f" ({reads.source})"
@@ -46,7 +38,7 @@ RULE = Rule(
     summary="The programs that a description is meant for read its meshes.",
     explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
 {_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
-    bad=_named("part.dae"),
-    good=_named("part.stl"),
+    bad=a_mesh("part.dae"),
+    good=a_mesh("part.stl"),
     check=check,
 )
