@@ -37,7 +37,7 @@ class Outcome:
         trajectory: its name as it was given.
         table, document: the files of its torques and of its report, empty if it failed.
         samples, duration: of the motion [s].
-        within_limits: whether nothing is exceeded; see `robodyn.result.Result`.
+        exceeded: joints and what of them is beyond a limit, such as "elbow velocity"; see `robodyn.result.Result`.
         joints: empty if it failed.
         error: one line that says why it failed, else empty.
     """
@@ -48,9 +48,14 @@ class Outcome:
     document: str = ""
     samples: int = 0
     duration: float = 0.0
-    within_limits: bool = True
+    exceeded: tuple[str, ...] = ()
     joints: tuple[JointPeak, ...] = ()
     error: str = ""
+
+    @property
+    def within_limits(self) -> bool:
+        """Whether the motion exceeds no limit."""
+        return not self.exceeded
 
 
 @dataclass(frozen=True)

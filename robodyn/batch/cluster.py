@@ -64,4 +64,6 @@ def _why(job: Job, problem: BaseException) -> str:
         return f"{job.name}: every worker that it was given to died (is there enough memory?)"
     if isinstance(problem, ModuleNotFoundError):
         return f"{job.name}: {problem} on the worker (install robodyn there)"
+    if name.endswith("CancelledError"):
+        return f"{job.name}: the scheduler went away (the same command again goes on with what is not finished)"
     return f"{job.name}: {name}: {problem}"

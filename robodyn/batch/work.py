@@ -140,6 +140,13 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
         document=os.path.splitext(job.shown)[0] + ".json",
         samples=document["samples"],
         duration=document["duration"],
-        within_limits=not document["limits_exceeded"] and not any(joint["exceeded"] for joint in sized),
+        exceeded=_exceeded(document, sized),
         joints=joints,
     )
+
+
+def _exceeded(document: dict[str, Any], sized: list[dict[str, Any]]) -> tuple[str, ...]:
+    """Joints and quantities beyond limits, those of the description first, each once."""
+    found = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
+    found += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
+    return tuple(dict.fromkeys(f"{joint} {quantity}" for joint, quantity in found))

@@ -30,4 +30,4 @@ def _file(outcome: Outcome) -> dict[str, Any]:
     if outcome.status == "failed":
         return {key: fields[key] for key in ("trajectory", "status", "error")}
     fields.pop("error")
-    return fields
+    return {**fields, "within_limits": outcome.within_limits}

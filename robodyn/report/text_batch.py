@@ -6,6 +6,9 @@ from robodyn.batch_result import Batch, Outcome, Status, Worst
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_torques import count, use
 
+_LISTED = 3
+"""Exceeded limits that a line names."""
+
 
 def outcome_line(outcome: Outcome) -> str:
     """What became of one trajectory."""
@@ -13,7 +16,8 @@ def outcome_line(outcome: Outcome) -> str:
     if outcome.status == "failed":
         return f"{name}: failed"
     before = "finished before, " if outcome.status == "finished before" else ""
-    limits = "" if outcome.within_limits else ", LIMITS EXCEEDED"
+    more = f" and {len(outcome.exceeded) - _LISTED} more" if len(outcome.exceeded) > _LISTED else ""
+    limits = f", LIMITS EXCEEDED: {printable(', '.join(outcome.exceeded[:_LISTED]))}{more}" if outcome.exceeded else ""
     samples = f"{count(outcome.samples, 'sample')}, {outcome.duration:.6g} s"
     return f"{name}: {before}{samples}{limits} -> {printable(outcome.table)}"
 

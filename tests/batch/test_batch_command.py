@@ -99,7 +99,7 @@ def test_failures_in_json() -> None:
         f"runs/{x}.csv" for x in ("odd", "one", "three", "two")
     ]
     assert list(found["files"][0]) == ["trajectory", "status", "error"]
-    good = ["trajectory", "status", "table", "document", "samples", "duration", "within_limits"]
+    good = ["trajectory", "status", "table", "document", "samples", "duration", "exceeded", "within_limits"]
     assert [list(entry) for entry in found["files"][1:]] == [good] * 3
     assert (found["computed"], found["failed"]) == (3, 1)
 
@@ -125,7 +125,9 @@ def test_limits(limit: str, status: int) -> None:
     for more in ((), ("--sizing",), ("--sizing",)):
         outcome = batch("--fail-on-limits", *more)
         assert outcome.status == status
-        assert ("s, LIMITS EXCEEDED -> " in outcome.out) == bool(status)
+        over = "runs/two.csv: 50 samples, 0.49 s, LIMITS EXCEEDED: elbow velocity -> results/two.csv"
+        lines = [line.replace("finished before, ", "") for line in outcome.out.splitlines()]
+        assert (over in lines) == bool(status)
         assert (outcome.out.splitlines()[-1] == "LIMITS EXCEEDED in 2 files") == bool(status)
         assert ("over peak" in outcome.out) == (bool(status) and bool(more))
     assert batch().status == 0
@@ -207,5 +209,7 @@ def test_a_scene_with_motors_is_judged() -> None:
     files = [str(ROBOTS / name) for name in ("puma560.urdf", "puma560_sweep.csv")]
     outcome = run("torques", *files, "--scene", str(ROBOTS / "puma560_sizing.toml"), "--out", "r/", "--fail-on-limits")
     assert outcome.status == 1
+    over = "LIMITS EXCEEDED: wrist_roll RMS motor torque, wrist_pitch motor torque, flange_roll motor speed -> r/"
+    assert over in outcome.out
     assert "over peak" in outcome.out
     assert outcome.out.endswith("\nLIMITS EXCEEDED in 1 file\n")

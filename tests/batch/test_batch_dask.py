@@ -60,6 +60,8 @@ def test_problems_of_workers_in_words() -> None:
     killed = distributed.scheduler.KilledWorker("task", None, 3)
     assert cluster._why(job, killed).startswith("runs/one.csv: every worker that it was given to died")
     assert cluster._why(job, ModuleNotFoundError("No module named 'robodyn'")).endswith("(install robodyn there)")
+    gone = cluster._why(job, distributed.client.FutureCancelledError("task", "lost"))
+    assert gone.startswith("runs/one.csv: the scheduler went away (the same command again")
     assert cluster._why(job, TimeoutError("late")) == "runs/one.csv: TimeoutError: late"
 
 
