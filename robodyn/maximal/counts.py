@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.maximal.rank import Rank, ranked
+from robodyn.maximal.rank import Rank
 from robodyn.maximal.solve import equilibrated, saddle, scaled_rows
 from robodyn.maximal.system import Matrices, System
 
@@ -73,7 +73,7 @@ def counted(system: System, found: Matrices, rank: Rank, length: float) -> Count
     G = found.G[rank.independent]
     n = len(found.f)
     K = equilibrated(saddle(found.M, G))[0]
-    laws = len(ranked(K[:n]).independent)
+    laws = _rank(K[:n] @ K[:n].T)
     return Counts(
         len(system.inertias),
         len(names),

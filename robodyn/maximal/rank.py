@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 DEPENDENT = 1e-10
 """A row is dependent if less than this part of it is left outside the span of the rows before it."""
+BLOCK = 24
+"""Rows."""
 
 
 class Rank(NamedTuple):
@@ -23,7 +25,8 @@ class Rank(NamedTuple):
 def ranked(rows: Floats) -> Rank:
     """The rows one after another: each is independent unless it lies in the span of those before it.
 
-    Gram and Schmidt's orthogonalisation, each row twice (Kahan and Parlett: "twice is enough").
+    Gram and Schmidt's orthogonalisation, each row twice (Kahan and Parlett: "twice is enough"), in blocks of rows for
+    what came before the block.
 
     Args:
         rows: (m, n).
@@ -32,15 +35,23 @@ def ranked(rows: Floats) -> Rank:
     basis = np.zeros((min(m, n), n))
     independent: list[int] = []
     dependent: list[int] = []
-    for k, row in enumerate(rows):
-        size, found = np.sqrt(row @ row), basis[: len(independent)]
-        rest = row / size if size else row
-        for _ in range(2):
-            rest = rest - found.T @ (found @ rest)
-        left = np.sqrt(rest @ rest)
-        if left <= DEPENDENT or len(independent) == len(basis):
-            dependent.append(k)
-        else:
-            basis[len(independent)] = rest / left
-            independent.append(k)
+    sizes = np.sqrt((rows * rows).sum(axis=1))
+    for start in range(0, m, BLOCK):
+        first = len(independent)
+        block = rows[start : start + BLOCK] / np.where(sizes > 0.0, sizes, 1.0)[start : start + BLOCK, None]
+        for k, row in enumerate(_outside(block, basis[:first]), start):
+            rest = _outside(row, basis[first : len(independent)])
+            left = np.sqrt(rest @ rest)
+            if left <= DEPENDENT or len(independent) == len(basis):
+                dependent.append(k)
+            else:
+                basis[len(independent)] = rest / left
+                independent.append(k)
     return Rank(np.array(independent, dtype=int), np.array(dependent, dtype=int), basis[: len(independent)])
+
+
+def _outside(rows: Floats, basis: Floats) -> Floats:
+    """What of rows lies outside the span of an orthonormal basis."""
+    for _ in range(2):
+        rows = rows - (rows @ basis.T) @ basis
+    return rows

@@ -166,3 +166,23 @@ def test_a_robot_that_nothing_holds_back(tmp_path):
     assert "nothing resists some motion: the accelerations and reactions are not defined" in text
     found = document(str(robot))
     assert (found["qdd"], found["comparison"], found["counts"]["index"]) == (None, None, None)
+
+
+def test_loops_of_a_scene():
+    """Two four-bars: --at keeps what it names, the other coordinates close the loops, redundancy is told."""
+    urdf_file, scene = (str(ROBOTS / name) for name in ("four_bars.urdf", "four_bars_a02.toml"))
+    call = (urdf_file, "--scene", scene, "--at", "A0=1.2", "--qd", "A0=-1", "--tau", "A0=3")
+    text = shown(*call)
+    assert "rank of G: 35 of 37, 2 redundant (pin_1 Fy; pin_2 Fy)" in text
+    assert "degrees of freedom: 6 x 6 - 35 = 1" in text
+    assert re.search(
+        r"^3 crank_1 +1\.000 kg +m3 g \+ F3 - F4 - FL1 +.* - M4 - s4 x F4 - sL1 x FL1$", text, re.MULTILINE
+    )
+    assert re.search(r"^L1 pin_1 +crank_1 - coupler_1 +point +- +3 +3 +x = y +Fx Fy Fz$", text, re.MULTILINE)
+    assert re.search(r"^A0 +1\.2 +-1\.000 +3\.000 ", text, re.MULTILINE)
+    assert re.search(r"^Both forms: against the closed chain in joint coordinates .* \de-1[56] ", text, re.MULTILINE)
+    found = document(*call)
+    assert [c["kind"] for c in found["connections"][-2:]] == ["point", "point"]
+    assert found["counts"]["redundant"] == [["pin_1", "Fy"], ["pin_2", "Fy"]]
+    assert np.abs(np.diff(found["qd"][:3])).max() <= 1e-13
+    assert "\\text{pin\\_2, point} && x_{L2} = y_{L2}" in shown(urdf_file, "--scene", scene, "--format", "latex")

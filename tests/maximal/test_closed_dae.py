@@ -9,6 +9,7 @@ import pytest
 from closed_chains import crank_slider, four_bars, spatial_loop
 from oracles import worst
 from single_bodies import HINGE, NEAR, four_bar
+from small_robots import body_numbers, built, joint, link
 
 import robodyn
 from robodyn.errors import InputError
@@ -50,6 +51,39 @@ def test_loops_in_space(kind, free):
     assert found.counts.freedom == model.n - {"point": 3, "hinge": 5, "weld": 6}[kind]
     assert not found.counts.redundant
     assert found.q[model.coordinates.index(last)] == pytest.approx(0.3, abs=1e-12)
+    agrees(found)
+
+
+def turned_ends(kind, **more):
+    """Two branches of skew hinges on a heavy base; the loop's links are fixed to the last bodies, turned and moved."""
+    rng = np.random.default_rng(7)
+    parts = [link("l0", *body_numbers(rng))]
+    for branch, length in (("a", 4), ("b", 4)):
+        for k in range(length):
+            axis, before = rng.normal(size=3), f"{branch}{k - 1}" if k else "l0"
+            parts.append(link(f"{branch}{k}", *body_numbers(rng)))
+            placed = {"xyz": rng.uniform(-0.6, 0.6, 3), "rpy": rng.uniform(-3, 3, 3)}
+            parts.append(joint(f"j{branch}{k}", before, f"{branch}{k}", axis=axis / np.linalg.norm(axis), **placed))
+        parts += [link(f"end_{branch}", *body_numbers(rng))]
+        placed = {"xyz": rng.uniform(-0.3, 0.3, 3), "rpy": rng.uniform(-3, 3, 3)}
+        parts.append(joint(f"fix_{branch}", f"{branch}3", f"end_{branch}", "fixed", **placed))
+    loop = Loop("tie", "end_a", (0.1, 0.2, -0.1), "end_b", (0.2, 0, 0.1), kind, **more)
+    return built(*parts), Scene(loops=(loop,))
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "held"),
+    [
+        ("point", {}, 3),
+        ("point", {"directions": ((0.3, 1.0, 0.2), (0.0, 0.5, -1.0))}, 2),
+        ("hinge", {"axis": (0.3, -0.2, 0.9), "to_axis": (1.0, 0.4, 0.1)}, 5),
+        ("weld", {"rpy": (0.4, -0.8, 1.9)}, 6),
+    ],
+)
+def test_links_that_are_turned_in_their_bodies(kind, more, held):
+    model, scene = turned_ends(kind, **more)
+    found = dae(model, scene, qd={"jb3": 0.5}, tau=torques(model))
+    assert found.counts.freedom == 8 - held
     agrees(found)
 
 
