@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from threading import Thread
 from typing import Any
@@ -17,6 +17,8 @@ from robodyn.cli.options import PATH
 from robodyn.errors import InputError
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
+LARGE = 20_000_000
+"""Bytes of a trajectory from which processes that draw are worth their start."""
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
@@ -54,9 +56,22 @@ def pictured(report: str | None) -> bool:
 
 
 def get_ready(report: str | None) -> None:
-    """Import what draws figures while the figures are still being computed."""
+    """Import what draws figures while what they show is still being computed."""
     if pictured(report):
         Thread(target=_import, daemon=True).start()
+
+
+@contextmanager
+def drawing(report: str | None, size: int) -> Iterator[Any]:
+    """What draws the figures of a report on a table of so many bytes: large ones keep processes busy beside this."""
+    from robodyn.report.drawing import at_once, beside
+
+    if pictured(report) and size >= LARGE:
+        with beside() as draw:
+            yield draw
+    else:
+        get_ready(report)
+        yield at_once
 
 
 def _import() -> None:

@@ -21,8 +21,9 @@ class Curves:
     """Samples of several columns, each with the same quantities.
 
     Attributes:
-        kept: (spans, 1 + quantities, columns, 2 * quantities): time [s] and quantities, of the samples where each
-            quantity is least, then of those where each is greatest.
+        quantities: those that decide which samples are kept, then those that are kept with them.
+        kept: (spans, 1 + quantities, columns, 2 * deciding): time [s] and quantities, of the samples where each of the
+            deciding ones is least, then of those where each is greatest.
     """
 
     names: tuple[str, ...]
@@ -32,7 +33,8 @@ class Curves:
     def line(self, quantity: str, column: int) -> tuple[Floats, Floats]:
         """Time and value of a quantity, its least and greatest sample of every span, in the order of time."""
         k = self.quantities.index(quantity)
-        time, values = self.kept[:, [[0], [k + 1]], column, [[k, k + len(self.quantities)]]].transpose(1, 0, 2)
+        half = self.kept.shape[3] // 2
+        time, values = self.kept[:, [[0], [k + 1]], column, [[k, k + half]]].transpose(1, 0, 2)
         order = np.argsort(time, axis=1, kind="stable")
         time, values = (np.take_along_axis(each, order, axis=1).ravel() for each in (time, values))
         news = np.flatnonzero(np.append(True, np.diff(time) > 0.0))
@@ -50,7 +52,7 @@ class History:
     """The course of a motion.
 
     Attributes:
-        joints: of each joint speed, torque and power; None without joints.
+        joints: of each joint speed, torque, power and acceleration; None without joints.
         base: of each component of the base wrench its load.
         energy: "work done" and "energy stored" since the start [J].
         states: for each joint q, qd, qdd and columns at its peak torque.
@@ -65,8 +67,9 @@ class History:
 class Thinned:
     """Gathers `Curves` block by block; spans double in length when there are too many of them."""
 
-    def __init__(self, names: tuple[str, ...], quantities: tuple[str, ...]) -> None:
-        self.names, self.quantities = names, quantities
+    def __init__(self, names: tuple[str, ...], quantities: tuple[str, ...], also: tuple[str, ...] = ()) -> None:
+        """Args: quantities: that decide which samples are kept; also: those that are kept with them."""
+        self.names, self.quantities, self._deciding = names, (*quantities, *also), len(quantities)
         self._start = self._width = 0.0
         self._kept: dict[int, Floats] = {}
 
@@ -95,7 +98,7 @@ class Thinned:
     def _add(self, span: int, samples: Floats) -> None:
         if span in self._kept:
             samples = np.concatenate((self._kept[span], samples), axis=2)
-        self._kept[span] = _extreme(samples)
+        self._kept[span] = _extreme(samples, self._deciding)
 
     def _double(self) -> None:
         before, self._kept, self._width = self._kept, {}, 2.0 * self._width
@@ -103,9 +106,10 @@ class Thinned:
             self._add(span // 2, samples)
 
 
-def _extreme(samples: Floats) -> Floats:
-    """Of samples (1 + quantities, columns, N) those where a quantity is least or greatest."""
-    rows = np.concatenate((samples[1:].argmin(axis=2), samples[1:].argmax(axis=2)))
+def _extreme(samples: Floats, deciding: int) -> Floats:
+    """Of samples (1 + quantities, columns, N) those where one of the first quantities is least or greatest."""
+    values = samples[1 : 1 + deciding]
+    rows = np.concatenate((values.argmin(axis=2), values.argmax(axis=2)))
     return np.take_along_axis(samples, rows.T[None], axis=2)
 
 
@@ -113,23 +117,31 @@ class Recorder:
     """Gathers a `History`."""
 
     def __init__(self, joints: tuple[str, ...], components: tuple[str, ...]) -> None:
-        self.joints = Thinned(joints, ("speed", "torque", "power"))
+        self.joints = Thinned(joints, ("speed", "torque", "power"), ("acceleration",))
         self.base = Thinned(components, ("load",))
         self.energy = Thinned(("work done", "energy stored"), ("energy",))
 
     def update(
-        self, time: Floats, qd: Floats, tau: Floats, base: Floats, energy: Floats, rows: NDArray[np.int64], more: float
+        self,
+        time: Floats,
+        qd: Floats,
+        qdd: Floats,
+        tau: Floats,
+        base: Floats,
+        energy: Floats,
+        rows: NDArray[np.int64],
+        more: float,
     ) -> None:
         """Take in a block.
 
         Args:
-            time: (N,) s; qd, tau: (joints, N); base: (components, N).
+            time: (N,) s; qd, qdd, tau: (joints, N); base: (components, N).
             energy: (2, k) work done and energy stored since the start [J], at these `rows`.
             more: times as many samples may come, with these.
         """
         left = float(time[-1] - time[0]) * more
         if len(tau):
-            self.joints.update(time, (qd, tau, qd * tau), left)
+            self.joints.update(time, (qd, tau, qd * tau, qdd), left)
         self.base.update(time, (base,), left)
         self.energy.update(time[rows], (energy,), left)
 

@@ -21,16 +21,17 @@ _NAMES = {INK: "ink", SOFT: "soft", GRID: "grid", PAPER: "paper", BAD: "bad", GO
 _NAMES |= {colour: f"c{k}" for k, colour in enumerate(SERIES, start=1)}
 _OF_ACTIONS = {"#2b8a3e": "c3", "#9c5fd0": "c4", "#2f7fd6": "c1", "#d6336c": "c6", "#b8680b": "c2"}
 _OF_ACTIONS |= {"#11837f": "c5", "#d9480f": "c8"}
+_RASTER = 2.0
+"""Dots of a raster in a figure for each pixel of the page."""
 DOTS = 72
 """Per inch, so that a point is a pixel of the page."""
-_NUMBER = re.compile(r"-?\d+\.\d+")
+_NUMBER = re.compile(r"(?<=\d\.\d)\d+")
 _PATH = re.compile(r'(?<= d=")[^"]*')
 
 
 def style(name: str) -> AbstractContextManager[Any]:
     """The look of all plots, within which they are made and written; nothing in a label is read as a formula."""
     from matplotlib import rc_context
-    from matplotlib.rcsetup import cycler
 
     return rc_context(
         {
@@ -40,7 +41,7 @@ def style(name: str) -> AbstractContextManager[Any]:
             **{"axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True},
             **{"axes.facecolor": "none", "figure.facecolor": "none", "savefig.facecolor": "none"},
             **{"axes.formatter.limits": (-4, 5), "axes.formatter.useoffset": False, "axes.xmargin": 0.0},
-            **{"axes.prop_cycle": cycler(color=SERIES), "grid.color": GRID, "grid.linewidth": 0.8},
+            **{"grid.color": GRID, "grid.linewidth": 0.8},
             **{"xtick.color": SOFT, "ytick.color": SOFT, "xtick.labelcolor": INK, "ytick.labelcolor": INK},
             **{"xtick.bottom": False, "ytick.left": False, "xtick.major.pad": 4, "ytick.major.pad": 4},
             **{"axes.labelsize": 11, "xtick.labelsize": 10, "ytick.labelsize": 10},
@@ -50,29 +51,51 @@ def style(name: str) -> AbstractContextManager[Any]:
     )
 
 
-def plot(width: int, height: int, draw: Callable[[Figure], None], name: str, dots: float = 2.0) -> str:
+def plot(width: int, height: int, draw: Callable[[Figure], None], name: str) -> str:
     """An SVG element of this size [px] for a page.
 
     Args:
         draw: puts what is to be seen on a figure.
         name: no other figure of the page has.
-        dots: of a raster in it, for each pixel of the page.
     """
-    import io
-    import warnings
+    return Sheet(width, height).plot(draw, name)
 
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
-    with style(name), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph")  # the page's own fonts may have it
-        figure = Figure(figsize=(width / DOTS, height / DOTS))
-        canvas: Any = FigureCanvasSVG(figure)
-        draw(figure)
-        figure.dpi = DOTS * dots
-        stream = io.StringIO()
-        canvas.print_svg(stream, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
-    return _themed(stream.getvalue())
+class Sheet:
+    """A figure to draw one plot after another on; axes that stay on it cost time once."""
+
+    def __init__(self, width: int, height: int) -> None:
+        """Args: width, height: px."""
+        from matplotlib.figure import Figure
+
+        self._figure = Figure(figsize=(width / DOTS, height / DOTS))
+
+    def plot(self, draw: Callable[[Figure], None], name: str) -> str:
+        """An SVG element for a page; see `plot`."""
+        import io
+        import warnings
+
+        from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+        with style(name), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Glyph")  # the page's own fonts may have it
+            canvas: Any = FigureCanvasSVG(self._figure)
+            for axes in self._figure.axes:
+                _wipe(axes)
+            self._figure.dpi = DOTS
+            draw(self._figure)
+            self._figure.dpi = DOTS * _RASTER
+            stream = io.StringIO()
+            canvas.print_svg(stream, metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+        return _themed(stream.getvalue())
+
+
+def _wipe(axes: Axes) -> None:
+    """Axes without what was drawn on them, and with no limits; titles, ticks and labels stay."""
+    for artist in [*axes.lines, *axes.collections]:
+        artist.remove()
+    axes.relim()
+    axes.autoscale()
 
 
 def few_ticks(axes: Axes, across: int = 6, up: int = 4) -> None:
@@ -129,8 +152,4 @@ def _font(found: re.Match[str]) -> str:
 
 
 def _shorter(path: re.Match[str]) -> str:
-    return (
-        _NUMBER.sub(lambda number: f"{float(number[0]):.1f}".removesuffix(".0"), path[0])
-        .replace("\n", "")
-        .replace(" L", "L")
-    )
+    return _NUMBER.sub("", path[0]).replace(".0 ", " ").replace("\n", "").replace(" L", "L")

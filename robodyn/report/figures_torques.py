@@ -8,43 +8,59 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.history import Curves, Floats, History
+from robodyn.model import Model
 from robodyn.report.document import Figure
-from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, dots, few_ticks, plot
+from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.table import number, printable
-from robodyn.result import JointLoad, Result
+from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
 _WIDE = 380
+_TALL = 660
 _PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
 """Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
-def joint_figure(joint: JointLoad, curves: Curves, column: int) -> Figure:
-    """Torque, speed and power against time, and torque against speed within the limits."""
+def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int]) -> list[Figure]:
+    """For some joints torque, speed and power against time, and torque against speed within the limits."""
+    sheet = Sheet(_WIDE, _TALL)
+    return [_joint_figure(sheet, joints[k], curves, k) for k in columns]
+
+
+def _joint_figure(sheet: Sheet, joint: JointLoad, curves: Curves, column: int) -> Figure:
     speed = "m/s" if joint.unit == "N" else "rad/s"
     what = "force" if joint.unit == "N" else "torque"
 
     def draw(canvas: Canvas) -> None:
-        axes = [canvas.add_axes((0.16, bottom / 660, 0.8, height / 660)) for bottom, height in _PANELS]
+        axes = canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
         limits = {"torque": joint.effort_limit, "speed": joint.velocity_limit, "power": None}
         titles = {"torque": f"{what} [{joint.unit}]", "speed": f"speed [{speed}]", "power": "power [W]"}
         for k, (quantity, limit) in enumerate(limits.items()):
             _over_time(axes[k], curves.line(quantity, column), titles[quantity], limit, SERIES[k])
-            axes[k].tick_params(labelbottom=k == 2)
-        axes[2].set_xlabel("time [s]", labelpad=1)
         _envelope(axes[3], joint, curves.samples(column))
         axes[3].set_title(f"{what} [{joint.unit}] against speed [{speed}]")
 
     caption = printable(joint.name)
-    return Figure(caption, _joint_words(joint, what, speed), plot(_WIDE, 660, draw, f"joint {column}"))
+    return Figure(caption, _joint_words(joint, what, speed), sheet.plot(draw, f"joint {column}"))
 
 
-def base_figures(result: Result, history: History) -> list[Figure]:
+def _panel(canvas: Canvas, k: int) -> Axes:
+    """One of the axes of a joint's figure."""
+    bottom, height = _PANELS[k]
+    axes = canvas.add_axes((0.16, bottom / _TALL, 0.8, height / _TALL))
+    axes.tick_params(labelbottom=k >= 2)
+    if k == 2:
+        axes.set_xlabel("time [s]", labelpad=1)
+    few_ticks(axes)
+    return axes
+
+
+def base_figures(loads: Sequence[ComponentLoad], history: History) -> list[Figure]:
     """Forces and moments of the ground on the robot against time."""
     found = []
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
@@ -60,15 +76,14 @@ def base_figures(result: Result, history: History) -> list[Figure]:
             axes.set_title(f"[{unit}]")
             axes.set_xlabel("time [s]")
 
-        peaks = [f"{part.name} {number(part.peak)} {unit}" for part in result.base_wrench if part.name in names]
+        peaks = [f"{part.name} {number(part.peak)} {unit}" for part in loads if part.name in names]
         alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
         found.append(Figure(f"Base {title}: ground on robot", alt, plot(_WIDE, 280, draw, title)))
     return found
 
 
-def energy_figure(result: Result, history: History) -> Figure:
+def energy_figure(balance: EnergyBalance, history: History) -> Figure:
     """Work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
-    balance = result.checks.energy_balance
 
     def draw(canvas: Canvas) -> None:
         axes = canvas.subplots()
@@ -107,11 +122,25 @@ def share_figure(joints: Sequence[JointLoad]) -> Figure:
     return Figure("What makes the peaks", _share_words(shown), plot(_WIDE, height, draw, "shares"))
 
 
+def pose_figure(robot: Model | tuple[str, bool], q: Floats, joint: str, when: str) -> tuple[Figure, str]:
+    """A robot in one pose, and what is said of shapes that are not there; see `robot_figure`.
+
+    Args:
+        robot: or its file, and whether its base moves, for a process beside this one.
+    """
+    from robodyn.assemble import load
+    from robodyn.report.robot_picture import robot_figure, shapes_of
+
+    model = load(robot[0], moving_base=robot[1]) if isinstance(robot, tuple) else robot
+    shapes, why = shapes_of(model)
+    return robot_figure(model, q, joint, when, shapes), why
+
+
 def _over_time(axes: Axes, line: tuple[Floats, Floats], title: str, limit: float | None, colour: str) -> None:
     axes.plot(*line, color=colour, marker="o" if len(line[0]) == 1 else None)
     axes.set_title(title)
     axes.axhline(0.0, color=SOFT, linewidth=0.8, zorder=1)
-    few_ticks(axes)
+    axes.set_title("", loc="right")
     if limit is None:
         return
     largest = float(np.abs(line[1]).max())
@@ -133,7 +162,6 @@ def _envelope(axes: Axes, joint: JointLoad, samples: dict[str, Floats]) -> None:
     for where, colour in ((~over, SERIES[0]), (over, BAD)):
         dots(axes, *_apart(speed[where], torque[where]), colour)
     axes.margins(0.08)
-    few_ticks(axes)
     fast, strong = joint.velocity_limit, joint.effort_limit
     if strong is not None:
         for bound in (-strong, strong):

@@ -24,7 +24,8 @@ def limits_verdict(result: Result) -> Verdict:
     if not any(joint.effort_limit is not None or joint.velocity_limit is not None for joint in joints):
         what = "There are no limits of effort and speed to hold this motion against"
         return Verdict("neutral", what, _unlimited(joints))
-    return Verdict("good", "No limit is exceeded", (*_nearest(joints), *_unlimited(joints)))
+    of = "" if result.within_limits else " of the description"
+    return Verdict("good", f"No limit{of} is exceeded", (*_nearest(joints), *_unlimited(joints)))
 
 
 def _shortened(lines: list[str]) -> tuple[str, ...]:

@@ -66,14 +66,18 @@ def _front(ladder: Ladder) -> str:
 
 
 def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
-    from robodyn.report.figures import plot, whole_numbers
+    from matplotlib import rc_context
+    from matplotlib.rcsetup import cycler
+
+    from robodyn.report.figures import SERIES, plot, whole_numbers
     from robodyn.report.plot_accuracy import draw_accuracy
 
     ladder = accuracy.ladders[k]
 
     def draw(canvas: Canvas) -> None:
         canvas.set_layout_engine("constrained")
-        draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
+        with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
+            draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
         for axes in canvas.axes:
             whole_numbers(axes)
             axes.margins(x=0.04)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 
 from robodyn.errors import RobodynError
@@ -22,6 +23,7 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
+from robodyn.report.drawing import PROCESSES, Draw, at_once
 from robodyn.report.json_torques import torques_json
 from robodyn.report.limits_words import effort_use, limits_verdict, speed_use, worst_joint
 from robodyn.report.table import Content, number, printable
@@ -34,11 +36,12 @@ PLOTTED = 12
 """Joints that have plots; the most loaded of them where there are more."""
 
 
-def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> Document:
+def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:
     """Limits first, then what the joints and the base carry, how that comes about, and whether it can be trusted.
 
     Args:
         pictures: with figures, which needs the result's history.
+        draw: what draws them.
     """
     x, y, z = result.gravity
     what = (
@@ -46,13 +49,61 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
     )
     history = result.history if pictures else None
+    plots = Plots(result, history, model, draw) if history else None
     blocks: list[Block] = [limits_verdict(result)]
+    if result.sizing is not None and result.sizing.exceeded:
+        from robodyn.report.page_sizing import sizing_verdict
+
+        blocks.append(sizing_verdict(result.sizing))
     if result.joints:
-        blocks += [_facts(result), *_worst(result, model, scene, history)]
+        blocks += [_facts(result), *_worst(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result.joints))]
-        blocks += [*_plots(result, history), *_shares(result, history)]
-    blocks += [*_base(result, history), *_checks(result, history), *_trust(result), *_files(result, history)]
-    return Document(result.robot, what, tuple(blocks))
+        blocks += _plots(result, plots)
+        if result.sizing is not None:
+            from robodyn.report.page_sizing import sizing_blocks
+
+            blocks += sizing_blocks(result, model, scene, history.joints if history else None)
+        blocks += _shares(result, plots)
+    blocks += [*_base(result, plots), *_momentum(result), *_checks(result, plots), *_trust(result)]
+    return Document(result.robot, what, (*blocks, *_files(result, history)))
+
+
+class Plots:
+    """The figures that are drawn from the course of the motion: begun here, and there when they are asked for.
+
+    Attributes:
+        shown: the joints with plots; loaded: those whose shares are drawn.
+        worst, when: the joint that is loaded most, and its moment.
+    """
+
+    def __init__(self, result: Result, history: History, model: Model, draw: Draw) -> None:
+        from robodyn.report import figures_torques as figures
+
+        joints = result.joints
+        order = sorted(range(len(joints)), key=lambda k: (-effort_use(joints[k]), k))
+        self.history, self.shown = history, sorted(order[:PLOTTED])
+        self.worst = worst_joint(result)
+        chunks = [self.shown[k::PROCESSES] for k in range(PROCESSES)]
+        if self.worst is not None:
+            joint = joints[self.worst]
+            self.when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
+            pose = (history.states[self.worst]["q"], joint.name, self.when)
+            if draw is not at_once and os.path.isfile(model.file):
+                self.picture = draw(figures.pose_figure, (model.file, model.floating), *pose)
+            else:
+                self.picture = at_once(figures.pose_figure, model, *pose)
+        if history.joints is not None:
+            self._joints = [draw(figures.joint_figures, joints, history.joints, chunk) for chunk in chunks]
+        loaded = [joints[k] for k in sorted(order[: 2 * PLOTTED]) if joints[k].peak]
+        self.shares = draw(figures.share_figure, loaded) if loaded else None
+        self.base = draw(figures.base_figures, result.base_wrench, history)
+        self.energy = draw(figures.energy_figure, result.checks.energy_balance, history)
+
+    def joints(self) -> list[Figure]:
+        """Those of the joints that are shown, in their order."""
+        drawn = [figure for chunk in self._joints for figure in chunk()]
+        order = [k for first in range(PROCESSES) for k in self.shown[first::PROCESSES]]
+        return [drawn[order.index(k)] for k in self.shown]
 
 
 def _facts(result: Result) -> Facts:
@@ -70,19 +121,13 @@ def _facts(result: Result) -> Facts:
     return Facts(tuple(items))
 
 
-def _worst(result: Result, model: Model, scene: Scene, history: History | None) -> Iterator[Block]:
+def _worst(result: Result, model: Model, scene: Scene, plots: Plots | None) -> Iterator[Block]:
     """The robot at the peak of the joint that is loaded most, and the free body that this joint carries."""
-    k = worst_joint(result)
-    if history is None or k is None:
+    if plots is None or plots.worst is None:
         return
-    joint = result.joints[k]
-    when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
     yield Heading("At the heaviest load")
-    from robodyn.report.robot_picture import robot_figure, shapes_of
-
-    shapes, why = shapes_of(model)
-    drawing = _free_body(model, scene, history, k, joint.name, when)
-    picture = robot_figure(model, history.states[k]["q"], joint.name, when, shapes)
+    drawing = _free_body(model, scene, plots.history, plots.worst, result.joints[plots.worst].name, plots.when)
+    picture, why = plots.picture()
     yield Gallery((picture,) if drawing is None else (picture, drawing))
     if why:
         yield Paragraph(why)
@@ -109,49 +154,50 @@ def _free_body(model: Model, scene: Scene, history: History, k: int, name: str, 
     return Figure(f"What acts on {printable(body.name)}, which {printable(name)} carries", alt, svg, wide=True)
 
 
-def _plots(result: Result, history: History | None) -> Iterator[Block]:
-    if history is None or history.joints is None:
+def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
+    if plots is None:
         return
-    from robodyn.report.figures_torques import joint_figure
-
-    order = sorted(range(len(result.joints)), key=lambda k: (-effort_use(result.joints[k]), k))
-    shown = sorted(order[:PLOTTED])
     yield Heading("Along the motion")
-    if len(shown) < len(order):
+    if len(plots.shown) < len(result.joints):
         yield Paragraph(
-            f"The {len(shown)} joints that use most of their limits of effort; the tables have all {len(order)}."
+            f"The {len(plots.shown)} joints that use most of their limits of effort; the tables have all "
+            f"{len(result.joints)}."
         )
     if result.samples > 2 * SPANS:
         yield Paragraph(
             f"Drawn from the least and the greatest of every {result.duration / SPANS:.2g} s, so that no peak is lost."
         )
-    yield Gallery(tuple(joint_figure(result.joints[k], history.joints, k) for k in shown))
+    yield Gallery(tuple(plots.joints()))
 
 
-def _shares(result: Result, history: History | None) -> Iterator[Block]:
+def _shares(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Heading("What makes the peaks")
-    if history is not None and any(joint.peak for joint in result.joints):
-        from robodyn.report.figures_torques import share_figure
-
-        loaded = sorted(sorted(result.joints, key=effort_use)[-2 * PLOTTED :], key=result.joints.index)
-        yield Gallery((share_figure(loaded),))
+    if plots is not None and plots.shares is not None:
+        yield Gallery((plots.shares(),))
     yield Table("What each effect adds to the peak of a joint", *share_table(result))
 
 
-def _base(result: Result, history: History | None) -> Iterator[Block]:
+def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Heading("Loads of the base")
     head, rows = base_table(result)
     if all(row[-1] == "0" for row in rows):
         yield Paragraph("No force and no moment between ground and robot throughout.")
         return
-    if history is not None:
-        from robodyn.report.figures_torques import base_figures
-
-        yield Gallery(tuple(base_figures(result, history)))
+    if plots is not None:
+        yield Gallery(tuple(plots.base()))
     yield Table("Ground on robot, about the base's origin", head, rows)
 
 
-def _checks(result: Result, history: History | None) -> Iterator[Block]:
+def _momentum(result: Result) -> Iterator[Block]:
+    if result.momentum is not None:
+        from robodyn.report.text_momentum import momentum_table
+
+        title, rows = momentum_table(result.momentum)
+        yield Heading("Momentum and energy")
+        yield Table(title, *rows)
+
+
+def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
     checks, balance = result.checks, result.checks.energy_balance
     yield Heading("Self-checks")
     figures = (number(value, balance.turnover) for value in (balance.work, balance.energy_change, balance.residual))
@@ -169,10 +215,8 @@ def _checks(result: Result, history: History | None) -> Iterator[Block]:
         yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
     else:
         yield Verdict("good", "Energy and momentum balance", tuple(reasons))
-    if history is not None:
-        from robodyn.report.figures_torques import energy_figure
-
-        yield Gallery((energy_figure(result, history),))
+    if plots is not None:
+        yield Gallery((plots.energy(),))
 
 
 def _trust(result: Result) -> Iterator[Block]:

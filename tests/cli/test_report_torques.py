@@ -156,3 +156,20 @@ def test_other_robots(tmp_path: Path, name: str) -> None:
         == 0
     )
     page_of(file)
+
+
+def test_motors(tmp_path: Path) -> None:
+    file = tmp_path / "r.html"
+    scene = str(ROBOTS / "puma560_sizing.toml")
+    assert run("torques", *PUMA, "--scene", scene, "--momentum", "--report", str(file)).status == 0
+    page = page_of(file)
+    text = " ".join(page.all("main")[0].text.split())
+    assert text.startswith("No limit of the description is exceeded")
+    assert (
+        "3 of 6 joints ask more than their motors, gears or limits bear wrist_roll: the motor's RMS torque is" in text
+    )
+    captions = [each.text for each in page.all("figcaption")]
+    assert [name for name in captions if name.startswith("Motor of")] == [
+        f"Motor of {joint}" for joint in captions[2:8]
+    ]
+    assert "Momentum and energy" in text

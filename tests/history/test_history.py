@@ -67,8 +67,9 @@ def test_speed_torque_and_power_are_of_the_same_sample():
     qd, tau = np.sin(40 * time)[None], np.cos(31 * time)[None]
     recorder = Recorder(("j",), ("fx",))
     rows = np.array([0, 4999])
-    recorder.update(time, qd, tau, tau, np.zeros((2, 2)), rows, 1.0)
+    recorder.update(time, qd, qd + 1, tau, tau, np.zeros((2, 2)), rows, 1.0)
     samples = recorder.history({}).joints.samples(0)
     np.testing.assert_array_equal(samples["power"], samples["speed"] * samples["torque"])
+    np.testing.assert_array_equal(samples["acceleration"], samples["speed"] + 1)
     assert samples["power"].max() == (qd * tau).max()
     np.testing.assert_array_equal(samples["speed"], np.interp(samples["time"], time, qd[0]))

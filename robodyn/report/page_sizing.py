@@ -1,0 +1,118 @@
+"""What motors, gears, bearings and the foundation bear, as a part of a report for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.history import Curves, Floats
+from robodyn.model import Model
+from robodyn.motor import Curve
+from robodyn.motors import load_torque, motor_torque, train_of
+from robodyn.report.document import Block, Facts, Figure, Gallery, Heading, Level, Verdict
+from robodyn.report.table import Page, number, printable
+from robodyn.report.text_blocks import blocks_of
+from robodyn.report.text_sizing import in_words, sizing_parts
+from robodyn.result import Result
+from robodyn.scene import Scene
+from robodyn.sizing import joint_of_rates
+from robodyn.sizing_result import MotorLoad, Sizing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+
+def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
+    """A verdict for all joints, torque against speed at the shafts of motors, and tables; nothing without sizing.
+
+    Args:
+        curves: of the joints; None without figures.
+    """
+    sizing = result.sizing
+    if sizing is None:
+        return
+    yield Heading("Motors, bearings, foundation")
+    yield sizing_verdict(sizing)
+    figures = [] if curves is None else list(_figures(result, sizing, model, scene, curves))
+    if figures:
+        yield Gallery(tuple(figures))
+    for block in blocks_of(lambda page: "\n".join(_tables(result, page))):
+        if not isinstance(block, Facts):
+            yield block
+
+
+def _tables(result: Result, page: Page) -> Iterator[str]:
+    """The text without its verdicts, which come first here."""
+    for part in sizing_parts(result, page):
+        if not part.startswith("Verdicts"):
+            yield part
+
+
+def sizing_verdict(sizing: Sizing) -> Verdict:
+    """Whether motors, gears and joints bear the motion."""
+    over = [joint for joint in sizing.joints if joint.exceeded]
+    if not over:
+        known = [joint for joint in sizing.joints if joint.level == "OK"]
+        if not known:
+            return Verdict("neutral", "No limits of motors and gears are known")
+        return Verdict("good", f"{len(known)} of {len(sizing.joints)} joints have limits, and keep to them")
+    level: Level = "bad" if any(joint.level == "over peak" for joint in over) else "doubtful"
+    reasons = tuple(f"{printable(joint.name)}: {in_words(each)}." for joint in over for each in joint.exceeded)
+    count = f"{len(over)} of {len(sizing.joints)} joints ask more than their motors, gears or limits bear"
+    return Verdict(level, count if len(sizing.joints) > 1 else "The joint asks more than its drive bears", reasons)
+
+
+def _figures(result: Result, sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[Figure]:
+    """For each motor torque against speed at its shaft, with its curves."""
+    joints = joint_of_rates(model)[6 if model.floating else 0 :]
+    for k, (joint, sized) in enumerate(zip(joints, sizing.joints, strict=True)):
+        train = train_of(joint, scene)
+        if train is None or sized.motor is None:
+            continue
+        samples = curves.samples(k)
+        tau, qd, qdd = samples["torque"], samples["speed"], samples["acceleration"]
+        torque = motor_torque(train, load_torque(train, tau, qdd), qd, qdd)
+        yield _figure(sized.name, sized.motor, train.gear * qd, torque, k)
+
+
+def _figure(name: str, motor: MotorLoad, speed: Floats, torque: Floats, k: int) -> Figure:
+    from robodyn.report.figures import BAD, SERIES, SOFT, dots, few_ticks, plot
+
+    fastest = max(float(np.abs(speed).max()), motor.speed_limit or 0.0)
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.add_axes((0.16, 0.1, 0.8, 0.74))
+        for curve, colour, label in ((motor.peak_curve, BAD, "peak"), (motor.continuous, SERIES[1], "continuous")):
+            if curve is not None:
+                _envelope(axes, curve, fastest, colour, label)
+        dots(axes, speed, torque, SERIES[0])
+        axes.margins(0.06)
+        for line in (axes.axhline, axes.axvline):
+            line(0.0, color=SOFT, linewidth=0.8, zorder=1)
+        axes.set_title(f"torque [{motor.unit}] against speed [{motor.speed_unit}]", y=1.1)
+        if motor.peak_curve or motor.continuous:
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, columnspacing=1.0)
+        few_ticks(axes)
+
+    alt = (
+        f"Motor of {printable(name)}: peak torque {number(motor.peak)} {motor.unit}, largest speed "
+        f"{number(motor.max_speed)} {motor.speed_unit}, RMS torque {number(motor.rms)} {motor.unit}, against its curves"
+    )
+    return Figure(f"Motor of {printable(name)}", alt, plot(380, 320, draw, f"motor {k}"))
+
+
+def _envelope(axes: Axes, curve: Curve, fastest: float, colour: str, label: str) -> None:
+    """A curve of magnitudes in all four quadrants."""
+    speeds, torques = (list(each) for each in zip(*curve, strict=True))
+    if len(speeds) == 1:
+        speeds, torques = [0.0, fastest], [torques[0]] * 2
+    else:
+        speeds, torques = [0.0, *speeds, speeds[-1]], [torques[0], *torques, 0.0]
+    for across in (1.0, -1.0):
+        for up in (1.0, -1.0):
+            x, y = [across * w for w in speeds], [up * t for t in torques]
+            first = across == up == 1.0
+            axes.plot(x, y, color=colour, linewidth=1.2, dashes=(5, 3), label=label if first else None)
