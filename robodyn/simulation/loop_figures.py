@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.sparse import total
 from robodyn.effects.effect import Sample
+from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
 from robodyn.inverse import runner_of
 from robodyn.loops.closed_chain import EXACT, SHARED
@@ -117,3 +118,26 @@ def _rank(closing: Closing, state: Floats) -> int:
     q = state[: closing.model.nq].tolist()
     J = jacobian(closing.chain, closing.sample(q, (0.0,) * closing.model.n))
     return int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0
+
+
+OPEN = 1e-6
+"""m or rad, and per s, by which a given state may miss the loops."""
+
+
+def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
+    """Raise if a state of q (N, nq) and qd (N, n) is not on the loops.
+
+    Raises:
+        InputError: the first row that is not, with its error.
+    """
+    chain = Closing(plan).chain
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        here = chain.equations(replace(plan.sample(tape), model=chain.model, qdd=(0.0,) * plan.model.n))
+        return [*here.error, *here.rate]
+
+    errors = np.abs(runner_of(trace(outputs), plan)({"q": q, "qd": qd}, len(q), executor="numpy")).max(axis=1)
+    bad = np.flatnonzero(~(errors <= OPEN))
+    if len(bad):
+        what = f"row {bad[0]} misses the loops by {errors[bad[0]]:.3g} m or rad, or per s"
+        raise InputError(what, remedy="begin where simulate begins: its first q and qd")

@@ -17,6 +17,7 @@ from robodyn.plan import plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
+from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
 from robodyn.trajectory.layout import listing
 
@@ -58,7 +59,7 @@ def rollouts(
     Coulomb friction is that of the scene, whose `slip_speed` must not be 0 where a joint has some.
 
     Args:
-        q, qd: (N, nq) and (N, n), as for `forward_dynamics`.
+        q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops.
         steps, step: how many, a multiple of `every`, and how long [s].
         method: one with steps of a fixed length.
         executor, threads: as for `inverse_dynamics`.
@@ -78,6 +79,8 @@ def rollouts(
     if len(shape) != 1:
         raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")
     a_plan, count, workers = plan(model, scene), shape[0], cores(threads)
+    if scene.loops:
+        check_closed(a_plan, sources["q"], sources["qd"])
     lanes = SINGLE if count == 1 else LANES
     run = stepper(a_plan, chosen, executor, steps * -(-count // LANES), lanes)
     first = np.zeros((count, run.width))

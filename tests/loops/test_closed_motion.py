@@ -191,3 +191,14 @@ def test_adaptive_methods_follow_too():
     result = robodyn.simulate(model, scene, 1.0, rtol=1e-11)
     th, _ = exact_crank(1.0, 2)
     assert np.abs(result.q[-1, 0] - th[-1]) <= 1e-8
+
+
+def test_rollouts_of_states_on_the_loops():
+    model, scene = crank_slider()
+    alone = robodyn.simulate(model, scene, 0.1, executor="compiled")
+    q, qd = np.repeat(alone.q[:1], 3, axis=0), np.repeat(alone.qd[:1], 3, axis=0)
+    many = robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene, every=100)
+    assert np.abs(many.q[-1] - alone.q[-1]).max() <= 1e-13
+    q[1, 0] += 0.1
+    with pytest.raises(InputError, match="row 1 misses the loops by 0"):
+        robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene)
