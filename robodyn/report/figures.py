@@ -68,7 +68,7 @@ class Sheet:
         """Args: width, height: px."""
         from matplotlib.figure import Figure
 
-        self._figure = Figure(figsize=(width / DOTS, height / DOTS))
+        self._figure = Figure(figsize=(width / DOTS, height / DOTS), facecolor="none")
 
     def plot(self, draw: Callable[[Figure], None], name: str) -> str:
         """An SVG element for a page; see `plot`."""

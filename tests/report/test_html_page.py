@@ -26,7 +26,7 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
-from robodyn.report.figures import plot
+from robodyn.report.figures import SERIES, plot
 from robodyn.report.html_page import html
 from robodyn.report.markdown_page import escaped, markdown
 
@@ -36,7 +36,7 @@ HOSTILE = '<script>alert(1)</script>"\' onload="x" & | `a` $\\frac{ *b* [c](http
 def figure(words: str, name: str = "one") -> Figure:
     def draw(canvas):
         axes = canvas.subplots()
-        axes.plot([0, 1], [0, 1], label=words)
+        axes.plot([0, 1], [0, 1], label=words, color=SERIES[0])
         axes.set_title(words)
         axes.legend()
 
