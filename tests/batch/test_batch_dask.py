@@ -32,7 +32,8 @@ def test_a_cluster_gives_what_this_machine_gives(monkeypatch: pytest.MonkeyPatch
     Path("runs/odd.csv").write_text("time\n")
     monkeypatch.setattr(torques_batch, "worked_here", in_turn)
     here = batch(out="here/")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=2, processes=False, dashboard_address=None) as there:
+    made = {"n_workers": 2, "threads_per_worker": 2, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**made, local_directory="scratch") as there:
         outcome = run("torques", "arm.urdf", "runs/*.csv", "--out", "there/", "--dask", there.scheduler_address)
         again = run("torques", "arm.urdf", "runs/*.csv", "--out", "there/", "--dask", there.scheduler_address)
     assert (outcome.status, outcome.err) == (here.status, here.err)
@@ -73,7 +74,7 @@ def test_a_worker_that_is_killed_midway() -> None:
     how = ("torques", "arm.urdf", "long/*.csv", "--reactions", "--sizing")
     here = subprocess.run(command(*how, "--out", "here"), capture_output=True, text=True, check=True)
     made = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with distributed.LocalCluster(**made) as there, distributed.Client(there) as client:
+    with distributed.LocalCluster(**made, local_directory="scratch") as there, distributed.Client(there) as client:
         pids = list(client.run(os.getpid).values())
         call = command(*how, "--out", "there", "--dask", there.scheduler_address)
         with subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as child:
