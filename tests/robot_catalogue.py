@@ -34,15 +34,28 @@ def headline(name: str) -> str:
     return " ".join(comment[1].split()).rstrip(".")
 
 
+def simulation_command(scene: Path) -> str:
+    """The command that a scene says it is for, empty if it says none."""
+    found = re.search(r"^# Run: (.*)$", scene.read_text(encoding="utf-8"), re.MULTILINE)
+    return found[1] if found else ""
+
+
 def robots_table() -> str:
     def listed(paths: list[Path]) -> str:
         return ", ".join(f"`{path.name}`" for path in paths) or "none"
 
-    rows = [
-        (f"`{name}.urdf`", headline(name), listed(belonging(name, ".csv")), listed(belonging(name, ".toml")))
-        for name in names()
-    ]
-    return table(("description", "robot", "motions", "scenes"), rows, left=(0, 1, 2, 3))
+    def row(name: str) -> tuple[str, ...]:
+        scenes = belonging(name, ".toml")
+        commands = [f"`{command}`" for command in map(simulation_command, scenes) if command]
+        return (
+            f"`{name}.urdf`",
+            headline(name),
+            listed(belonging(name, ".csv")),
+            listed(scenes),
+            *(commands or ["none"]),
+        )
+
+    return table(("description", "robot", "motions", "scenes", "how it moves"), [*map(row, names())], left=range(5))
 
 
 @cache

@@ -20,6 +20,16 @@ SCENES = {
     "pendulum_a01": ("pendulum", None),
     "four_bars_a02": ("four_bars", None),
     "crank_slider_pump": ("crank_slider", None),
+    "puma_servo": ("puma", "puma_reach"),
+    "puma560_power_cut": ("puma560", None),
+    "scara_servo": ("scara", "scara_pick_and_place"),
+    "cylindrical_fall": ("cylindrical", None),
+    "two_link_spatial_whirl": ("two_link_spatial", None),
+    "satellite_deploy": ("satellite", None),
+    "composite_throw": ("composite", None),
+    "rigid_body_tumble": ("rigid_body", None),
+    "double_pendulum_chaos": ("double_pendulum", None),
+    "heavy_top_steady": ("heavy_top", None),
 }
 KEYS = {
     "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
@@ -28,11 +38,12 @@ KEYS = {
     "spring": {"stiffness", "rest"},
     "payload": {"link", "mass", "com", "inertia"},
     "wrench": {"link", "point", "frame", "force", "moment"},
-    "drive": {"torque", "kp", "kd", "reference"},
+    "drive": {"torque", "kp", "kd", "reference", "speed"},
+    "limit_spring": {"stiffness", "damping"},
     "initial": {"q", "qd"},
     "loop": {"name", "link", "point", "to", "to_point", "kind", "axis", "to_axis", "rpy", "directions"},
 }
-SINGLE = {"gravity", "base", "slip_speed"}
+SINGLE = {"gravity", "base", "slip_speed", "joint_limits"}
 
 
 def test_every_scene_is_listed():
@@ -55,6 +66,8 @@ def test_scene_names_joints_links_and_columns_that_exist(name):
     for wrench in scene.get("wrench", []):
         named = [x for x in [*wrench.get("force", []), *wrench.get("moment", [])] if isinstance(x, str)]
         assert set(named) <= columns
+    tables = [*scene.get("drive", {}).values(), *scene.get("initial", {}).values()]
+    assert {entry for values in tables for entry in values.values() if isinstance(entry, str)} <= columns
 
 
 @pytest.mark.parametrize("name", SCENES)
