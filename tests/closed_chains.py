@@ -29,8 +29,8 @@ def four_bars(count, **more):
     return built(*parts), scene
 
 
-def spatial_loop(seed=0, kind="point", moving_base=False, **more):
-    """A tree of skew joints with full inertias, two of whose branches are closed."""
+def spatial_loop(seed=0, kind="point", moving_base=False, to="b2", **more):
+    """A tree of skew joints with full inertias, two of whose branches are closed, or one to the ground."""
     rng = np.random.default_rng(seed)
     parts = [link("l0", *body_numbers(rng))]
     for branch, length in (("a", 4), ("b", 3)):
@@ -44,7 +44,7 @@ def spatial_loop(seed=0, kind="point", moving_base=False, **more):
             before = name
     axes = {"axis": tuple(rng.normal(size=3)), "to_axis": tuple(rng.normal(size=3))} if kind == "hinge" else {}
     turn = {"rpy": tuple(rng.uniform(-1, 1, 3))} if kind == "weld" else {}
-    loop = Loop("tie", "a3", (0.1, 0.2, -0.1), "b2", (0.2, 0, 0.1), kind, **axes, **turn)
+    loop = Loop("tie", "a3", (0.1, 0.2, -0.1), to, (0.2, 0, 0.1), kind, **axes, **turn)
     return built(*parts, moving_base=moving_base), Scene(loops=(loop,), moving_base=moving_base, **more)
 
 

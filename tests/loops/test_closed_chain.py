@@ -49,6 +49,27 @@ def test_the_tree_with_the_loops_forces_moves_as_the_closed_chain(kind):
     assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max() * np.linalg.cond(J)
 
 
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_a_free_robot_that_is_tied_to_the_ground(kind):
+    """The momentum recursion's base wrench is what the loop carries, in the ground's axes about the loop's point."""
+    model, scene = spatial_loop(2, kind, moving_base=True, to="ground")
+    rng = np.random.default_rng(3)
+    q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
+    q[3:7] /= np.linalg.norm(q[3:7])
+    qdd, multipliers, _, _ = solved(model, scene, q, qd, np.zeros(model.n))
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    chain = closed_chain(plan(model, scene)).chain
+    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
+    place, equations = chain.equations(sample).places[0], chain.closures[0].equations
+    force = sum(value * equation.force() for value, equation in zip(multipliers, equations, strict=True))
+    scale = np.abs(force).max()
+    assert np.abs(needed[3:6] - force).max() <= 1e-12 * scale
+    power = force @ place.speed.v + sum(
+        value * equation.moment(place.B) @ place.speed.w for value, equation in zip(multipliers, equations, strict=True)
+    )
+    assert needed @ qd == pytest.approx(power, abs=1e-11 * scale)
+
+
 def test_equations_given_twice_share_the_force():
     model, scene = spatial_loop(4)
     loop = scene.loops[0]

@@ -30,10 +30,10 @@ def sampled(model, scene, seed=1):
     return chain, sample, own
 
 
-@pytest.mark.parametrize("moving", [False, True])
+@pytest.mark.parametrize(("moving", "to"), [(False, "b2"), (True, "b2"), (True, "ground")])
 @pytest.mark.parametrize("kind", KINDS)
-def test_rates_are_those_of_dual_numbers(kind, moving):
-    chain, sample, qd = sampled(*spatial_loop(3, kind, moving))
+def test_rates_are_those_of_dual_numbers(kind, moving, to):
+    chain, sample, qd = sampled(*spatial_loop(3, kind, moving, to))
     here = chain.equations(sample)
     q, qd_dual = along_motion(chain.model, sample.q, sample.qd, sample.qdd)
     dual = chain.equations(Sample(chain.model, tuple(q), tuple(qd_dual), sample.qdd))

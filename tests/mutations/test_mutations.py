@@ -31,6 +31,8 @@ QUICK = [
     "sizing/test_sizing_report.py",
     "loads/test_blocks.py",
     "loads/test_self_checks.py",
+    "loops/test_closures.py",
+    "loops/test_closed_chain.py",
 ]
 RUN = "import sys, pytest, robodyn; print(robodyn.__file__); sys.exit(pytest.main(sys.argv[1:]))"
 
