@@ -21,7 +21,13 @@ from robodyn.spatial import ZERO
 
 Floats = NDArray[np.float64]
 
-_LETTERS = {"viscous friction": "V", "coulomb friction": "C", "rotor inertia": "J", "joint spring": "S"}
+_LETTERS = {
+    "viscous friction": "V",
+    "coulomb friction": "C",
+    "rotor inertia": "J",
+    "joint spring": "S",
+    "limit spring": "L",
+}
 
 
 def weight(body: Inertia, pose: Pose, gravity: Floats) -> Action:

@@ -19,6 +19,7 @@ COLOURS = {
     "coulomb friction": "#b8680b",
     "rotor inertia": "#9c5fd0",
     "joint spring": "#11837f",
+    "limit spring": "#11837f",
     "external wrench": "#d9480f",
     "fluid": "#11837f",
 }
