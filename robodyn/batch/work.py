@@ -58,7 +58,7 @@ def failed(job: Job, text: str) -> Outcome:
 
 
 def _finished(job: Job, digest: str) -> dict[str, Any] | None:
-    """The document of a job that is finished."""
+    """The document of a job that is finished. Results of other inputs are removed, so that none is taken for these."""
     with suppress(OSError, ValueError, KeyError, TypeError):
         with open(job.document, encoding="utf-8") as stream:
             document: dict[str, Any] = json.load(stream)
@@ -66,6 +66,8 @@ def _finished(job: Job, digest: str) -> dict[str, Any] | None:
         if made["digest"] == digest and os.path.getsize(job.table) == made["bytes"]:
             _outcome(job, "finished before", document)
             return document
+        for path in (job.document, job.table):
+            os.unlink(path)
     return None
 
 
@@ -107,8 +109,8 @@ def _make_folder(path: str) -> None:
 
 
 def _clear(job: Job) -> None:
-    """Remove the document, which is not that of the table to come, and what a killed process left half-written."""
-    for path in (job.document, *glob(f"{escape(job.table)}.*.part"), *glob(f"{escape(job.document)}.*.part")):
+    """Remove what a killed process left half-written."""
+    for path in (*glob(f"{escape(job.table)}.*.part"), *glob(f"{escape(job.document)}.*.part")):
         with suppress(FileNotFoundError):
             os.unlink(path)
 

@@ -91,6 +91,20 @@ def test_a_trajectory_that_fails_stops_no_other() -> None:
     assert sorted(listing(Path("r"))) == ["one.csv", "one.json", "two.csv", "two.json"]
 
 
+def test_results_of_other_inputs_do_not_stay() -> None:
+    """A motion that was good and is broken now has no result; files that are none of ours are left alone."""
+    batch()
+    Path("results/odd.json").write_text('{"mine": 1}')
+    Path("results/odd.csv").write_text("mine")
+    for name in ("two", "odd"):
+        Path(f"runs/{name}.csv").write_text("time\n")
+    assert batch().status == 2
+    assert sorted(listing(Path("results"))) == [
+        f"{name}.{x}" for name in ("odd", "one", "three") for x in ("csv", "json")
+    ]
+    assert Path("results/odd.csv").read_text() == "mine"
+
+
 def test_failures_in_json() -> None:
     Path("runs/odd.csv").write_text("time\n")
     found = json.loads(batch("--format", "json").out)
