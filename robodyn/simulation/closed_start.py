@@ -95,7 +95,7 @@ def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
         error, J = _left(closing, sample)
         if np.abs(error).max(initial=0.0) <= CLOSED * reach:
             return q
-        moving = [rate for rate in free if J[:, rate].any()]
+        moving = _moving(J, free)
         step = np.zeros(model.n)
         step[moving] = _shortest(J[:, moving], -error)
         step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
@@ -139,7 +139,7 @@ def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Fl
     chain = closing.chain
     sample = closing.sample(q.tolist(), qd.tolist())
     J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate, dtype=float)
-    moving = [k for k in free if J[:, k].any()]
+    moving = _moving(J, free)
     change = np.zeros(closing.model.n)
     change[moving] = _shortest(J[:, moving], -rate)
     left = np.abs(J @ change + rate).max(initial=0.0)
@@ -147,6 +147,12 @@ def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Fl
         return None
     rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
     return rolling
+
+
+def _moving(J: Floats, free: Sequence[int]) -> list[int]:
+    """Those of the free rates that move a loop's point or axes."""
+    each = np.abs(J).max(axis=0, initial=0.0)
+    return [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
 
 
 def _shortest(J: Floats, right: Floats) -> Floats:

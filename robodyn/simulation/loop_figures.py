@@ -63,8 +63,12 @@ class LoopFigures:
         return tuple(f"{part}_{name}" for name in self.names for part in PARTS)
 
 
-def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal) -> LoopFigures | None:
-    """The figures of a motion; None where the scene has no loops."""
+def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, projected: bool) -> LoopFigures | None:
+    """The figures of a motion; None where the scene has no loops.
+
+    Args:
+        projected: whether its steps end with a projection where no Baumgarte rate is given.
+    """
     if not plan.scene.loops:
         return None
     equations, closing = Equations(plan), Closing(plan)
@@ -79,7 +83,8 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal) -> L
     largest = np.zeros((2, count))
     for found, values in zip(largest, (errors, rates), strict=True):
         np.maximum.at(found, of, np.abs(values).max(axis=0))
-    kept = f"Baumgarte's terms at {chain.baumgarte:g}/s" if chain.baumgarte else "projection after each step"
+    kept = "projection after each step" if projected else "not stabilised, for which the scene has baumgarte"
+    kept = f"Baumgarte's terms at {chain.baumgarte:g}/s" if chain.baumgarte else kept
     return LoopFigures(
         names=tuple(loop.name for loop in plan.scene.loops),
         wrenches=wrenches.reshape(len(columns), count, 6),

@@ -99,7 +99,7 @@ def simulate(
         evaluations=evaluations,
         executor=motion.executor,
         effects=a_plan.verdicts,
-        loops=loop_figures(a_plan, motion, executor, signal),
+        loops=loop_figures(a_plan, motion, executor, signal, not how.method.adaptive),
         ended=motion.ended,
         notes=(
             *model.notes,

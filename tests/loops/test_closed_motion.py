@@ -191,6 +191,9 @@ def test_adaptive_methods_follow_too():
     result = robodyn.simulate(model, scene, 1.0, rtol=1e-11)
     th, _ = exact_crank(1.0, 2)
     assert np.abs(result.q[-1, 0] - th[-1]) <= 1e-8
+    loose = robodyn.simulate(*crank_slider(), 1.0, rtol=1e-9)
+    assert loose.loops.stabilised.startswith("not stabilised")
+    assert 1e-14 < loose.loops.drift[0] <= 1e-6
 
 
 def test_rollouts_of_states_on_the_loops():
