@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from robodyn.errors import InputError
 from robodyn.plan import Plan
 from robodyn.simulation.methods import Method, method_named
-from robodyn.simulation.stiffness import rounded, stiffest
+from robodyn.simulation.stiffness import Stiffest, rounded, stiffest
 
 Floats = NDArray[np.float64]
 STEP = 1e-3
@@ -58,15 +58,25 @@ def way(a_plan: Plan, how: How, q: Floats, duration: float, any_step: bool, any_
 
     Where many steps would be needed, Radau's method is chosen, which takes long ones.
     """
-    fastest = None if how.method.adaptive else stiffest(a_plan, q)
-    if fastest is None or how.step <= (0.5 if any_step else 1.0) * fastest.longest(how.method):
+    explicit = not how.method.scipy or how.method.name == "dop853"
+    fastest = stiffest(a_plan, q) if explicit else None
+    if fastest is None:
         return Way(how)
-    shorter = rounded(0.5 * fastest.longest(how.method))
+    any_method = any_method and not a_plan.scene.loops
+    if how.method.adaptive:
+        return _by_radau(how, fastest) if any_method and fastest.rate * duration > MOST_UNASKED else Way(how)
+    longest = fastest.longest(how.method)
+    if how.step <= (0.5 if any_step else 1.0) * longest:
+        return Way(how)
     if not any_step:
         remedy = fastest.remedy(how.method, how.step, a_plan.scene.slip_speed)
-        longest = fastest.longest(how.method)
         said = f"STEP TOO LONG: {fastest}, which {how.method.name} follows with steps of up to {longest:.2g} s"
         return Way(how, (f"{said}; with {how.step:.3g} s it chatters ({remedy})",), remedy)
-    if any_method and duration / shorter > MOST_UNASKED and not a_plan.scene.loops:
-        return Way(how._replace(method=method_named("radau")), (f"{fastest}: radau follows it",))
+    shorter = rounded(0.5 * longest)
+    if any_method and duration / shorter > MOST_UNASKED:
+        return _by_radau(how, fastest)
     return Way(how._replace(step=shorter), (f"{fastest}: steps of {shorter:g} s follow it",))
+
+
+def _by_radau(how: How, fastest: Stiffest) -> Way:
+    return Way(how._replace(method=method_named("radau")), (f"{fastest}: radau follows it",))

@@ -19,11 +19,15 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
-from robodyn.trajectory.layout import listing
+from robodyn.simulation.table import Signal, Source, read_table
 
 Floats = NDArray[np.float64]
 TOGETHER = 64
 """Rollouts whose states go through all steps together: they stay in the first cache."""
+
+
+PIECE = 256
+"""Steps at a time whose columns of a table are spread over the rollouts."""
 
 
 class Rollouts(NamedTuple):
@@ -50,6 +54,7 @@ def rollouts(
     *,
     every: int = 1,
     scene: Scene = DEFAULT,
+    table: Source | None = None,
     method: str = "rk4",
     executor: str = "auto",
     threads: int | None = None,
@@ -61,6 +66,7 @@ def rollouts(
     Args:
         q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops.
         steps, step: how many, a multiple of `every`, and how long [s].
+        table: where the scene's drives or wrenches name columns, as for `simulate`: all motions follow it.
         method: one with steps of a fixed length.
         executor, threads: as for `inverse_dynamics`.
 
@@ -72,9 +78,7 @@ def rollouts(
     chosen = method_named(method)
     if chosen.adaptive or step <= 0 or every < 1 or steps < 1 or steps % every:
         raise InputError(f"{steps} steps of {step:g} s by {method}, recorded every {every}", remedy="fixed steps only")
-    if scene.table_columns:
-        remedy = "give numbers; simulate follows a table, one motion at a time"
-        raise InputError(f"the scene names {listing(scene.table_columns)}, columns of a table", remedy=remedy)
+
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene)
     if len(shape) != 1:
         raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")
@@ -87,15 +91,23 @@ def rollouts(
     first[:, : model.nq + model.n] = np.hstack((sources["q"], sources["qd"]))
     own = Equations(a_plan).width
     first[:, own - 1] = step
+    signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    signal.check_duration(steps * step)
+    given = signal.in_steps(step * np.arange(float(steps)), step, chosen.moments) if signal.curves else None
+    chunk = max(PIECE // every, 1) if signal.curves else steps
 
     def part(start: int) -> Floats:
-        given = first[start : start + TOGETHER]
-        slots = np.empty((steps // every + 1, run.width, -(-len(given) // run.lanes) * run.lanes))
-        slots[0] = given[-1][:, None]
-        slots[0, :, : len(given)] = given.T
-        if run(slots, every).steps < steps or not np.isfinite(slots[-1]).all():
-            raise InputError(f"a motion of rows {start} to {start + len(given) - 1} cannot be followed", remedy=SHORTER)
-        return slots[:, : own - 1, : len(given)]
+        begun = first[start : start + TOGETHER]
+        slots = np.empty((steps // every + 1, run.width, -(-len(begun) // run.lanes) * run.lanes))
+        slots[0] = begun[-1][:, None]
+        slots[0, :, : len(begun)] = begun.T
+        for k in range(0, len(slots) - 1, chunk):
+            piece = slots[k : k + chunk + 1]
+            columns = None if given is None else given[k * every : (k + len(piece) - 1) * every]
+            if run(piece, every, columns).steps < every * (len(piece) - 1) or not np.isfinite(piece[-1]).all():
+                what = f"a motion of rows {start} to {start + len(begun) - 1} cannot be followed"
+                raise InputError(what, remedy=SHORTER)
+        return slots[:, : own - 1, : len(begun)]
 
     starts = range(0, count, TOGETHER)
     if min(workers, len(starts)) == 1:

@@ -166,3 +166,10 @@ def test_limits_that_no_joint_reaches():
     scene = replace(HIT, initial_q={}, limit_spring=LimitSpring(1e3))
     assert robodyn.simulate(slide(M), scene, 0.01).notes == ("no joint reaches a limit",)
     assert robodyn.simulate(pendulum(), replace(scene, gravity=(0, 0, -1)), 0.01).notes == ("no joint has a limit",)
+
+
+def test_a_tolerance_alone_leaves_stiff_friction_to_radau():
+    usual = robodyn.simulate(slide(M), replace(HELD, slip_speed=1e-7), 0.5, rtol=1e-6)
+    assert (usual.method.name, usual.rtol) == ("radau", 1e-6)
+    assert usual.evaluations <= 1000
+    assert robodyn.simulate(slide(M), replace(HELD, slip_speed=1e-2), 0.5, rtol=1e-6).method.name == "dop853"
