@@ -19,9 +19,6 @@ from robodyn.spatial import Array, Scalar, vector
 EXACT = 2.0**-34
 """Softness of accelerations: above what rounding leaves of equations that depend on each other, and no more, because
 forces along directions that are about to be lost still count."""
-SHARED = 2.0**-18
-"""Softness of multipliers where equations depend on each other: what rounding leaves there is not divided by so little
-that it drowns them."""
 
 
 class Equations(NamedTuple):
@@ -110,22 +107,19 @@ class ClosedChain:
         rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]
         return Solver(root, LeastChange(rows, [softness * size for size in self.sizes]))
 
-    def accelerations(
-        self, sample: Sample, terms: Terms, tau: Sequence[Scalar], softness: float = EXACT
-    ) -> tuple[list[Scalar], list[Scalar]]:
+    def accelerations(self, sample: Sample, terms: Terms, tau: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """qdd, and lambda by equation. Errors decay at the Baumgarte rate b: `J qdd = -J' qd - 2 b phi' - b^2 phi`.
 
         Args:
             sample: of this model; its qdd are zero.
             terms: without acceleration.
             tau: n scalars.
-            softness: SHARED for the multipliers of equations that depend on each other.
         """
         b, here = self.baumgarte, self.equations(sample)
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]
         rows = zip(here.bias, here.rate, here.error, strict=True)
         wanted = [0.0 - bias - 2.0 * b * rate - b * b * error for bias, rate, error in rows]
-        qdd, multipliers = self.solver(sample, terms, here.J, softness).solve(self._along_bodies(sample, free), wanted)
+        qdd, multipliers = self.solver(sample, terms, here.J, EXACT).solve(self._along_bodies(sample, free), wanted)
         return self.along_parents(sample, qdd), multipliers
 
     def along_parents(self, sample: Sample, rates: Sequence[Scalar]) -> list[Scalar]:

@@ -32,9 +32,7 @@ def _counted(loops: LoopFigures) -> str:
             f"left out, for the rest of their loop imply them: {names}{f' and {more} more' if more > 0 else ''}"
         )
     if loops.rank < kept:
-        lines.append(
-            f"{kept - loops.rank} depend on the others there: their reactions are the least that close the loops"
-        )
+        lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
     return "".join(f"{line}\n" for line in lines)
 
 

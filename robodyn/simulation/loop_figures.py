@@ -13,7 +13,6 @@ from robodyn.effects.effect import Sample
 from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
 from robodyn.inverse import runner_of
-from robodyn.loops.closed_chain import EXACT, SHARED
 from robodyn.loops.find import NOTHING, jacobian
 from robodyn.plan import Plan, applied
 from robodyn.simulation.closing import Closing
@@ -74,8 +73,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     equations, closing = Equations(plan), Closing(plan)
     chain, count = closing.chain, len(plan.scene.loops)
     rank = _rank(closing, motion.states[0])
-    program = loop_program(equations, EXACT if rank == chain.count else SHARED)
-    runner = runner_of(program, plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    runner = runner_of(loop_program(equations), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
     of = [k for k, closure in enumerate(chain.closures) for _ in closure.equations]
@@ -98,7 +96,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     )
 
 
-def loop_program(equations: Equations, softness: float) -> Program:
+def loop_program(equations: Equations) -> Program:
     """The program of each loop's wrench, then of phi and phi' by equation."""
     closing = Closing(equations.plan)
     chain = closing.chain
@@ -108,7 +106,7 @@ def loop_program(equations: Equations, softness: float) -> Program:
         sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
         terms = applied(equations.plan.effects, sample, equations.scene)
         tau = equations.drives(state.q, state.qd, given)
-        here, left = chain.equations(sample), iter(chain.accelerations(sample, terms, tau, softness)[1])
+        here, left = chain.equations(sample), iter(chain.accelerations(sample, terms, tau)[1])
         wrenches: list[Scalar] = []
         for closure, place in zip(chain.closures, here.places, strict=True):
             parts = [(equation, next(left)) for equation in closure.equations]
