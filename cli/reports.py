@@ -76,7 +76,7 @@ def drawing(report: str | None, size: int) -> Iterator[Any]:
 
 def _import() -> None:
     with suppress(ImportError):
-        for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2", "yourdfpy"):
+        for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
             import_module(name)
 
 

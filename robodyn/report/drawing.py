@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
+from threading import active_count
 from typing import Any, Protocol
 
 PROCESSES = 2
-_MODULES = ("matplotlib.figure", "matplotlib.backends.backend_svg", "robodyn.report.figures_torques", "yourdfpy")
+_MODULES = ("matplotlib.figure", "matplotlib.backends.backend_svg", "robodyn.report.figures_torques")
 
 
 class Draw(Protocol):
@@ -47,7 +49,8 @@ def beside() -> Iterator[Draw]:
         return result
 
     try:
-        pool = ProcessPoolExecutor(PROCESSES, get_context("spawn"), _prepare)
+        how = "fork" if sys.platform == "linux" and active_count() == 1 else "spawn"
+        pool = ProcessPoolExecutor(PROCESSES, get_context(how), _prepare)
         for _ in range(PROCESSES):
             pool.submit(int)
     except (ImportError, OSError):

@@ -1,0 +1,37 @@
+"""Figures drawn by processes beside this one are those that it draws itself, and none is lost with a process."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import pytest
+from dying_workers import at_home
+from oracles import ROBOTS, robot
+
+from robodyn.loads import torques
+from robodyn.report.drawing import at_once, beside
+from robodyn.report.page_torques import torques_page
+from robodyn.scene import DEFAULT
+
+
+def test_pages_are_the_same() -> None:
+    model = robot("puma560")
+    result = torques(model, ROBOTS / "puma560_sweep.csv", history=True)
+    with beside() as draw:
+        there = torques_page(result, model, DEFAULT, draw=draw)
+    assert there == torques_page(result, model, DEFAULT)
+
+
+def test_what_a_process_raises_is_raised() -> None:
+    with beside() as draw, pytest.raises(ValueError, match=r"math domain error|nonnegative"):
+        draw(math.sqrt, -1.0)()
+
+
+def test_work_of_a_process_that_ends_is_done_here() -> None:
+    with beside() as draw:
+        assert draw(os.getpid)() != os.getpid()
+        waiting = [draw(at_home, os.getpid(), k) for k in range(3)]
+        assert [each() for each in waiting] == [0, 1, 2]
+        assert draw(at_home, os.getpid(), 7)() == 7
+    assert at_once(at_home, os.getpid(), 4)() == 4
