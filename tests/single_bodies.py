@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from oracles import random_state
-from small_robots import chain
+from small_robots import body_numbers, built, chain, joint, link
 
 from robodyn.dynamics.dual import Dual
 from robodyn.maximal.dae import dae_at
@@ -56,6 +56,19 @@ def four_bar(kind="hinge", **more):
     """Three links of length 1 in a plane whose end is held 1.2 m from the first joint, and a state next to closing."""
     loop = Loop("closure", "l3", (1.0, 0.0, 0.0), "ground", (1.2, 0.1, 0.0), kind, **more)
     return chain(3), Scene(loops=(loop,), gravity=(0.0, -9.81, 0.0))
+
+
+def thrown():
+    """A body that floats, from a turned place on a link that a hinge carries, and carries another link itself."""
+    rng = np.random.default_rng(9)
+    parts = [link(f"l{i}", *body_numbers(rng)) for i in range(4)]
+    placed = [{"xyz": rng.uniform(-0.6, 0.6, 3), "rpy": rng.uniform(-3, 3, 3)} for _ in range(3)]
+    return built(
+        *parts,
+        joint("hinge", "l0", "l1", axis=(0.6, 0, 0.8), **placed[0]),
+        joint("free", "l1", "l2", "floating", **placed[1]),
+        joint("slide", "l2", "l3", "prismatic", (0.48, 0.6, -0.64), **placed[2]),
+    )
 
 
 HINGE = {"axis": (0.0, 0.0, 1.0), "to_axis": (0.0, 0.0, 1.0)}

@@ -12,6 +12,8 @@ DEPENDENT = 1e-10
 """A row is dependent if less than this part of it is left outside the span of the rows before it."""
 BLOCK = 24
 """Rows."""
+SHRUNK = 0.1
+"""Of a row that had the length 1."""
 
 
 class Rank(NamedTuple):
@@ -25,8 +27,8 @@ class Rank(NamedTuple):
 def ranked(rows: Floats) -> Rank:
     """The rows one after another: each is independent unless it lies in the span of those before it.
 
-    Gram and Schmidt's orthogonalisation, each row twice (Kahan and Parlett: "twice is enough"), in blocks of rows for
-    what came before the block.
+    Gram and Schmidt's orthogonalisation, in blocks of rows for what came before the block; what is left of a row is
+    taken again where it is little (Kahan and Parlett: "twice is enough").
 
     Args:
         rows: (m, n).
@@ -41,6 +43,8 @@ def ranked(rows: Floats) -> Rank:
         block = rows[start : start + BLOCK] / np.where(sizes > 0.0, sizes, 1.0)[start : start + BLOCK, None]
         for k, row in enumerate(_outside(block, basis[:first]), start):
             rest = _outside(row, basis[first : len(independent)])
+            if rest @ rest < SHRUNK**2:
+                rest = _outside(rest, basis[: len(independent)])
             left = np.sqrt(rest @ rest)
             if left <= DEPENDENT or len(independent) == len(basis):
                 dependent.append(k)
@@ -52,6 +56,4 @@ def ranked(rows: Floats) -> Rank:
 
 def _outside(rows: Floats, basis: Floats) -> Floats:
     """What of rows lies outside the span of an orthonormal basis."""
-    for _ in range(2):
-        rows = rows - (rows @ basis.T) @ basis
-    return rows
+    return np.asarray(rows - (rows @ basis.T) @ basis)

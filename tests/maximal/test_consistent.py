@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from busy_robot import busy_robot
 from oracles import random_state, robot
-from single_bodies import HINGE, NEAR, disturbed, four_bar
+from single_bodies import HINGE, NEAR, disturbed, four_bar, thrown
 from small_robots import chain, random_tree
 
 from robodyn.errors import InputError
@@ -35,6 +35,7 @@ ROBOTS = {
     "free tree": lambda: random_tree(4, 9, moving_base=True),
     "mimic joints": busy_robot,
     "gripper": lambda: robot("gripper"),
+    "thrown": thrown,
     "chain": lambda: chain(8, skew=True),
 }
 

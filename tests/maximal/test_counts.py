@@ -163,3 +163,15 @@ def test_rank_keeps_the_order_of_rows():
     assert found.independent.tolist() == [0, 2, 4]
     assert found.dependent.tolist() == [1, 3, 5, 6]
     assert np.abs(found.basis @ found.basis.T - np.eye(3)).max() <= 1e-15
+
+
+def test_rank_of_rows_that_nearly_depend():
+    """1e-8 outside the span of those before counts, and the basis stays perpendicular; 1e-13 does not count."""
+    rng = np.random.default_rng(0)
+    rows = rng.normal(size=(40, 60))
+    rows[30:] = rng.normal(size=(10, 30)) @ rows[:30] + 1e-8 * rows[30:]
+    found = ranked(rows)
+    assert len(found.independent) == 40
+    assert np.abs(found.basis @ found.basis.T - np.eye(40)).max() <= 1e-14
+    rows[35] = rows[:35].sum(axis=0) + 1e-13 * rng.normal(size=60)
+    assert ranked(rows).dependent.tolist() == [35]

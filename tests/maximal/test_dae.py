@@ -12,7 +12,7 @@ from closed_forms import scara
 from example_robots import PATHS, real
 from independent_dynamics import torques_of
 from oracles import EPS, ROBOTS, random_state, robot, worst
-from single_bodies import taken_apart
+from single_bodies import taken_apart, thrown
 from small_robots import built, chain, joint, link, random_tree
 
 import robodyn
@@ -97,6 +97,10 @@ def test_both_forms_agree_on_every_real_robot(path, free):
     found = taken_apart(model)
     cond = np.linalg.cond(found.reduced.M)
     agrees(found, max(1e-12, 64 * EPS * cond))
+
+
+def test_a_body_that_floats_from_a_moving_link():
+    agrees(taken_apart(thrown()))
 
 
 def test_long_chains():
