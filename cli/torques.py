@@ -9,8 +9,8 @@ import click
 from robodyn.cli.batch_options import BATCH, is_batch
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.momentum_options import MOMENTUM, momentum_view
-from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, PATH, SCENE, Vector
-from robodyn.cli.reports import REPORT, get_ready, pictured, write_report
+from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, Vector
+from robodyn.cli.reports import REPORT, drawing, pictured, reported
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
 from robodyn.loads import torques
@@ -34,6 +34,7 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded.")
+@click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error.")
 @REPORT
 @BATCH
 @EXECUTION
@@ -49,6 +50,7 @@ def command(
     derivatives: Derivatives,
     ignore_extra: bool,
     fail_on_limits: bool,
+    accuracy: float | None,
     report: str | None,
     form: str,
     **how: Any,
@@ -69,22 +71,32 @@ def command(
     if is_batch(trajectories, out, how):
         from robodyn.cli.torques_batch import run_batch
 
+        if accuracy:
+            raise click.UsageError("--accuracy is for one trajectory", click.get_current_context())
         options |= {"derivatives": derivatives, "ignore_extra": ignore_extra, **how}
         return run_batch(urdf, trajectories, scene_file, gravity, out, report, options, form, fail_on_limits)
     (trajectory,) = trajectories
     check_names([urdf, trajectory, scene_file], out)
     check_names([urdf, trajectory, scene_file], report)
-    get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
     names = output_names(model, reactions, view is not None)
-    reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
-    with reader, sinks(out, names, reader) as gather:
-        options |= {"history": pictured(report), "sizing": sizing or None}
-        result = torques(model, reader, scene, sinks=gather, **options, **how)
-    written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
-    if report:
-        from robodyn.report.page_torques import torques_page
+    way = None
+    if accuracy is not None:
+        from robodyn.cli.accuracy_asked import arithmetic_for
 
-        written += write_report(report, torques_page(result, model, scene, pictured(report)))
+        way = arithmetic_for(accuracy, trajectory, model, scene, derivatives, ignore_extra)
+        how["executor"] = way.executor or how["executor"]
+    reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
+    with drawing(report, reader.size_bytes) as draw:
+        with reader, sinks(out, names, reader) as gather:
+            options |= {"history": pictured(report), "sizing": sizing or None}
+            result = torques(model, reader, scene, sinks=gather, **options, **how)
+        result = way.fulfilled(result) if way else result
+        written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
+        if report:
+            from robodyn.report.page_torques import torques_page
+
+            written += reported(report, lambda pictures: torques_page(result, model, scene, pictures, draw))
     show(torques_json(result) if form == "json" else torques_text(result, how["explain"], page()) + written)
-    return int(fail_on_limits and not result.within_limits)
+    unmet = result.accuracy is not None and not result.accuracy.met
+    return int(unmet or (fail_on_limits and not result.within_limits))
