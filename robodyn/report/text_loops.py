@@ -23,7 +23,8 @@ def loops_text(loops: LoopFigures, page: Page) -> str:
 
 def _counted(loops: LoopFigures) -> str:
     kept = loops.equations - len(loops.dropped)
-    lines = [f"loops: {loops.equations} equations, {loops.rank} of them independent at the start"]
+    count = "1 equation" if loops.equations == 1 else f"{loops.equations} equations"
+    lines = [f"loops: {count}, {loops.rank} of them independent at the start"]
     lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
     if loops.dropped:
         names = ", ".join(map(printable, loops.dropped[:NAMED]))

@@ -108,6 +108,31 @@ def test_mass_matrix_with_followers():
     assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
 
 
+def test_a_loop_with_a_follower_in_it():
+    """Two hinges that turn as one, closed to the base by a slide: J and M act on the shared coordinate."""
+    more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.4"/>'}
+    parts = [link("l0")]
+    for k in range(1, 4):
+        parts.append(link(f"l{k}", 1.0, (0.2, 0.1, 0.05), (0.1, 0.01, 0, 0.2, 0.02, 0.15)))
+        place = {"axis": (0, 0.6, 0.8), "xyz": (0.5 if k > 1 else 0.0, 0, 0)}
+        parts.append(joint(f"j{k}", f"l{k - 1}", f"l{k}", more=more.get(f"j{k}", ""), **place))
+    scene = Scene(loops=(Loop("slot", "l3", (0.4, 0, 0), directions=((0, 1, 1),)),))
+    model = built(*parts)
+    q, qd, tau = np.array((0.4, -0.7)), np.array((1.1, -0.6)), np.array((3.0, -2.0))
+    qdd, multipliers, J, bias = solved(model, scene, q, qd, tau)
+    assert J.shape == (1, 2)
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * np.abs(needed).max()
+    assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max()
+    step = 1e-6
+    chain = closed_chain(plan(model, scene)).chain
+    errors = [
+        chain.equations(Sample(chain.model, tuple((q + sign * step * qd).tolist()), (0.0, 0.0), (0.0, 0.0))).error[0]
+        for sign in (-1, 1)
+    ]
+    assert (errors[1] - errors[0]) / (2 * step) == pytest.approx(J[0] @ qd, rel=1e-8)
+
+
 def test_order_of_rates_makes_no_further_entries():
     model, _ = four_bars(3)
     sample = Sample(aligned(model), (0.3,) * model.n, (0.0,) * model.n, (0.0,) * model.n)
