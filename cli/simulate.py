@@ -21,7 +21,7 @@ from robodyn.trajectory.write import open_writer
 @SCENE
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")
-@click.option("--step", type=float, metavar="S", help="s, of a method with a fixed step; default 0.001.")
+@click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff.")
 @click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
 @click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
 @click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -115,23 +116,32 @@ class Signal:
         if table is not None and len(table.time) < 2:
             raise InputError("the table has one row", remedy="give two at least", file=table.file)
         endless = {joint.name for joint in model.independent if joint.continuous}
-        wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
-        self._functions = [self._function(curve, curve.column in wrapped) for curve in self.curves]
+        self._wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
 
-    def _function(self, curve: Curve, wrapped: bool):  # type: ignore[no-untyped-def]
-        assert self.table is not None
-        time, values = self.table.time - self.table.time[0], self.table.columns[curve.column]
-        if curve.kind == LOAD:
-            return self._held(time, values) if self.held else lambda t, _: np.interp(t, time, values)
+    @cached_property
+    def _splines(self) -> Callable[..., Floats]:
+        """Of the columns of references, in the order of `_smooth`."""
         from scipy.interpolate import CubicSpline
 
-        spline = CubicSpline(time, np.unwrap(values) if wrapped else values)
-        return lambda t, _: spline(t, curve.kind == RATE)
+        time, columns = self._rows
+        values = [np.unwrap(columns[name]) if name in self._wrapped else columns[name] for name in self._smooth]
+        return CubicSpline(time, np.column_stack(values))  # type: ignore[no-any-return]
 
-    @staticmethod
-    def _held(time: Floats, values: Floats):  # type: ignore[no-untyped-def]
-        slack = 1e-9 * float(np.diff(time).min())
-        return lambda _, begin: values[np.searchsorted(time, begin + slack, side="right") - 1]
+    @cached_property
+    def _smooth(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
+
+    @property
+    def _rows(self) -> tuple[Floats, Mapping[str, Floats]]:
+        assert self.table is not None
+        return self.table.time - self.table.time[0], self.table.columns
+
+    def _loads(self, time: Floats, begin: Floats) -> Iterator[Floats]:
+        """The torques and parts of wrenches, each (N,)."""
+        rows, columns = self._rows
+        last = np.searchsorted(rows, begin + 1e-9 * np.diff(rows).min(), side="right") - 1 if self.held else None
+        for name in (curve.column for curve in self.curves if curve.kind == LOAD):
+            yield np.interp(time, rows, columns[name]) if last is None else columns[name][last]
 
     def check_duration(self, duration: float) -> None:
         """Raise if the table ends before the simulation."""
@@ -141,16 +151,24 @@ class Signal:
 
     @property
     def longest_step(self) -> float:
-        """Of an adaptive method, so that it passes over no row's torque [s]."""
-        if self.table is None or all(curve.kind != LOAD for curve in self.curves):
+        """Of an adaptive method, so that it passes over no row's torque and no turn of a reference [s]."""
+        if self.table is None or not self.curves:
             return float("inf")
-        return 2.0 * float(np.median(np.diff(self.table.time)))
+        rows = 2.0 if any(curve.kind == LOAD for curve in self.curves) else 8.0
+        return rows * float(np.median(np.diff(self.table.time)))
 
     def at(self, time: Floats, begin: Floats | None = None) -> Floats:
         """(N, curves) at N times [s] since the simulation began; what is held is that of `begin`, if given."""
-        begun = time if begin is None else begin
-        values = [function(time, begun) for function in self._functions]
-        return np.column_stack(values) if values else np.empty((len(time), 0))
+        if not self.curves:
+            return np.empty((len(time), 0))
+        kinds = {curve.kind for curve in self.curves}
+        smooth = {kind: self._splines(time, kind == RATE).T for kind in (REFERENCE, RATE) if kind in kinds}
+        loads = self._loads(time, time if begin is None else begin)
+        parts = [
+            next(loads) if curve.kind == LOAD else smooth[curve.kind][self._smooth.index(curve.column)]
+            for curve in self.curves
+        ]
+        return np.column_stack(parts)
 
     def in_steps(self, begin: Floats, step: float, nodes: tuple[float, ...]) -> Floats:
         """(N, nodes * curves) for N steps that begin at these times, at each of their nodes (fractions of the step)."""

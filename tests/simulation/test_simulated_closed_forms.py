@@ -137,3 +137,20 @@ def test_a_follower_of_a_mimicked_joint_has_its_limit_too():
     found = robodyn.simulate(built(*parts, lead, follow), Scene(initial_qd={"lead": 2.0}), 5.0, step=0.01)
     assert found.ended == '"follow" reaches its lower limit of -9 m at 1.66667 s'
     assert abs(found.q[-1, 0] - 10 / 3) <= 1e-12
+
+
+TOP = reference("analytic")["heavy_top_steady"]
+
+
+@pytest.mark.parametrize("method", ["gauss6", "dop853", "rk4"])
+@pytest.mark.parametrize("root", ["precession_slow", "precession_fast"])
+def test_a_heavy_top_precesses_steadily(root, method):
+    """Leaning by 30 degrees, at either root of the quadratic: the lean stays and the precession is uniform."""
+    rate, lean = float(TOP[root]), np.radians(TOP["theta_deg"])
+    spin = TOP["omega3"] - rate * np.cos(lean)
+    scene = Scene(initial_q={"nutation": lean}, initial_qd={"precession": rate, "spin": spin})
+    how = {"rtol": 1e-13} if method == "dop853" else {"step": 5e-4}
+    found = robodyn.simulate(robot("heavy_top"), scene, 2.0, method=method, **how)
+    assert np.abs(found.q[:, 1] - lean).max() <= 1e-10
+    assert np.abs(found.q[:, 0] - rate * found.time).max() <= 1e-9
+    assert np.abs(found.q[:, 2] - spin * found.time).max() <= 1e-9
