@@ -24,6 +24,7 @@ from robodyn.simulation.methods import METHODS, Method
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import integrated, simulate, with_friction
 from robodyn.simulation.steps import Steps
+from robodyn.simulation.table import curves
 
 STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
 """s, of methods with a fixed step, while they gain digits."""
@@ -54,6 +55,10 @@ def simulation_accuracy(model: Model, scene: Scene = DEFAULT, duration: float = 
     if model.n == 0:
         raise InputError("the robot has no joints: nothing moves", file=model.file)
     scene, said = with_friction(model, scene)
+    named = sorted({curve.column for curve in curves(scene)})
+    if named:
+        what = f"the scene names {', '.join(map(repr, named))}, columns of a table, which are not followed here"
+        raise InputError(what, remedy="write numbers in their place")
     duration, notes = _until_limit(model, scene, duration)
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     reference = motion_reference(a_plan, duration)
@@ -66,6 +71,8 @@ def simulation_accuracy(model: Model, scene: Scene = DEFAULT, duration: float = 
     times = timed(acts)
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
+    if any(rung.evaluations is None for rung in rungs):
+        notes.append("sweeps of implicit steps are not counted: as many evaluations each as the method has stages")
     name = f"{model.name}, {duration:g} s"
     return Accuracy(name, (ladder,), _prices(a_plan), notes=(*said, *notes))
 

@@ -17,7 +17,7 @@ from robodyn.accuracy.motion_reference import motion_reference
 from robodyn.accuracy.simulation_ladder import simulation_accuracy, state_errors
 from robodyn.errors import InputError
 from robodyn.plan import plan
-from robodyn.scene import Friction, Scene
+from robodyn.scene import Drive, Friction, Scene
 from robodyn.simulation.run import simulate
 
 pytest.importorskip("mpmath")
@@ -108,3 +108,9 @@ def test_a_robot_that_cannot_move():
 
     with pytest.raises(InputError, match="no joints"):
         simulation_accuracy(built(link("l0", 1.0)), Scene(), 1.0)
+
+
+def test_scenes_that_follow_a_table_are_refused():
+    scene = Scene(drive={"j1": Drive(torque="push")})
+    with pytest.raises(InputError, match="the scene names 'push', columns of a table"):
+        simulation_accuracy(pendulum(), scene, 1.0)
