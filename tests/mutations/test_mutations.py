@@ -33,6 +33,10 @@ QUICK = [
     "loads/test_self_checks.py",
     "loops/test_closures.py",
     "loops/test_closed_chain.py",
+    "simulation/test_friction_and_limits.py",
+    "simulation/test_tables.py",
+    "simulation/test_verlet.py",
+    "simulation/test_free_bodies_fly.py",
 ]
 RUN = "import sys, pytest, robodyn; print(robodyn.__file__); sys.exit(pytest.main(sys.argv[1:]))"
 
