@@ -35,6 +35,7 @@ from robodyn.trajectory.reader import MODES, Derivatives
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded.")
 @click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error.")
+@click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits.")
 @REPORT
 @BATCH
 @EXECUTION
@@ -51,6 +52,7 @@ def command(
     ignore_extra: bool,
     fail_on_limits: bool,
     accuracy: float | None,
+    example: bool,
     report: str | None,
     form: str,
     **how: Any,
@@ -63,6 +65,7 @@ def command(
       robodyn torques robots/scara.urdf robots/scara_pick_and_place.csv --out tau.csv
       robodyn torques robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
       robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/
+      robodyn torques robots/puma.urdf motion.csv --example --report puma.html
     """
     if reactions and not out:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
@@ -71,14 +74,19 @@ def command(
     if is_batch(trajectories, out, how):
         from robodyn.cli.torques_batch import run_batch
 
-        if accuracy:
-            raise click.UsageError("--accuracy is for one trajectory", click.get_current_context())
+        for given, name in ((accuracy, "--accuracy"), (example, "--example")):
+            if given:
+                raise click.UsageError(f"{name} is for one trajectory", click.get_current_context())
         options |= {"derivatives": derivatives, "ignore_extra": ignore_extra, **how}
         return run_batch(urdf, trajectories, scene_file, gravity, out, report, options, form, fail_on_limits)
     (trajectory,) = trajectories
     check_names([urdf, trajectory, scene_file], out)
     check_names([urdf, trajectory, scene_file], report)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
+    if example:
+        from robodyn.cli.example import write_example
+
+        write_example(trajectory, model)
     names = output_names(model, reactions, view is not None)
     way = None
     if accuracy is not None:
@@ -93,6 +101,8 @@ def command(
             result = torques(model, reader, scene, sinks=gather, **options, **how)
         result = way.fulfilled(result) if way else result
         written = f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n" if out else ""
+        if example:
+            written = f"\nwritten: {trajectory}, an example motion to begin with\n{written}"
         if report:
             from robodyn.report.page_torques import torques_page
 

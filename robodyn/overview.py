@@ -200,7 +200,7 @@ def _next(source: str, model: Model, checked: Checked, meshes: Meshes, descripti
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):
         commands.append(f"robodyn info {file} --package-path DIR")
     if _has_mass(description) and model.n:
-        commands += [f"robodyn fbd {file}", f"robodyn torques {file} TRAJECTORY.csv"]
+        commands += [f"robodyn fbd {file}", f"robodyn torques {file} motion.csv --example --report report.html"]
     elif meshes.names:
         commands.append(f"robodyn inertia {file} --link NAME --geometry visual")
     return tuple(commands)

@@ -18,7 +18,7 @@ ORDER = [
     ("mesh", "urdf", "trajectory", "execute", "scene_table"),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
-    ("joints", "dynamics", "motion_input", "scene_fit", "combination"),
+    ("joints", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays", "motors"),
     ("inverse", "accelerations", "loops", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),

@@ -55,6 +55,10 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         from robodyn.report.page_sizing import sizing_verdict
 
         blocks.append(sizing_verdict(result.sizing))
+    if result.accuracy is not None:
+        met = result.accuracy.met
+        headline = "The accuracy asked for is met" if met else "The accuracy asked for is not met"
+        blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
     if result.joints:
         blocks += [_facts(result), *_worst(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result.joints))]

@@ -67,7 +67,7 @@ def test_text() -> None:
         "next:\n"
         "  robodyn check arm.urdf\n"
         "  robodyn fbd arm.urdf\n"
-        "  robodyn torques arm.urdf TRAJECTORY.csv\n"
+        "  robodyn torques arm.urdf motion.csv --example --report report.html\n"
     )
 
 
