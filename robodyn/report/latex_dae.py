@@ -48,6 +48,8 @@ M(q)\,\ddot{q} + b(q, \dot{q}) &= \tau, \qquad M(q) = J^T M J,
 LOOPS = r"""Loops keep their reactions, $M(q)\,\ddot{q} + b = \tau + (G_l J)^T \lambda_l$ with
 $G_l J\,\ddot{q} = \gamma_l - G_l \dot{J}\,\dot{q}$.
 """
+MOST = 8
+"""Terms of a line."""
 HELD = {
     "fixed": (r"x_{0} = y_{0}", r"a_k \cdot b_{{k+1}} = 0,\ k = 1, 2, 3"),
     "revolute": (r"x_{0} = y_{0}", r"a_{0} \cdot b_1 = a_{0} \cdot b_2 = 0"),
@@ -98,11 +100,13 @@ def _law(found: Dae, i: int) -> str:
         forces.append(f"F^e_{{{i}}}")
         moments.append(f"M^e_{{{i}}}")
     spin = f"I_{{{i}}} \\dot{{\\omega}}_{{{i}}} + \\omega_{{{i}}} \\times I_{{{i}}} \\omega_{{{i}}}"
-    return f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {_sum(weight + forces)} & {spin} &= {_sum(moments)}"
+    return f"m_{{{i}}} \\dot{{v}}_{{{i}}} &= {_sum(weight + forces)} \\\\\n{spin} &= {_sum(moments)}"
 
 
 def _sum(terms: Sequence[str]) -> str:
-    return " + ".join(terms).replace("+ -", "- ") or "0"
+    """The sum, on a further line after every `MOST` terms."""
+    lines = [" + ".join(terms[k : k + MOST]) for k in range(0, len(terms), MOST)]
+    return " \\\\\n  &\\quad + ".join(lines).replace("+ -", "- ") or "0"
 
 
 def _held(connection: Connection, name: str) -> str:

@@ -35,6 +35,8 @@ WORDS = {
     "directions": "x level with y along n",
     "mimic": "q_i - k q_j - q_0 = 0",
 }
+FEW = 5
+"""Joints whose forces on a body are written out."""
 
 
 def dae_text(found: Dae, page: Page = PLAIN) -> str:
@@ -118,10 +120,12 @@ def _bodies(found: Dae, page: Page) -> str:
 def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
     """The terms of forces and of moments on body i that its joints, the joints that it carries, and loops make."""
     forces, moments = [], []
-    for sign, name, moment in acting(found, i):
+    every = acting(found, i)
+    for sign, name, moment in every[:FEW]:
         forces.append(f"{sign}F{name}")
         moments += [f"{sign}M{name}"] * moment + [f"{sign}{'s' if sign else 'r'}{name} x F{name}"]
-    return forces, moments
+    more = [f"... ({len(every) - FEW} more)"] * (len(every) > FEW)
+    return forces + more, moments + more
 
 
 def _sum(terms: Sequence[str]) -> str:

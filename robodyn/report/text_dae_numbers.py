@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.maximal.dae import Dae
 from robodyn.maximal.equations import Across
-from robodyn.report.table import Content, Page, number
+from robodyn.report.table import Content, Page, number, printable
 
 MOST = 16
 """Rows of a table."""
@@ -120,10 +120,16 @@ def both_text(found: Dae) -> str:
     """How far the DAE and the ODE form are apart."""
     both = found.comparison
     if both is None:
-        return "nothing resists some motion: the accelerations and reactions are not defined\n"
+        return f'hardly anything resists "{_weakest(found)}": accelerations and reactions are not defined\n'
     loops = bool(found.robot.scene.loops)
     other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
     return (
         f"Both forms: against {other} accelerations qdd differ by {error(both.accelerations)} of the largest,\n"
         f"forces at joints by {error(both.forces)} and moments by {error(both.moments)}\n"
     )
+
+
+def _weakest(found: Dae) -> str:
+    """The rate that moves most in the motion that the mass matrix resists least."""
+    sizes, motions = np.linalg.eigh(found.reduced.M)
+    return printable(found.robot.model.rates[int(np.argmax(np.abs(motions[:, np.argmin(np.abs(sizes))])))])

@@ -127,7 +127,7 @@ def test_the_document_holds_the_whole_system(call):
 
 def test_latex():
     text = shown(SCARA, "--format", "latex")
-    assert "m_{2} \\dot{v}_{2} &= m_{2} g + F_{2} - F_{3} & I_{2} \\dot{\\omega}_{2}" in text
+    assert "m_{2} \\dot{v}_{2} &= m_{2} g + F_{2} - F_{3} \\\\\nI_{2} \\dot{\\omega}_{2} + " in text
     assert "\\text{quill, prismatic} && n_1 \\cdot (x_{3} - y_{3}) = n_2 \\cdot (x_{3} - y_{3}) = 0" in text
     assert "for 69 equations;\nthe 21 constraints leave $24 - 21 = 3$ degrees of freedom." in text
     assert text.count("\\begin{") == text.count("\\end{")
@@ -154,6 +154,7 @@ def test_mimic_joints_have_an_equation():
 def test_long_robots_are_cut():
     text = shown(str(path_of("talos_full_v2")))
     assert len(text.splitlines()) < 180
+    assert max(map(len, text.splitlines())) < 200
     assert "... and 29 more bodies; --format json has them all" in text
     assert len(re.findall(r"^\.\.\. and \d+ more joints; --format json has them all$", text, re.MULTILINE)) == 2
 
@@ -163,7 +164,7 @@ def test_a_robot_that_nothing_holds_back(tmp_path):
     robot.write_bytes(urdf(link("a", 1.0), link("b"), joint("j", "a", "b", "continuous")))
     text = shown(str(robot))
     assert "index: not defined, as accelerations and reactions do not follow from the equations" in text
-    assert "nothing resists some motion: the accelerations and reactions are not defined" in text
+    assert 'hardly anything resists "j": accelerations and reactions are not defined' in text
     found = document(str(robot))
     assert (found["qdd"], found["comparison"], found["counts"]["index"]) == (None, None, None)
 
