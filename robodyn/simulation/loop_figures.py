@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from robodyn.dynamics.sparse import total
 from robodyn.effects.effect import Sample
 from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
+from robodyn.execute.runner import Runner
 from robodyn.inverse import runner_of
 from robodyn.loops.find import NOTHING, jacobian
 from robodyn.plan import Plan, applied
@@ -70,10 +72,10 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     """
     if not plan.scene.loops:
         return None
-    equations, closing = Equations(plan), Closing(plan)
+    closing = Closing(plan)
     chain, count = closing.chain, len(plan.scene.loops)
     rank = _rank(closing, motion.states[0])
-    runner = runner_of(loop_program(equations), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    runner = _ready(plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
     of = [k for k, closure in enumerate(chain.closures) for _ in closure.equations]
@@ -94,6 +96,12 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         freedoms=plan.model.n - rank,
         stabilised=kept,
     )
+
+
+@lru_cache(maxsize=16)
+def _ready(plan: Plan, columns: int) -> Runner:
+    equations = Equations(plan)
+    return runner_of(loop_program(equations), plan, {STATE: equations.width, COLUMNS: columns})
 
 
 def loop_program(equations: Equations) -> Program:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from robodyn.effects import coulomb_friction
 from robodyn.effects.friction import rubbing
 from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
+from robodyn.execute.runner import Runner
 from robodyn.inverse import runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
@@ -179,9 +181,14 @@ def with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
     return replace(scene, slip_speed=chosen), [f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest"]
 
 
+@lru_cache(maxsize=16)
+def _ready(a_plan: Plan, columns: int) -> Runner:
+    equations = Equations(a_plan)
+    return runner_of(equations.figures(), a_plan, {STATE: equations.width, COLUMNS: columns})
+
+
 def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:
-    equations, n = Equations(a_plan), a_plan.model.n
-    runner = runner_of(equations.figures(), a_plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    n, runner = a_plan.model.n, _ready(a_plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
     if not np.isfinite(columns).all():
