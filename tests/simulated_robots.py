@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from small_robots import built, joint, link, random_tree
 
 from robodyn.scene import Drive, Friction, Scene
@@ -9,6 +11,7 @@ from robodyn.scene import Drive, Friction, Scene
 POINT = (1.0, (0, 0, -1))
 
 
+@cache
 def pendulum(*, masses=1):
     """Point masses below one another on rods of 1 m that turn about -y, so that positive angles go to +x."""
     parts = [link("l0")]
@@ -19,10 +22,12 @@ def pendulum(*, masses=1):
     return built(*parts)
 
 
+@cache
 def slide(mass=2.0, axis=(1, 0, 0)):
     return built(link("l0"), link("l1", mass), joint("j1", "l0", "l1", "prismatic", axis))
 
 
+@cache
 def tumbling():
     """A free robot that tumbles with its joints moving, driven and rubbing, under gravity."""
     model = random_tree(5, n=3, moving_base=True, kinds=("revolute", "prismatic"))
