@@ -158,8 +158,22 @@ def _connections(found: Dae, page: Page) -> str:
     rows = [rows[k] for k in order] if len(rows) > MOST and system.loops else rows
     return (
         f"Joints: a constraint equation and a reaction for each direction in which it holds\n"
-        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'joints')}"
+        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'joints')}{_along(found)}"
     )
+
+
+def _along(found: Dae) -> str:
+    """What the letters of directions mean, and what acts where a joint does not hold."""
+    system = found.robot.system
+    oblique = any(name.endswith("a") for connection in system.connections for name in connection.reactions)
+    lines = ["1, 2 and a are perpendicular, a along an oblique axis"] * oblique
+    if system.rotors or found.robot.matrices.along.any():
+        taken = ", less friction and springs" if found.robot.terms.at_joint else ""
+        rotors = "; a rotor J adds S^T J S to M" if system.rotors else ""
+        lines.append(
+            f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}: S^T tau in f{rotors}"
+        )
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _axis(found: Dae, connection: Connection, label: str) -> str:

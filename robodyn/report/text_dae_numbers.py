@@ -34,7 +34,7 @@ def numbers_text(found: Dae, page: Page) -> str:
         )
         if found.counts.reactions:
             parts.append(
-                "Reactions lambda on the body that a joint carries, along axes fixed in its parent\n"
+                "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent\n"
                 f"{page.table(_reactions(found))}{cut(joints, 'joints')}"
             )
     return "\n".join(parts)
@@ -103,7 +103,7 @@ def _reactions(found: Dae) -> Content:
 
 def _place(name: str) -> tuple[str, int]:
     """Forces before moments; x, y, z, then the directions of oblique joints."""
-    return name[0], "xyz12a3".find(name[1:])
+    return name[0], ("x", "y", "z", "1", "2", "a", "3", "").index(name[1:])
 
 
 def elimination_text(found: Dae) -> str:

@@ -40,7 +40,7 @@ def test_text():
         "Constraints: x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p",
         "State",
         "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's",
-        "Reactions lambda on the body that a joint carries, along axes fixed in its parent",
+        "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent",
         "Elimination of the reactions, to the ODE form with 3 velocities qd",
         titles[-1],
     ]
@@ -187,3 +187,17 @@ def test_loops_of_a_scene():
     assert found["counts"]["redundant"] == [["pin_1", "Fy"], ["pin_2", "Fy"]]
     assert np.abs(np.diff(found["qd"][:3])).max() <= 1e-13
     assert "\\text{pin\\_2, point} && x_{L2} = y_{L2}" in shown(urdf_file, "--scene", scene, "--format", "latex")
+
+
+def test_rotors_and_oblique_axes_are_explained(tmp_path):
+    puma, motors = str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_motors.toml")
+    line = "a joint passes on tau, less friction and springs: S^T tau in f; a rotor J adds S^T J S to M"
+    assert line in shown(puma, "--scene", motors, "--qd", "waist=1")
+    assert "a joint passes on" not in shown(SCARA)
+    oblique = tmp_path / "oblique.urdf"
+    oblique.write_bytes(
+        urdf(link("a", 1.0), link("b", 1.0, (0.2, 0.1, 0)), joint("j", "a", "b", "continuous", (0.6, 0, 0.8)))
+    )
+    text = shown(str(oblique))
+    assert "1, 2 and a are perpendicular, a along an oblique axis" in text
+    assert re.search(r"^1 j +a - b +revolute +a = \(0\.6, 0, 0\.8\) +1 +5 .* F1 F2 Fa M1 M2$", text, re.MULTILINE)
