@@ -26,9 +26,11 @@ NEEDED = (
     Library("manifold3d", "manifold3d", "union of meshes that overlap"),
     Library("platformdirs", "platformdirs", "the cache of machine code"),
     Library("rich", "rich", "progress bars"),
+    Library("matplotlib", "matplotlib.figure", "plots and HTML reports"),
+    Library("jinja2", "jinja2", "HTML reports"),
 )
 COMPILER = Library("llvmlite", "llvmlite.binding", "machine code: long trajectories take ten times longer")
-SCENES = Library("yourdfpy", "yourdfpy", "scenes of robots in Python; the commands do without it")
+SCENES = Library("yourdfpy", "yourdfpy", "pictures of robots with meshes: reports draw a skeleton in their place")
 OPTIONAL = (
     Library("mpmath", "mpmath", "reference values with many digits", "'robodyn[exact]'"),
     Library("sympy", "sympy", "equations in closed form", "'robodyn[symbolic]'"),

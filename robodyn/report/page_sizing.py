@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
-    """A verdict for all joints, torque against speed at the shafts of motors, and tables; nothing without sizing.
+    """A verdict if all is well (others lead the page), torque against speed at the shafts of motors, and tables.
 
     Args:
         curves: of the joints; None without figures.
@@ -35,7 +35,8 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
     if sizing is None:
         return
     yield Heading("Motors, bearings, foundation")
-    yield sizing_verdict(sizing)
+    if not sizing.exceeded:
+        yield sizing_verdict(sizing)
     figures = [] if curves is None else list(_figures(result, sizing, model, scene, curves))
     if figures:
         yield Gallery(tuple(figures))
