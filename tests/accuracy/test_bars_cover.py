@@ -137,7 +137,7 @@ def test_what_sampling_explains_of_the_energy() -> None:
     assert np.mean(held) >= ENOUGH
 
 
-@counts(6, 60)
+@counts(4, 60)
 def test_arithmetic_of_torques(count: int) -> None:
     """Measured at 64 samples, held at all others."""
     pytest.importorskip("mpmath")
@@ -161,7 +161,7 @@ def swinging(rng):
     return pendulum(masses=masses), Scene(initial_q=q, initial_qd=qd), rng.uniform(0.2, 0.6)
 
 
-@counts(6, 60)
+@counts(4, 60)
 def test_simulations_as_accurate_as_asked(count: int) -> None:
     pytest.importorskip("mpmath")
     rng, held = np.random.default_rng(7), []
@@ -173,7 +173,7 @@ def test_simulations_as_accurate_as_asked(count: int) -> None:
     assert np.mean(held) >= ENOUGH
 
 
-@counts(5, 40)
+@counts(3, 40)
 def test_bounds_of_references(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Against series with six digits more."""
     pytest.importorskip("mpmath")

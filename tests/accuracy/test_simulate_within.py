@@ -18,12 +18,12 @@ from robodyn.scene import Scene
 SWING = Scene(initial_q={"j1": 2.5})
 
 
-@pytest.mark.parametrize("target", [1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("target", [1e-3, 1e-7, 1e-12])
 def test_the_error_is_within_the_expected_one(target):
     pytest.importorskip("mpmath")
     model = pendulum(masses=2)
-    found = simulate_within(model, SWING, 2.0, target)
-    _, error = state_errors(found, motion_reference(plan(model, found.scene), 2.0))
+    found = simulate_within(model, SWING, 0.7, target)
+    _, error = state_errors(found, motion_reference(plan(model, found.scene), 0.7))
     assert error <= found.expected_error <= target == found.target
     assert found.notes[-1].startswith(f"accuracy: {target:g} asked, {found.method.name} with ")
 
@@ -46,10 +46,11 @@ def test_up_to_a_limit():
 @pytest.mark.parametrize(("target", "why"), [(1e-17, "halving its step to"), (1e-14, "cannot be promised")])
 def test_what_rounding_forbids_is_refused(target, why):
     with pytest.raises(InputError, match=why):
-        simulate_within(pendulum(masses=2), SWING, 2.0, target)
+        simulate_within(pendulum(masses=2), SWING, 0.7, target)
 
 
-def test_what_grows_too_fast_is_refused():
+def test_what_grows_too_fast_is_refused(monkeypatch: pytest.MonkeyPatch):
     """After a minute a chaotic motion has lost all that doubles hold."""
+    monkeypatch.setattr("robodyn.accuracy.simulate_within.PATIENCE", 0.2)
     with pytest.raises(InputError, match="an accuracy of 1e-06 cannot be promised"):
         simulate_within(pendulum(masses=2), SWING, 60.0, 1e-6)
