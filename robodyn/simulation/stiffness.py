@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import floor, log10
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.effects.friction import rubbing
-from robodyn.inverse import mass_matrix
+from robodyn.inverse import inverse_dynamics
 from robodyn.model import Joint
 from robodyn.plan import Plan
 from robodyn.simulation.methods import Method
@@ -53,9 +54,18 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     damping, stiffness = list(_slopes(a_plan)), list(_springs(a_plan))
     if not damping and not stiffness:
         return None
-    M = mass_matrix(a_plan.model, q, scene=a_plan.scene, executor="numpy")
+    M = _mass_matrix(a_plan, q)
     found = [_fastest(M, slopes, power) for slopes, power in ((damping, 1.0), (stiffness, 0.5)) if slopes]
     return max((each for each in found if each is not None), default=None)
+
+
+def _mass_matrix(a_plan: Plan, q: Floats) -> Floats:
+    """M(q) by inverse dynamics of unit accelerations at rest: one short program, where M's own has n^2 entries."""
+    n, still = a_plan.model.n, (0.0, 0.0, 0.0)
+    inert = replace(a_plan.scene, gravity=still, spring={}, wrenches=(), immersed=(), limit_spring=None)
+    columns = inverse_dynamics(a_plan.model, np.tile(q, (n, 1)), 0.0, np.eye(n), scene=inert, executor="numpy")
+    M: Floats = 0.5 * (columns + columns.T)
+    return M
 
 
 class Slope(NamedTuple):
