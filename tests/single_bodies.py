@@ -8,7 +8,7 @@ from small_robots import body_numbers, built, chain, joint, link
 
 from robodyn.dynamics.dual import Dual
 from robodyn.maximal.dae import dae_at
-from robodyn.maximal.state import GROUND, STILL, Place, Speed, State
+from robodyn.maximal.state import STILL, Place, Speed, State
 from robodyn.scene import DEFAULT, Loop, Scene
 from robodyn.spatial import rotation_about, skew
 
@@ -21,16 +21,16 @@ def turned(rng, most=3.0):
 
 def random_bodies(rng, count):
     """Places and speeds of bodies that nothing holds together."""
-    places = [Place(turned(rng), rng.normal(size=3)) for _ in range(count)]
+    places = [Place(turned(rng), rng.normal(size=3)) for _ in range(count)] + [Place(np.eye(3), np.zeros(3))]
     speeds = [Speed(rng.normal(size=3), rng.normal(size=3)) for _ in range(count)]
-    return State((*places, GROUND), (*speeds, STILL))
+    return State(tuple(places), (*speeds, STILL))
 
 
 def disturbed(rng, at, size):
     """The state with every body moved and turned a little."""
     places = [Place(p.R @ turned(rng, size), p.c + size * rng.uniform(-1, 1, 3)) for p in at.places[:-1]]
     speeds = [Speed(s.w + size * rng.normal(size=3), s.v + size * rng.normal(size=3)) for s in at.speeds[:-1]]
-    return State((*places, GROUND), (*speeds, STILL))
+    return State((*places, at.places[-1]), (*speeds, STILL))
 
 
 def _duals(values, rates):
@@ -43,7 +43,7 @@ def in_motion(at, a):
     each = a.reshape(-1, 2, 3)
     places = [Place(_duals(p.R, p.R @ skew(s.w)), _duals(p.c, s.v)) for p, s in zip(at.places, at.speeds, strict=True)]
     speeds = [Speed(_duals(s.w, wd), _duals(s.v, vd)) for s, (wd, vd) in zip(at.speeds, each, strict=False)]
-    return State((*places[:-1], GROUND), (*speeds, STILL))
+    return State((*places[:-1], at.places[-1]), (*speeds, STILL))
 
 
 def taken_apart(model, seed=0, scene=DEFAULT):

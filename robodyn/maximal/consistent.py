@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.errors import InputError
 from robodyn.maximal.equations import stacked, values
-from robodyn.maximal.state import GROUND, STILL, Place, Speed, State
+from robodyn.maximal.state import STILL, Place, Speed, State
 from robodyn.maximal.system import System
 from robodyn.spatial import rotation_about
 
@@ -100,7 +100,7 @@ def _moved(at: State, step: Floats) -> State:
         angle = float(np.sqrt(dw @ dw))
         turn = rotation_about(dw / angle, angle) if angle else np.eye(3)
         places.append(Place(_orthonormal(place.R @ turn), place.c + dc))
-    return State((*places, GROUND), at.speeds)
+    return State((*places, at.places[-1]), at.speeds)
 
 
 def _orthonormal(R: Floats) -> Floats:

@@ -12,7 +12,10 @@ from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, cross
 
 
 class Place(NamedTuple):
-    """Rotation R of a body's axes and position c of its mass centre, in the ground's axes."""
+    """Rotation R of a body's axes in the ground's, and position c of its mass centre in these, from the base's origin.
+
+    From there, because then a robot that is far away from the ground's origin loses no digits.
+    """
 
     R: Array
     c: Array
@@ -25,30 +28,33 @@ class Speed(NamedTuple):
     v: Array
 
 
-GROUND = Place(IDENTITY, ZERO)
 STILL = Speed(ZERO, ZERO)
 
 
 class State(NamedTuple):
-    """Places and speeds of the N bodies, and behind them the ground's, so that body -1 is the ground."""
+    """Places and speeds of the N bodies, and behind them the ground's, so that body -1 is the ground.
+
+    The ground stands at minus the position of the base.
+    """
 
     places: tuple[Place, ...]
     speeds: tuple[Speed, ...]
 
 
 def state_of(model: Model, centres: Sequence[Array], q: Sequence[Scalar], qd: Sequence[Scalar]) -> State:
-    """The bodies in a motion of the joints: `c = p + R r`, `v = R (v_o + w x r)`, r being the mass centre.
+    """The bodies in a motion of the joints: `c = p - p_base + R r`, `v = R (v_o + w x r)`, r being the mass centre.
 
     Args:
         centres: (3,) of each body, in its frame [m].
         q: nq scalars; qd: n scalars.
     """
-    joints = motions(model, q, qd, (0.0,) * model.n)
+    base, *others = joints = motions(model, q, qd, (0.0,) * model.n)
+    there = poses(model.parents, [base._replace(p=ZERO), *others])
     places, speeds = [], []
-    for pose, moving, r in zip(poses(model.parents, joints), velocities(model.parents, joints), centres, strict=True):
+    for pose, moving, r in zip(there, velocities(model.parents, joints), centres, strict=True):
         places.append(Place(pose.R, pose.p + pose.R @ r))
         speeds.append(Speed(moving.w, pose.R @ (moving.v + cross(moving.w, r))))
-    return State((*places, GROUND), (*speeds, STILL))
+    return State((*places, Place(IDENTITY, -base.p)), (*speeds, STILL))
 
 
 def accelerations_of(

@@ -71,7 +71,7 @@ def _body(found: Dae, i: int) -> dict[str, Any]:
         "com": inertia.centre_of_mass.tolist(),
         "inertia": about_centre(inertia).tolist(),
         "rotation": place.R.tolist(),
-        "centre": place.c.tolist(),
+        "centre": (place.c - robot.at.places[-1].c).tolist(),
         "w": speed.w.tolist(),
         "v": speed.v.tolist(),
         "f": robot.matrices.f[6 * i : 6 * i + 6].tolist(),

@@ -177,6 +177,16 @@ def test_a_turned_robot_turns_its_accelerations():
         assert worst(np.array(other), np.array(one)) <= 1e-13
 
 
+def test_a_robot_far_away_moves_alike():
+    """1000 km from the ground's origin to the last bit, but for the position itself."""
+    model = real("anymal", True)
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(0), 1)
+    far = q + np.array([1e6, -1e6, 1e6] + [0.0] * (model.nq - 3))
+    here, there = (dae_at(model, DEFAULT, x, qd, tau) for x in (q, far))
+    assert np.array_equal(here.solution.a, there.solution.a)
+    assert np.array_equal(here.solution.reactions, there.solution.reactions)
+
+
 def test_nothing_resists():
     model = built(link("l0", 1.0), link("l1"), joint("j", "l0", "l1", "continuous"))
     found = dae(model)
