@@ -25,6 +25,7 @@ TIMED = {
     "tables": "bench_tables",
     "startup": "bench_startup",
     "forward": "bench_forward_dynamics",
+    "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",
     "check": "bench_check",
 }
