@@ -62,7 +62,7 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
 def _mass_matrix(a_plan: Plan, q: Floats) -> Floats:
     """M(q) by inverse dynamics of unit accelerations at rest: one short program, where M's own has n^2 entries."""
     n, still = a_plan.model.n, (0.0, 0.0, 0.0)
-    inert = replace(a_plan.scene, gravity=still, spring={}, wrenches=(), immersed=(), limit_spring=None)
+    inert = replace(a_plan.scene, gravity=still, spring={}, wrenches=(), immersed=(), limit_spring=None, loops=())
     columns = inverse_dynamics(a_plan.model, np.tile(q, (n, 1)), 0.0, np.eye(n), scene=inert, executor="numpy")
     M: Floats = 0.5 * (columns + columns.T)
     return M
