@@ -28,6 +28,7 @@ TIMED = {
     "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",
     "check": "bench_check",
+    "iftomm": "bench_iftomm",
 }
 
 
