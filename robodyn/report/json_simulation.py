@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from robodyn.simulation.loop_figures import PARTS, LoopFigures
+from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Simulation
 
 
@@ -35,12 +36,22 @@ def simulation_json(result: Simulation) -> str:
         },
         "momentum_drift": dict(zip(("linear", "angular"), result.momentum_drift, strict=True)) if result.free else None,
         "loops": _loops(result.loops) if result.loops else None,
+        "held": [
+            {"joint": each.joint.name, "time": each.time, "creep": each.creep, "speed": each.speed}
+            for each in held(result.model, result.scene, result.time, result.qd)
+        ],
+        "limit_spring": _limit(result) if result.scene.limit_spring else None,
         "effects": [
             {"name": effect.name, "active": why.active, "reason": why.reason} for effect, why in result.effects
         ],
         "notes": list(result.notes),
     }
     return json.dumps(document, indent=2) + "\n"
+
+
+def _limit(result: Simulation) -> dict[str, Any] | None:
+    found = deepest(result.model, result.time, result.q, result.qd)
+    return found and {**found._asdict(), "joint": found.joint.name}
 
 
 def _loops(loops: LoopFigures) -> dict[str, Any]:

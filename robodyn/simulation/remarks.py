@@ -51,23 +51,35 @@ def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]
             yield Held(joint, float(lasting[still].sum()), float((mean * lasting)[still].sum()), most)
 
 
-def pushed_back(model: Model, time: Floats, q: Floats, qd: Floats) -> str:
-    """How far joints went beyond their limits, at most."""
+class Deepest(NamedTuple):
+    """The limit that a motion passes by most: its joint, side and value, by how much, when, and how many are passed."""
+
+    joint: Joint
+    side: str
+    value: float
+    depth: float
+    time: float
+    limits: int
+
+    def __str__(self) -> str:
+        unit = "m" if self.joint.kind == "prismatic" else "rad"
+        others = f", the most of {self.limits} limits that are passed" if self.limits > 1 else ""
+        where = f'"{self.joint.name}" passes its {self.side} limit of {self.value:g} {unit}'
+        return f"springs at limits: {where} by at most {self.depth:.4g} {unit}, at {self.time:.4g} s{others}"
+
+
+def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None:
+    """How far joints went beyond their limits, at most; None if they did not."""
     limits = Limits(model, True)
-    if not limits.stops:
-        return "no joint has a limit"
     room = limits.room(q)
+    if not limits.stops or room.min() >= 0.0:
+        return None
     row, place = (int(k) for k in np.unravel_index(np.argmin(room), room.shape))
     stop = limits.stops[place]
-    if room[row, place] >= 0.0:
-        return "no joint reaches a limit"
     approach = stop.side * stop.joint.multiplier * qd[:, stop.joint.rate]
     when, depth = _peak(time, -room[:, place], approach, row)
-    unit, side = "m" if stop.joint.kind == "prismatic" else "rad", "upper" if stop.side > 0 else "lower"
-    count = int((room < 0.0).any(axis=0).sum())
-    others = f", the most of {count} limits that are passed" if count > 1 else ""
-    where = f'"{stop.joint.name}" passes its {side} limit of {stop.value:g} {unit}'
-    return f"springs at limits: {where} by at most {depth:.4g} {unit}, at {when:.4g} s{others}"
+    side = "upper" if stop.side > 0 else "lower"
+    return Deepest(stop.joint, side, stop.value, depth, when, int((room < 0.0).any(axis=0).sum()))
 
 
 def _peak(time: Floats, x: Floats, xd: Floats, row: int) -> tuple[float, float]:

@@ -27,7 +27,7 @@ from robodyn.simulation.how import How, how_of, way
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
-from robodyn.simulation.remarks import held, pushed_back
+from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.table import Signal, Source, Table, read_table
 
@@ -86,6 +86,7 @@ def simulate(
     except InputError as error:
         raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
+    pushed = deepest(model, motion.time, q, qd)
     return Simulation(
         model=model,
         scene=scene,
@@ -111,7 +112,7 @@ def simulate(
             *stiff,
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
             *map(str, held(model, scene, motion.time, qd)),
-            *([pushed_back(model, motion.time, q, qd)] if scene.joint_limits == "spring" else []),
+            *([str(pushed or "no joint reaches a limit")] if scene.limit_spring else []),
         ),
     )
 

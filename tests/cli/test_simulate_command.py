@@ -73,7 +73,7 @@ def test_json() -> None:
     document = json.loads(simulate(*SWING, "--duration", "0.5", "--format", "json", "--method", "gauss4"))
     assert list(document) == [
         *("robot", "duration", "gravity", "method", "steps", "evaluations", "executor", "ended", "final", "energy"),
-        *("momentum_drift", "loops", "effects", "notes"),
+        *("momentum_drift", "loops", "held", "limit_spring", "effects", "notes"),
     ]
     assert document["method"] == {"name": "gauss4", "order": 4, "step": 0.001, "rtol": None}
     assert document["ended"] is document["momentum_drift"] is document["evaluations"] is None
@@ -161,3 +161,17 @@ def test_drives_follow_a_table(tmp_path: Path) -> None:
     (names, first), (_, second) = rows(motion), rows(again)
     places = [names.index(f"q_{name}") for name in joints]
     assert np.abs(first[:, places] - second[:, places]).max() <= 5e-6
+
+
+def test_json_of_friction_that_holds_and_springs_at_limits() -> None:
+    scene = str(ROBOTS / "puma560_power_cut.toml")
+    document = json.loads(
+        simulate(str(ROBOTS / "puma560.urdf"), "--scene", scene, "--duration", "3", "--format", "json")
+    )
+    wrist = document["held"][4]
+    assert list(wrist) == ["joint", "time", "creep", "speed"]
+    assert (wrist["joint"], wrist["time"]) == ("wrist_pitch", 3.0)
+    assert 0 < wrist["creep"] < 1e-3
+    assert list(document["limit_spring"]) == ["joint", "side", "value", "depth", "time", "limits"]
+    assert document["limit_spring"]["joint"] == "shoulder"
+    assert abs(document["limit_spring"]["depth"] - 0.02697) <= 1e-5
