@@ -1,0 +1,95 @@
+"""`robodyn simulate` of closed chains: report, table and document; commands that refuse them; loops that cannot be."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import ROBOTS, run
+
+BARS = (str(ROBOTS / "four_bars.urdf"), "--scene", str(ROBOTS / "four_bars_a02.toml"))
+PUMP = (str(ROBOTS / "crank_slider.urdf"), "--scene", str(ROBOTS / "crank_slider_pump.toml"))
+REFUSED = (
+    "a scene with loops is simulated: nothing else here knows what joints and loops share (robodyn simulate follows"
+)
+
+
+def simulate(*args: str) -> str:
+    outcome = run("simulate", *args)
+    assert (outcome.status, outcome.err) == (0, "")
+    return outcome.out
+
+
+def test_report() -> None:
+    text = simulate(*BARS, "--duration", "1")
+    assert (
+        "form: index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R\n" in text
+    )
+    assert (
+        "loops: 6 equations, 4 of them independent at the start; degrees of freedom left: 1; projection after" in text
+    )
+    assert "left out, for the rest of their loop imply them: pin_1 along y, pin_2 along y\n" in text
+    lines = [line.split() for line in text.splitlines() if line.startswith("pin_")]
+    assert [line[0] for line in lines] == ["pin_1", "pin_2"]
+    assert all(float(line[1]) > 10 and float(line[3]) < 1e-13 for line in lines)
+
+
+def test_table_and_document(tmp_path: Path) -> None:
+    out = tmp_path / "pump.csv"
+    document = json.loads(simulate(*PUMP, "--duration", "0.5", "--out", str(out), "--format", "json"))
+    loops = document["loops"]
+    assert list(loops) == ["equations", "dropped", "rank", "freedoms", "stabilised", "closures"]
+    assert (loops["equations"], loops["dropped"], loops["rank"], loops["freedoms"]) == (3, ["wrist_pin along y"], 2, 1)
+    (pin,) = loops["closures"]
+    assert list(pin) == ["name", "final", "gap", "slip"]
+    header = out.read_text().splitlines()[0].split(",")
+    assert header[-6:] == [f"{part}_wrist_pin" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
+    last = np.loadtxt(out, delimiter=",", skiprows=1)[-1]
+    assert last[-6:].tolist() == list(pin["final"].values())
+    crank, rod, slider = (last[header.index(f"q_{name}")] for name in ("main", "pin", "rail"))
+    assert abs(0.1 * np.cos(crank) + 0.3 * np.cos(crank + rod) - slider) <= 1e-14
+    drag = 60.0 * last[header.index("qd_rail")]
+    push = 1.2 * last[header.index("qdd_rail")] + drag
+    assert -pin["final"]["fx"] == pytest.approx(push, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ("torques", PUMP[0], "motion.csv", *PUMP[1:]),
+        ("fbd", PUMP[0], "--at", "0,0,0.4", *PUMP[1:]),
+        ("equations", *PUMP),
+        ("accuracy", PUMP[0], PUMP[2]),
+    ],
+    ids=lambda call: call[0],
+)
+def test_commands_that_know_only_trees(call: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "motion.csv").write_text("time,q_main,q_pin,q_rail\n0,0,0,0.4\n")
+    outcome = run(*call)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {PUMP[2]}: {REFUSED}"), outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
+LOOP = '[[loop]]\nname = "pin"\nlink = "rod"\npoint = [0.3, 0, 0]\nto = "slider"\n'
+WRONG = {
+    LOOP + LOOP: 'scene.toml: the scene: 2 loops have the name "pin"',
+    LOOP.replace("rod", "bar"): "scene.toml: [[loop]] 'pin': the robot has no link 'bar'",
+    LOOP + 'kind = "hinge"': 'scene.toml: [[loop]] number 1: "axis" is missing',
+    LOOP + "to_point = [0, 0, 2]": 'loop "pin" does not close: it is open by ',
+    LOOP + "to_point = [0, 0.1, 0]": 'loop "pin" cannot close: it misses by 0.1 m along y of slider, wherever the joi',
+    LOOP + "[initial]\nq = { main = 3.2 }\n": '"rail" begins at -0.',
+}
+
+
+@pytest.mark.parametrize("scene", WRONG)
+def test_loops_that_cannot_be(scene: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(scene)
+    outcome = run("simulate", PUMP[0], "--scene", "scene.toml", "--duration", "0.1")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {WRONG[scene]}"), outcome.err
+    assert len(outcome.err.splitlines()) == 1
