@@ -102,9 +102,9 @@ def _crude(corners: Floats) -> tuple[dict[str, Callable[[Floats], Moments]], lis
     for count in POINTS:
         if count * len(corners) <= MOST_TESTS:
             ways[f"Monte Carlo, {count} points"] = partial(by_chance, count=count)
+            ways[f"winding numbers at {count} points"] = partial(by_winding_numbers, count=count)
         else:
-            notes.append(f"Monte Carlo, {count} points: left out, {count * len(corners):.0e} tests")
-        ways[f"winding numbers at {count} points"] = partial(by_winding_numbers, count=count)
+            notes.append(f"{count} random points: left out, {count * len(corners):.0e} tests")
     try:
         for share in TOLERANCES:
             way = partial(by_decimation, tolerance=share)
