@@ -155,6 +155,9 @@ def test_long_robots_are_cut():
     text = shown(str(path_of("talos_full_v2")))
     assert len(text.splitlines()) < 180
     assert max(map(len, text.splitlines())) < 200
+    assert re.search(
+        r"differ by \de-1[3-9] of the largest,\nforces at joints by \de-1[3-9] and moments by \de-1[3-9]", text
+    )
     assert "... and 29 more bodies; --format json has them all" in text
     assert len(re.findall(r"^\.\.\. and \d+ more joints; --format json has them all$", text, re.MULTILINE)) == 2
 

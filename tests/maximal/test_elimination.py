@@ -31,8 +31,8 @@ FORMULAS = [
 
 CASES = {
     "puma560 with motors": (lambda: robot("puma560"), Scene(rotor={"elbow": Rotor(1e-4, 100.0)})),
-    "tree": (lambda: random_tree(0, 10), Scene()),
-    "free tree": (lambda: random_tree(1, 10, moving_base=True), Scene(moving_base=True)),
+    "tree": (lambda: random_tree(0, 7), Scene()),
+    "free tree": (lambda: random_tree(1, 7, moving_base=True), Scene(moving_base=True)),
     "every effect": (busy_robot, STILL_BUSY),
     "every effect, free": (lambda: busy_robot(True), replace(STILL_BUSY, moving_base=True)),
 }
