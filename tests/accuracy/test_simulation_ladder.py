@@ -64,6 +64,12 @@ def test_errors_are_the_true_ones(step):
     assert end <= way
 
 
+def test_the_bound_of_the_reference_is_added():
+    known = replace(motion_reference(plan(pendulum(), SWING), QUARTER), bound=0.125)
+    end, way = state_errors(simulate(pendulum(), SWING, QUARTER, method="gauss6", step=0.01), known)
+    assert 0.125 <= end <= way <= 0.125 + 1e-6
+
+
 def test_references_agree(monkeypatch):
     """Series and doubles are independent, and each is within its bound."""
     model, scene = tumbling()
@@ -95,7 +101,7 @@ def test_friction_is_regularised_and_said():
 def test_kinds_are_compared_with_their_own():
     model, _ = tumbling()
     states = np.ones((3, model.nq + model.n))
-    states[:, 0] = 50.0
+    states[:, 0], states[:, 3:7] = 50.0, 0.25
     measure = MotionError.over(model, states)
     off = states.copy()
     off[1, 1] += 0.5

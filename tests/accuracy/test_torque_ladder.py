@@ -10,13 +10,14 @@ import pytest
 from command_line import ROBOTS
 from hurried import hurry
 
-from robodyn.accuracy.derivative_ladder import like
+from robodyn.accuracy.derivative_ladder import like, noisy
 from robodyn.accuracy.torque_ladder import file_accuracy, torque_accuracy
 from robodyn.assemble import load
 from robodyn.errors import InputError
 from robodyn.inverse import inverse_dynamics
 from robodyn.motion_input import motion, read_motion
 from robodyn.scene import DEFAULT
+from robodyn.trajectory.motion import Derivation, JointDerivation
 
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
 
@@ -75,10 +76,22 @@ def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> 
     with read_motion(str(ROBOTS / "puma_encoder.csv"), model) as reader:
         block = next(iter(reader.blocks()))
     twin = like(model, block)
+    assert np.abs((twin.q - block.q).mean(axis=0)).max() < 1e-12
     assert np.abs(twin.q - block.q).max() < 5e-3
     assert np.abs(twin.qdd - block.qdd).max() <= 1e-12 * np.abs(block.qdd).max()
     step = (twin.q[2:] - 2 * twin.q[1:-1] + twin.q[:-2]) / 1e-6
     assert np.abs(step - twin.qdd[1:-1]).max() < 1e-3 * np.abs(twin.qdd).max()
+
+
+def test_noise_is_added_as_it_was_found() -> None:
+    model = load(SCARA)
+    joint = JointDerivation("elbow", "", "", "q", 0.0, 1e-3, 0.0, 0.0)
+    off, said = noisy(model, np.zeros((4000, 3)), Derivation((joint,)))
+    assert np.std(off, axis=0) == pytest.approx([0, 1e-3, 0], rel=0.1)
+    assert said == "a smooth motion like the given one, with noise of 1.0e-03 as in it"
+    grid, _ = noisy(model, np.full((9, 3), 0.123), Derivation((replace(joint, quantum=0.05),)))
+    assert np.abs(grid[:, 1] - [0.1]).max() < 1e-12
+    assert (grid[:, [0, 2]] == 0.123).all()
 
 
 def test_a_floating_joint_without_accelerations_is_not_measured() -> None:

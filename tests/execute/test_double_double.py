@@ -54,6 +54,14 @@ def test_functions(name, size):
     assert worst(getattr(dd, name)(a), expected) <= 1e-30 * max(1.0, size)
 
 
+@pytest.mark.parametrize("size", [1e3, 1e8])
+def test_large_angles(size):
+    a = Pair(size * RNG.uniform(-1, 1, 50), np.zeros(50))
+    with mpmath.workdps(DIGITS):
+        expected = [mpmath.sin(x) for x in exact(a)]
+    assert worst(dd.sine(a), expected, absolute=True) <= 1e-31
+
+
 def test_roots():
     a = Pair(*(np.abs(x) for x in pairs(size=1e3)))
     with mpmath.workdps(DIGITS):
