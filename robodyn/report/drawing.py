@@ -59,7 +59,7 @@ def beside() -> Iterator[Draw]:
     try:
         yield draw
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown(cancel_futures=True)
 
 
 def _prepare() -> None:

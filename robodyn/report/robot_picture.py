@@ -40,14 +40,20 @@ def robot_figure(
     poses = link_poses(model, q)
     origins = _joints(model, poses)
     solids = on_paper(_placed(model, poses, shapes)) if shapes else []
-    drawn = "" if solids else " as a skeleton, because it has no visual shapes that can be read here"
+    bare = shapes is not None and bool(shapes.missing)
+    drawn = " with its skeleton, because some meshes are not found" if bare else ""
+    if not solids:
+        drawn = " as a skeleton, because it has no visual shapes that can be read here"
     marked = next((k for k, body in enumerate(model.bodies) if joint and body.joint.name == joint), None)
 
     def draw(canvas: Canvas) -> None:
         axes = canvas.add_axes((0.0, 0.0, 1.0, 1.0))
         axes.set_axis_off()
         axes.set_aspect("equal", adjustable="datalim")
-        paint(axes, solids, marked) if solids else _skeleton(axes, model, origins, marked)
+        if solids:
+            paint(axes, solids, marked)
+        if bare or not solids:
+            _skeleton(axes, model, origins, marked)
         if marked is not None:
             _label(axes, origins[marked] @ PAPER.T, printable(joint))
         axes.margins(0.06)

@@ -18,10 +18,9 @@ if TYPE_CHECKING:
 PAPER = np.stack((RIGHT, UP, TOWARDS))
 """Ground axes to right, up, and towards the reader."""
 _CELLS, _FEWEST, _MOST = 230, 60, 30_000
-"""Of triangles with corners in the same cells one is drawn. A cell is the size of all over _CELLS, about two pixels, or
-more where there would be too many triangles otherwise."""
+"""Corners in the same cell are drawn as one. A cell is the size of all over _CELLS, about two pixels, or more where
+there would be too many triangles otherwise."""
 _PLACES = np.array((1, 1 << 20, 1 << 40))
-_CORNERS = np.array((1, 0x9E3779B97F4A7C15 - (1 << 64), 0x51ED270B7A3C9D4B))
 """Numbers that make one of three."""
 _LIGHT = np.array([0.25, 0.55, 0.8])
 _TINTS = ((0.62, 0.67, 0.74), (0.53, 0.59, 0.68))
@@ -48,13 +47,16 @@ def on_paper(solids: Sequence[Solid]) -> list[Solid]:
 
 
 def _coarse(triangles: Floats, cell: float) -> Floats:
-    """One of the triangles whose corners lie in the same three cells, none with two corners in one."""
-    finite = triangles[np.isfinite(triangles).all(axis=(1, 2))]
-    places = np.rint(finite / cell).astype(np.int64) @ _PLACES
-    a, b, c = np.sort(places, axis=1).T
+    """The triangles between the means of the corners that lie in the same cell, each once; the surface keeps closed."""
+    finite = triangles[np.isfinite(triangles).all(axis=(1, 2))].reshape(-1, 3)
+    places, cells = np.unique(np.rint(finite / cell).astype(np.int64) @ _PLACES, return_inverse=True)
+    count = np.bincount(cells)
+    means = np.stack([np.bincount(cells, weights=x) / count for x in finite.T], axis=1)
+    corners = cells.reshape(-1, 3)
+    a, b, c = np.sort(corners, axis=1).T
     real = (a != b) & (b != c)
-    _, first = np.unique((np.stack((a, b, c), axis=1) @ _CORNERS)[real], return_index=True)
-    found: Floats = finite[real][first]
+    _, first = np.unique((a * len(places) + b)[real] * len(places) + c[real], return_index=True)
+    found: Floats = means[corners[real][first]]
     return found
 
 
