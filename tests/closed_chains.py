@@ -76,3 +76,19 @@ def crank_slider(*, cut="small_end", **more):
         loop = Loop("pin", "rod", (0, 0, 0), "crank", (crank, 0, 0))
     scene = Scene(loops=(loop,), initial_q=q, initial_qd={"main": 2.0}, joint_limits="ignore", **more)
     return built(*parts), scene
+
+
+def bennett(**more):
+    """Bennett's linkage: four hinges in space that move though their equations should not let them."""
+    alpha, beta, a = 0.6, 1.1, 0.4
+    b = a * np.sin(beta) / np.sin(alpha)
+    parts, before, place = [link("l0")], "l0", {}
+    for k, (length, twist) in enumerate(((a, alpha), (b, beta), (a, alpha)), 1):
+        moment = length**2 / 12
+        parts.append(link(f"l{k}", 1.0, (length / 2, 0.02, 0.03), (0.01, 0, 0, moment, 0, moment)))
+        parts.append(joint(f"j{k}", before, f"l{k}", "continuous", **place))
+        before, place = f"l{k}", {"xyz": (length, 0, 0), "rpy": (twist, 0, 0)}
+    axes = {"axis": (0, -np.sin(alpha), np.cos(alpha)), "to_axis": (0, np.sin(beta), np.cos(beta))}
+    loop = Loop("pin", "l3", (a, 0, 0), to_point=(-b, 0, 0), kind="hinge", **axes)
+    start = {"j1": 0.8, "j2": 2.9, "j3": -0.8}
+    return built(*parts), Scene(loops=(loop,), initial_q=start, initial_qd={"j1": 3.0}, **more)

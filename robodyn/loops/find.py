@@ -98,10 +98,10 @@ def jacobian(chain: ClosedChain, sample: Sample) -> Floats:
     return J
 
 
-def independent(rows: Floats) -> list[int]:
-    """The places of rows that span all of them, by elimination with the largest row first."""
+def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
+    """The places of rows that span all but a part `nothing` of them, by elimination with the largest row first."""
     left, found = rows.copy(), []
-    smallest = NOTHING * np.sqrt((rows * rows).sum(axis=1).max(initial=0.0))
+    smallest = nothing * np.sqrt((rows * rows).sum(axis=1).max(initial=0.0))
     for _ in rows:
         sizes = np.sqrt((left * left).sum(axis=1))
         k = int(np.argmax(sizes * (1.0 - NOTHING * np.arange(len(rows)))))

@@ -29,9 +29,7 @@ def _counted(loops: LoopFigures) -> str:
     if loops.dropped:
         names = ", ".join(map(printable, loops.dropped[:NAMED]))
         more = len(loops.dropped) - NAMED
-        lines.append(
-            f"left out, for the rest of their loop imply them: {names}{f' and {more} more' if more > 0 else ''}"
-        )
+        lines.append(f"left out, for the others imply them: {names}{f' and {more} more' if more > 0 else ''}")
     if loops.rank < kept:
         lines.append(f"{kept - loops.rank} depend on the others there: how they share their reactions is arbitrary")
     return "".join(f"{line}\n" for line in lines)

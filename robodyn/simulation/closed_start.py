@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,7 @@ def closed_start(closing: Closing, state: Floats) -> Floats:
 
     Accuracy: 1e-13 m or rad, for links of up to a metre.
     """
+    closing = replace(closing, whole=True)
     model, scene = closing.model, closing.plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
     closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(closing, q, _others(model.n, kept)))
@@ -102,6 +104,13 @@ def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
         moves = closing.chain.along_parents(sample, step.tolist())
         q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
     return None
+
+
+def closed_near(closing: Closing, q: Floats, moves: Floats) -> Floats | None:
+    """The closed place nearest to q after some moves; None if there is none."""
+    sample = closing.sample(q.tolist(), (0.0,) * closing.model.n)
+    there = unit(closing.model, moved(closing.model, q.tolist(), closing.chain.along_parents(sample, moves.tolist())))
+    return _closed(closing, np.array(there, dtype=float), range(closing.model.n))
 
 
 def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from robodyn.effects import payload
 from robodyn.effects.effect import Sample, Terms
 from robodyn.loops.closed_chain import ClosedChain
-from robodyn.loops.find import Dropped, closed_chain
+from robodyn.loops.find import Dropped, Found, closed_chain
 from robodyn.model import Model
 from robodyn.plan import Plan, applied
 from robodyn.simulation.turning import moved, unit
@@ -24,17 +24,28 @@ CORRECTIONS = 2
 
 @dataclass(frozen=True, eq=False)
 class Closing:
-    """The loops of a plan."""
+    """The loops of a plan.
+
+    Attributes:
+        whole: keep equations that others imply where the loops are closed and not elsewhere.
+    """
 
     plan: Plan
+    whole: bool = False
 
     @cached_property
+    def found(self) -> Found:
+        from robodyn.simulation.necessary import necessary
+
+        return closed_chain(self.plan) if self.whole else necessary(self.plan)
+
+    @property
     def chain(self) -> ClosedChain:
-        return closed_chain(self.plan).chain
+        return self.found.chain
 
     @property
     def dropped(self) -> tuple[Dropped, ...]:
-        return closed_chain(self.plan).dropped
+        return self.found.dropped
 
     @property
     def model(self) -> Model:

@@ -30,7 +30,7 @@ def test_report() -> None:
     assert (
         "loops: 6 equations, 4 of them independent at the start; degrees of freedom left: 1; projection after" in text
     )
-    assert "left out, for the rest of their loop imply them: pin_1 along y, pin_2 along y\n" in text
+    assert "left out, for the others imply them: pin_1 along y, pin_2 along y\n" in text
     lines = [line.split() for line in text.splitlines() if line.startswith("pin_")]
     assert [line[0] for line in lines] == ["pin_1", "pin_2"]
     assert all(float(line[1]) > 10 and float(line[3]) < 1e-13 for line in lines)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from closed_chains import crank_slider, four_bars
+from closed_chains import bennett, crank_slider, four_bars
 from scipy.integrate import solve_ivp
 from small_robots import built, joint, link
 
@@ -169,6 +169,18 @@ def test_a_free_closed_chain_keeps_its_momenta_and_energy():
     assert result.loops.drift[0] <= 1e-13
     assert result.loops.drift[1] <= 1e-12
     assert len(result.loops.dropped) == 3
+
+
+def test_a_linkage_that_moves_though_it_should_not():
+    """Bennett's: five equations for three hinges, of which two count; opposite hinges turn by opposite angles."""
+    model, scene = bennett()
+    result = robodyn.simulate(model, scene, 1.0, step=5e-4)
+    assert (len(result.loops.dropped), result.loops.rank, result.loops.freedoms) == (3, 2, 1)
+    assert np.abs(result.q[:, 0] + result.q[:, 2]).max() <= 1e-9
+    assert result.energy_drift <= 1e-6
+    ratio = np.sin((1.1 + 0.6) / 2) / np.sin((1.1 - 0.6) / 2)
+    products = np.tan(result.q[:, 0] / 2) * np.tan(result.q[:, 1] / 2)
+    assert np.abs(products - ratio).max() <= 1e-8 * ratio
 
 
 def test_baumgarte_keeps_errors_small_and_projection_smaller():
