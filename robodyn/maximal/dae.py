@@ -16,13 +16,17 @@ from robodyn.maximal.consistent import Residuals, residuals
 from robodyn.maximal.counts import Counts, counted
 from robodyn.maximal.elimination import Reduced, Step, accelerations_along, reduced, steps
 from robodyn.maximal.posed import Posed, posed
+from robodyn.maximal.rank import Rank
 from robodyn.maximal.reactions import joint_wrenches
 from robodyn.maximal.solve import Solution, rank_of, solved
+from robodyn.maximal.system import Matrices
 from robodyn.model import Model
 from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
 from robodyn.scene import DEFAULT, Scene
 
 Floats = NDArray[np.float64]
+CONTRADICTED = 1e-8
+"""Of the magnitudes that add up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +42,8 @@ class Dae:
         qdd: (n,) accelerations of the coordinates; wrenches: what each body's parent exerts on it.
         steps: of the elimination; reduced: what is left.
         comparison: with the ODE form.
-        warnings: coordinates beyond their limits, and what the description leaves to be guessed.
+        warnings: redundant constraints that contradict the others, coordinates beyond their limits, and what the
+            description leaves to be guessed.
     """
 
     robot: Posed
@@ -109,5 +114,20 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
         left,
         steps(robot, left, solution),
         None if solution is None or qdd is None else compared(robot, rank, solution, qdd, wrenches),
-        (*beyond_limits(model, q), *model.notes),
+        (*contradictions(found, rank, solution), *beyond_limits(model, q), *model.notes),
+    )
+
+
+def contradictions(found: Matrices, rank: Rank, solution: Solution | None) -> tuple[str, ...]:
+    """What to say where redundant equations, which held for positions and velocities, do not for accelerations."""
+    rows = rank.dependent
+    if solution is None or not len(rows):
+        return ()
+    G, gamma = found.G[rows], found.gamma[rows]
+    off = float(np.abs(G @ solution.a - gamma).max())
+    if off <= CONTRADICTED * float((np.abs(G) @ np.abs(solution.a) + np.abs(gamma)).max()):
+        return ()
+    return (
+        f"redundant constraints contradict the others for accelerations by {off:.3g} m/s^2 or rad/s^2: "
+        "no motion goes on at these velocities",
     )

@@ -150,3 +150,14 @@ def test_what_cannot_close_is_refused():
     far = replace(scene, loops=(replace(scene.loops[0], to_point=(5.0, 0.0, 0.0)),))
     with pytest.raises(InputError, match='loop "closure" does not close'):
         dae(model, far, at={"j1": 1.4})
+
+
+def test_velocities_from_which_no_motion_goes_on():
+    """A flat four-bar whose rod turns against its cranks: the pins would have to move apart by 5 - 1 m/s^2."""
+    model, scene = four_bars(1)
+    flat = {"k0": 0.0, "k1": 0.0, "c0": 0.0}
+    found = dae(model, scene, at=flat, qd={"k0": 1.0, "k1": -1.0, "c0": -3.0})
+    assert found.counts.freedom == 2
+    assert "contradict the others for accelerations by 4 m/s^2" in found.warnings[0]
+    assert not dae(model, scene, at=flat, qd={"k0": 1.0, "k1": 1.0, "c0": -1.0}).warnings
+    assert not dae(model, scene).warnings
