@@ -14,10 +14,11 @@ from robodyn.maximal.closed import closed_state
 from robodyn.maximal.comparison import Comparison, compared
 from robodyn.maximal.consistent import Residuals, residuals
 from robodyn.maximal.counts import Counts, counted
-from robodyn.maximal.elimination import Reduced, Step, accelerations_along, reduced, steps
+from robodyn.maximal.elimination import Step, steps
 from robodyn.maximal.posed import Posed, posed
 from robodyn.maximal.rank import Rank
 from robodyn.maximal.reactions import joint_wrenches
+from robodyn.maximal.reduction import Reduced, accelerations_along, reduced
 from robodyn.maximal.solve import Solution, rank_of, solved
 from robodyn.maximal.system import Matrices
 from robodyn.model import Model

@@ -12,9 +12,9 @@ from oracles import robot, worst
 from single_bodies import taken_apart
 from small_robots import built, joint, link, random_tree
 
-from robodyn.maximal import elimination
-from robodyn.maximal.elimination import reduced
+from robodyn.maximal import elimination, reduction
 from robodyn.maximal.posed import own_rates, posed
+from robodyn.maximal.reduction import reduced
 from robodyn.scene import Rotor, Scene
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
@@ -59,8 +59,8 @@ def test_speeds_are_those_of_the_joints():
 @pytest.mark.parametrize(("what", "first"), [("velocity_transformation", 0), ("accelerations_at_rest", 1)])
 def test_a_wrong_transformation_would_show(monkeypatch, what, first):
     """Each step can fail: 1e-6 more of J or of Jdot qd is seen."""
-    right = getattr(elimination, what)
-    monkeypatch.setattr(elimination, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
+    right = getattr(reduction, what)
+    monkeypatch.setattr(reduction, what, lambda given: right(given) + 1e-6 * np.arange(right(given).size).reshape(
         right(given).shape))  # fmt: skip
     errors = [step.error for step in taken_apart(random_tree(0, 6)).steps]
     assert errors[first] > 1e-9
