@@ -22,7 +22,8 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.how import How
 from robodyn.simulation.methods import METHODS, Method
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import integrated, simulate, with_friction
+from robodyn.simulation.run import integrated, simulate
+from robodyn.simulation.slip import with_friction
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.table import curves
 
@@ -142,8 +143,8 @@ def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float
     """
     some = np.unique(np.linspace(0, len(motion.time) - 1, SEEN).astype(int))
     states = np.hstack((motion.q, motion.qd))[some]
-    errors = reference.error(states, reference.at(motion.time[some])) + reference.bound
-    return float(errors[-1]), float(errors.max())
+    errors = reference.error(states, reference.at(motion.time[some]))
+    return float(errors[-1]) + reference.bound_at_end, float(errors.max()) + reference.bound
 
 
 def drift_of(motion: Simulation) -> float:

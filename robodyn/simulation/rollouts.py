@@ -19,6 +19,7 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
+from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 
 Floats = NDArray[np.float64]
@@ -61,7 +62,7 @@ def rollouts(
 ) -> Rollouts:
     """The motions from N initial states, recorded every `every` steps; joint limits are not looked at.
 
-    Coulomb friction is that of the scene, whose `slip_speed` must not be 0 where a joint has some.
+    Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at.
 
     Args:
         q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops.
@@ -82,6 +83,7 @@ def rollouts(
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene)
     if len(shape) != 1:
         raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")
+    scene, _ = with_friction(model, scene)
     a_plan, count, workers = plan(model, scene), shape[0], cores(threads)
     if scene.loops:
         check_closed(a_plan, sources["q"], sources["qd"])

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.effects import coulomb_friction
-from robodyn.effects.friction import rubbing
 from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
 from robodyn.execute.runner import Runner
@@ -29,13 +26,12 @@ from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Figures, Simulation
+from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, Table, read_table
 
 Floats = NDArray[np.float64]
 DURATION = 10.0
 """s, where none is given and no table says it."""
-SLIP_SPEED = 1e-3
-"""rad/s, where a joint has Coulomb friction and the scene gives none."""
 
 
 def simulate(
@@ -170,16 +166,6 @@ def _check_positive(**given: float | None) -> None:
     for name, value in given.items():
         if value is not None and not 0.0 < value < np.inf:
             raise InputError(f"{name} is {value:g}", remedy="give a positive number")
-
-
-def with_friction(model: Model, scene: Scene) -> tuple[Scene, list[str]]:
-    """The scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
-    if not coulomb_friction.why(model, scene, frozenset()).active:
-        return scene, []
-    chosen = scene.slip_speed or SLIP_SPEED
-    steepest = max(max(abs(f.forward), abs(f.backward), abs(f.stribeck or 0.0)) for _, _, f in rubbing(model, scene))
-    said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
-    return replace(scene, slip_speed=chosen), [f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest"]
 
 
 @lru_cache(maxsize=16)
