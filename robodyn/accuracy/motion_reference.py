@@ -34,13 +34,14 @@ class Reference:
     Attributes:
         at: states (N, nq + n) at times (N,).
         error: measures other states.
-        bound: of the error of `at`, measured like those.
+        bound, bound_at_end: of the error of `at`, anywhere and at the end, measured like those.
         how: it was found, in words.
     """
 
     at: Callable[[Floats], Floats]
     error: MotionError
     bound: float
+    bound_at_end: float
     how: str
 
 
@@ -60,9 +61,16 @@ def motion_reference(plan: Plan, duration: float) -> Reference:
         return _in_doubles(plan, duration)
     expected = fine(times)
     measure = MotionError.over(plan.model, expected)
-    bound = float(measure(coarse(times), expected).max()) + float(np.finfo(float).eps)
-    how = f"power series of orders {COARSE[0]} and {FINE[0]} in 77 digits, which agree to {bound:.0e}"
-    return Reference(fine, measure, bound, how)
+    apart = measure(coarse(times), expected) + np.finfo(float).eps
+    how = f"power series of orders {COARSE[0]} and {FINE[0]} in 77 digits"
+    return _bounded(fine, measure, apart, how)
+
+
+def _bounded(at: Callable[[Floats], Floats], measure: MotionError, apart: Floats, how: str) -> Reference:
+    """Args: apart: how far two motions are from each other at some times, the last of which is the end."""
+    bound, end = float(apart.max()), float(apart[-1])
+    ends = f" ({end:.0e} at the end)" if end < 0.1 * bound else ""
+    return Reference(at, measure, bound, end, f"{how}, which agree to {bound:.0e}{ends}")
 
 
 class Piece(NamedTuple):
@@ -131,8 +139,8 @@ def _in_doubles(plan: Plan, duration: float) -> Reference:
     some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
     found = np.hstack((other.q, other.qd))[some]
     measure = MotionError.over(plan.model, found)
-    bound = float(measure(at(other.time[some]), found).max()) + float(np.finfo(float).eps)
-    return Reference(at, measure, bound, f"{fine.method.name} and {other.method.name}, which agree to {bound:.0e}")
+    apart = measure(at(other.time[some]), found) + np.finfo(float).eps
+    return _bounded(at, measure, apart, f"{fine.method.name} and {other.method.name}")
 
 
 def _first(plan: Plan, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:

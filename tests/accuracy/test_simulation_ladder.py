@@ -65,9 +65,10 @@ def test_errors_are_the_true_ones(step):
 
 
 def test_the_bound_of_the_reference_is_added():
-    known = replace(motion_reference(plan(pendulum(), SWING), QUARTER), bound=0.125)
+    known = replace(motion_reference(plan(pendulum(), SWING), QUARTER), bound=0.125, bound_at_end=0.0625)
     end, way = state_errors(simulate(pendulum(), SWING, QUARTER, method="gauss6", step=0.01), known)
-    assert 0.125 <= end <= way <= 0.125 + 1e-6
+    assert 0.0625 <= end <= 0.0625 + 1e-6
+    assert 0.125 <= way <= 0.125 + 1e-6
 
 
 def test_references_agree(monkeypatch):
