@@ -26,9 +26,10 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
-from robodyn.report.figures import SERIES, plot
+from robodyn.report.figures import SERIES, of_page, plot
 from robodyn.report.html_page import html
 from robodyn.report.markdown_page import escaped, markdown
+from robodyn.report.svg_text import COLOURS
 
 HOSTILE = '<script>alert(1)</script>"\' onload="x" & | `a` $\\frac{ *b* [c](http://d) --> ]]> @all \x1b[31m'
 
@@ -146,3 +147,8 @@ def test_the_checker_sees_faults() -> None:
         with pytest.raises(AssertionError):
             checked(good.replace(before, after, 1))
     assert isinstance(Page(good), Page)
+
+
+def test_every_colour_of_a_free_body_is_the_pages() -> None:
+    for colour in COLOURS.values():
+        assert re.fullmatch(r"var\(--c\d\)", of_page(colour)), colour
