@@ -45,8 +45,9 @@ def command(
     report: str | None,
     form: str,
 ) -> None:
-    """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base.
-    Drives and wrenches may follow columns of a table (--traj). There is no contact. A file named - is standard input.
+    """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base,
+    closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. A file named - is
+    standard input.
 
     \b
     Examples:
