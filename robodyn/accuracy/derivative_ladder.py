@@ -47,7 +47,7 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
     modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode != "given")
     acts = {str(mode): partial(_derived, a_plan.model, truth, data, mode) for mode in modes}
     rungs = []
-    for name, (found, time) in timed(acts, 1 / len(samples)).items():
+    for name, (found, time) in timed(acts, 1 / len(truth)).items():
         off = np.abs(torques(a_plan, found) - expected).max(axis=1) / scale
         quarter = len(off) // 4
         rungs.append(Rung(name, (float(off[quarter : len(off) - quarter].max()), float(off.max())), time))
@@ -64,6 +64,8 @@ def torques(a_plan: Plan, samples: Trajectory) -> Floats:
 def like(model: Model, samples: Trajectory) -> Trajectory:
     """A motion whose accelerations are splines through the derived ones, and its exact velocities and positions.
 
+    Sampled half-way between the samples, so that no spline through its positions is the motion itself.
+
     Raises:
         InputError: a joint is floating.
     """
@@ -75,10 +77,11 @@ def like(model: Model, samples: Trajectory) -> Trajectory:
     qdd = CubicSpline(time, samples.qdd)
     qd = qdd.antiderivative()
     q = qd.antiderivative()
-    lapse = (time - time[0])[:, None]
-    moved = samples.q[0] + samples.qd[0] * lapse + q(time)
-    off = samples.q.mean(axis=0) - moved.mean(axis=0)
-    return motion(model, time, moved + off, samples.qd[0] + qd(time), qdd(time), columns=samples.extra)
+    off = (samples.q - q(time) - samples.qd[0] * (time - time[0])[:, None]).mean(axis=0)
+    between = 0.5 * (time[1:] + time[:-1])
+    moved = q(between) + samples.qd[0] * (between - time[0])[:, None] + off
+    extra = {name: 0.5 * (column[1:] + column[:-1]) for name, column in samples.extra.items()}
+    return motion(model, between, moved, samples.qd[0] + qd(between), qdd(between), columns=extra)
 
 
 def noisy(model: Model, q: Floats, derivation: Derivation) -> tuple[Floats, str]:
