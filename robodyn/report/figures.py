@@ -98,7 +98,7 @@ def _wipe(axes: Axes) -> None:
     axes.autoscale()
 
 
-def few_ticks(axes: Axes, across: int = 6, up: int = 4) -> None:
+def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
     """So many numbers at most along each linear axis."""
     for axis, bins in ((axes.xaxis, across), (axes.yaxis, up)):
         if axis.get_scale() == "linear":

@@ -50,6 +50,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     )
     history = result.history if pictures else None
     plots = Plots(result, history, model, draw) if history else None
+    files = list(_files(result, history))  # before any figure is waited for
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
         from robodyn.report.page_sizing import sizing_verdict
@@ -69,7 +70,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
     blocks += [*_base(result, plots), *_momentum(result), *_checks(result, plots), *_trust(result)]
-    return Document(result.robot, what, (*blocks, *_files(result, history)))
+    return Document(result.robot, what, (*blocks, *files))
 
 
 class Plots:
