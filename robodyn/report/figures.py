@@ -109,9 +109,11 @@ def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
 
 def whole_numbers(axes: Axes) -> None:
     """Numbers without a factor beside the axis, which is overlooked, and without formulas."""
-    from matplotlib.ticker import FuncFormatter
+    from matplotlib.ticker import FuncFormatter, LogFormatter
 
     for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
         axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.5g}".replace("-", "\u2212")))
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from robodyn.accuracy.ladder import Accuracy, Ladder
 from robodyn.report.document import Block, Document, Download, Figure, Gallery, Heading, Verdict, downloads
 from robodyn.report.json_accuracy import accuracy_json
-from robodyn.report.text_accuracy import accuracy_text
+from robodyn.report.text_accuracy import accuracy_text, error_text
 from robodyn.report.text_blocks import blocks_of
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def _verdict(accuracy: Accuracy, target: float | None) -> Verdict:
     met = all(rung is not None for _, rung in found)
     headline = f"The target of {target:g} {'is met' if met else 'is not met by every task'}"
     reasons = [
-        f"{ladder.title}: {f'{rung.name} has an error of {rung.error:.1e}' if rung else _best(ladder)}."
+        f"{ladder.title}: {f'{rung.name} has an error of {error_text(rung.error)}' if rung else _best(ladder)}."
         for ladder, rung in found
     ]
     return Verdict("good" if met else "bad", headline, tuple(reasons))
@@ -51,17 +51,19 @@ def _verdict(accuracy: Accuracy, target: float | None) -> Verdict:
 
 def _best(ladder: Ladder) -> str:
     best = min(ladder.rungs, key=lambda rung: rung.error)
-    return f"no method reaches it; the best is {best.name} with an error of {best.error:.1e}"
+    return f"no method reaches it; the best is {best.name} with an error of {error_text(best.error)}"
 
 
 def _front(ladder: Ladder) -> str:
     first, last = ladder.front[0], ladder.front[-1]
     if first is last:
-        return f"{ladder.title}: {first.name} is quickest and most accurate, with an error of {first.error:.1e}."
-    times = last.time.median / first.time.median
+        return (
+            f"{ladder.title}: {first.name} is quickest and most accurate, with an error of {error_text(first.error)}."
+        )
+    least, most, times = error_text(last.error), error_text(first.error), last.time.median / first.time.median
     return (
-        f"{ladder.title}: from {first.name}, with an error of {first.error:.1e}, to {last.name}, with {last.error:.1e} "
-        f"in {times:.3g} times the time."
+        f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} times "
+        "the time."
     )
 
 

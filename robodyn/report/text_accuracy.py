@@ -40,8 +40,8 @@ def _ladder(name: str, ladder: Ladder, target: float | None, page: Page) -> str:
     rows = [
         (
             rung.name,
-            *map(_error, rung.errors),
-            *((_error(rung.drift or 0.0),) if moves else ()),
+            *map(error_text, rung.errors),
+            *((error_text(rung.drift or 0.0),) if moves else ()),
             *_time(rung.time, scale),
             *((_count(rung.evaluations),) if moves else ()),
             _count(rung.operations),
@@ -57,7 +57,7 @@ def _answer(ladder: Ladder, target: float) -> str:
     found = ladder.cheapest(target)
     if found is None:
         best = min(rung.error for rung in ladder.rungs)
-        return f"no method reaches {target:g}; the best error is {_error(best)}\n"
+        return f"no method reaches {target:g}; the best error is {error_text(best)}\n"
     return f"cheapest within {target:g}: {found.name}\n"
 
 
@@ -82,5 +82,6 @@ def _digits(x: float) -> str:
     return f"{x:.0f}" if x >= 99.95 else f"{x:#.3g}"
 
 
-def _error(error: float) -> str:
+def error_text(error: float) -> str:
+    """Two digits; 0 for none."""
     return f"{error:.1e}" if error else "0"
