@@ -62,8 +62,8 @@ def _front(ladder: Ladder) -> str:
         )
     least, most, times = error_text(last.error), error_text(first.error), last.time.median / first.time.median
     return (
-        f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} times "
-        "the time."
+        f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} "
+        "times the time."
     )
 
 
