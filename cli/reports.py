@@ -64,6 +64,9 @@ def get_ready(report: str | None) -> None:
 @contextmanager
 def drawing(report: str | None, size: int) -> Iterator[Any]:
     """What draws the figures of a report on a table of so many bytes: large ones keep processes busy beside this."""
+    if report is None:
+        yield None
+        return
     from robodyn.report.drawing import at_once, beside
 
     if pictured(report) and size >= LARGE:

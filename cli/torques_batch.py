@@ -29,9 +29,9 @@ from robodyn.report.text_batch import batch_text, outcome_line
 
 def run_batch(
     urdf: str,
-    trajectories: Sequence[str],
     scene_file: str | None,
     gravity: Any,
+    trajectories: Sequence[str],
     out: str | None,
     report: str | None,
     options: dict[str, Any],

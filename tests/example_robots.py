@@ -6,8 +6,12 @@ import importlib.metadata
 from functools import cache
 from pathlib import Path
 
+import pytest
+
 from robodyn.assemble import load
 
+LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
+"""Beginnings of the names of robots with 30 joints and more, which take seconds each; one of them stands for them."""
 REFUSED = {
     "alex_psyonic_hands.urdf": "a mimic joint follows a joint that does not exist",
     "ur3.urdf": "an empty <robot>",
@@ -21,6 +25,14 @@ def all_paths():
 
 
 PATHS = [path for path in all_paths() if path.name not in REFUSED]
+
+
+def cases(leave_out=()):
+    """The robots as parameters of a test, the large ones among the slow."""
+    for path in PATHS:
+        if path.stem not in leave_out:
+            slow = path.stem.startswith(LARGE) and path.stem != "talos_full_v2"
+            yield pytest.param(path, id=f"{path.parent.parent.name}-{path.stem}", marks=[pytest.mark.slow] * slow)
 
 
 def path_of(stem):

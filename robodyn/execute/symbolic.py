@@ -44,7 +44,7 @@ def number(value: float) -> Any:
     text = repr(float(value))
     if len(Decimal(text).normalize().as_tuple().digits) <= DIGITS:
         return sympy.Rational(text)
-    return sympy.Float(text, 17)
+    return sympy.Float(float(value), 17)
 
 
 def operations() -> dict[str, Callable[..., Any]]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 
-from robodyn.errors import RobodynError
 from robodyn.history import SPANS, History
 from robodyn.model import Model
 from robodyn.report.document import (
@@ -13,8 +11,6 @@ from robodyn.report.document import (
     Document,
     Download,
     Facts,
-    Figure,
-    Findings,
     Gallery,
     Heading,
     Paragraph,
@@ -23,17 +19,17 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
-from robodyn.report.drawing import PROCESSES, Draw, at_once
+from robodyn.report.drawing import Draw, at_once
 from robodyn.report.json_torques import torques_json
-from robodyn.report.limits_words import effort_use, limits_verdict, speed_use, worst_joint
-from robodyn.report.table import Content, number, printable
-from robodyn.report.text_joints import derivation_table, share_table
-from robodyn.report.text_torques import base_table, count, effect_table, load_table
+from robodyn.report.limits_words import effort_use, limits_verdict, speed_use
+from robodyn.report.page_trust import trust
+from robodyn.report.page_worst import heaviest_load
+from robodyn.report.plots_torques import Plots
+from robodyn.report.table import number, printable
+from robodyn.report.text_joints import share_table
+from robodyn.report.text_torques import base_table, count, load_table
 from robodyn.result import Result
 from robodyn.scene import Scene
-
-PLOTTED = 12
-"""Joints that have plots; the most loaded of them where there are more."""
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:
@@ -61,7 +57,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         headline = "The accuracy asked for is met" if met else "The accuracy asked for is not met"
         blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
     if result.joints:
-        blocks += [_facts(result), *_worst(result, model, scene, plots)]
+        blocks += [_facts(result), *heaviest_load(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result.joints))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
@@ -69,46 +65,8 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
 
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
-    blocks += [*_base(result, plots), *_momentum(result), *_checks(result, plots), *_trust(result)]
+    blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]
     return Document(result.robot, what, (*blocks, *files))
-
-
-class Plots:
-    """The figures that are drawn from the course of the motion: begun here, and there when they are asked for.
-
-    Attributes:
-        shown: the joints with plots; loaded: those whose shares are drawn.
-        worst, when: the joint that is loaded most, and its moment.
-    """
-
-    def __init__(self, result: Result, history: History, model: Model, draw: Draw) -> None:
-        from robodyn.report import figures_torques as figures
-
-        joints = result.joints
-        order = sorted(range(len(joints)), key=lambda k: (-effort_use(joints[k]), k))
-        self.history, self.shown = history, sorted(order[:PLOTTED])
-        self.worst = worst_joint(result)
-        chunks = [self.shown[k::PROCESSES] for k in range(PROCESSES)]
-        if self.worst is not None:
-            joint = joints[self.worst]
-            self.when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
-            pose = (history.states[self.worst]["q"], joint.name, self.when)
-            if draw is not at_once and os.path.isfile(model.file):
-                self.picture = draw(figures.pose_figure, (model.file, model.floating), *pose)
-            else:
-                self.picture = at_once(figures.pose_figure, model, *pose)
-        if history.joints is not None:
-            self._joints = [draw(figures.joint_figures, joints, history.joints, chunk) for chunk in chunks]
-        loaded = [joints[k] for k in sorted(order[: 2 * PLOTTED]) if joints[k].peak]
-        self.shares = draw(figures.share_figure, loaded) if loaded else None
-        self.base = draw(figures.base_figures, result.base_wrench, history)
-        self.energy = draw(figures.energy_figure, result.checks.energy_balance, history)
-
-    def joints(self) -> list[Figure]:
-        """Those of the joints that are shown, in their order."""
-        drawn = [figure for chunk in self._joints for figure in chunk()]
-        order = [k for first in range(PROCESSES) for k in self.shown[first::PROCESSES]]
-        return [drawn[order.index(k)] for k in self.shown]
 
 
 def _facts(result: Result) -> Facts:
@@ -124,39 +82,6 @@ def _facts(result: Result) -> Facts:
     back = -sum(joint.work_negative for joint in joints)
     items.append(("Work of all joints", f"{number(work)} J", f"{number(back)} J returned"))
     return Facts(tuple(items))
-
-
-def _worst(result: Result, model: Model, scene: Scene, plots: Plots | None) -> Iterator[Block]:
-    """The robot at the peak of the joint that is loaded most, and the free body that this joint carries."""
-    if plots is None or plots.worst is None:
-        return
-    yield Heading("At the heaviest load")
-    drawing = _free_body(model, scene, plots.history, plots.worst, result.joints[plots.worst].name, plots.when)
-    picture, why = plots.picture()
-    yield Gallery((picture,) if drawing is None else (picture, drawing))
-    if why:
-        yield Paragraph(why)
-
-
-def _free_body(model: Model, scene: Scene, history: History, k: int, name: str, when: str) -> Figure | None:
-    from robodyn.free_body.bodies import free_bodies
-    from robodyn.report.figures import of_page
-    from robodyn.report.svg_free_body import drawing
-
-    number_of = next((i for i, body in enumerate(model.bodies) if body.joint.name == name), None)
-    if number_of is None:
-        return None
-    state = history.states[k]
-    columns = dict(zip(scene.columns, state["columns"], strict=False))
-    try:
-        found = free_bodies(model, state["q"], state["qd"], state["qdd"], scene=scene, columns=columns)
-    except RobodynError:
-        return None
-    body = found.bodies[number_of]
-    svg = of_page(drawing(body, f"{printable(model.name)}, at {when}"))
-    forces = ", ".join(action.what for action in body.actions)
-    alt = f"Free-body diagram of {printable(body.name)} with its forces and moments: {printable(forces)}"
-    return Figure(f"What acts on {printable(body.name)}, which {printable(name)} carries", alt, svg, wide=True)
 
 
 def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
@@ -200,50 +125,6 @@ def _momentum(result: Result) -> Iterator[Block]:
         title, rows = momentum_table(result.momentum)
         yield Heading("Momentum and energy")
         yield Table(title, *rows)
-
-
-def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
-    checks, balance = result.checks, result.checks.energy_balance
-    yield Heading("Self-checks")
-    figures = (number(value, balance.turnover) for value in (balance.work, balance.energy_change, balance.residual))
-    work, stored, rest = figures
-    laws = [f"{value:.0e}" if value else "0" for value in (checks.first_law, checks.second_law, checks.power)]
-    reasons = [
-        f"Work done on the robot, less losses, is {work} J and the change of stored energy {stored} J, with "
-        f"{number(balance.turnover)} J going in and out; the difference is {rest} J, of which sampling explains "
-        f"{number(abs(balance.quadrature), balance.turnover)} J.",
-        f"Euler's laws and the power balance hold at {count(checks.samples, 'sample')} within {laws[0]}, {laws[1]} and "
-        f"{laws[2]} of the largest force, moment and power.",
-    ]
-    if not balance.consistent:
-        reasons.insert(0, "Velocities or accelerations are not the rates of the positions: check the trajectory.")
-        yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
-    else:
-        yield Verdict("good", "Energy and momentum balance", tuple(reasons))
-    if plots is not None:
-        yield Gallery((plots.energy(),))
-
-
-def _trust(result: Result) -> Iterator[Block]:
-    """How the motion was derived, which effects count, and warnings."""
-    if result.derivation:
-        methods, rows = derivation_table(result.derivation)
-        yield Heading("Derivatives")
-        yield Table(methods, *rows) if rows else Paragraph(f"{methods}.")
-    yield Heading("Effects")
-    plan = f"{result.operations} operations per sample; {result.executor}: {result.reason}"
-    yield Table("Which effects count, and why", *_effect_table(result), note=plan)
-    if result.warnings:
-        yield Heading("Warnings")
-        yield Findings(tuple(("doubtful", line, ()) for line in result.warnings))
-
-
-def _effect_table(result: Result) -> Content:
-    """Without the column of what is saved, where that was not computed."""
-    head, rows = effect_table(result)
-    if any(effect.saved is not None for effect in result.effects):
-        return head, rows
-    return (*head[:3], *head[4:]), [(*row[:3], *row[4:]) for row in rows]
 
 
 def _files(result: Result, history: History | None) -> Iterator[Block]:

@@ -8,7 +8,7 @@ import click
 import pytest
 from command_line import Outcome, run, spawn, write_arm
 
-from robodyn.cli import torques
+from robodyn.cli import torques, torques_single
 
 ARM = ("torques", "arm.urdf", "arm.csv")
 
@@ -70,7 +70,7 @@ def test_a_fault_of_the_program_is_one_line_too(monkeypatch: pytest.MonkeyPatch)
     def broken(*_: object, **__: object) -> None:
         raise RuntimeError("two\nlines \x1b[31m")
 
-    monkeypatch.setattr(torques, "torques", broken)
+    monkeypatch.setattr(torques_single, "torques", broken)
     outcome = run(*ARM)
     refused(outcome, "internal error at test_bad_calls.py:")
     assert "RuntimeError: two lines \\x1b[31m (please report this line" in outcome.err
@@ -80,7 +80,7 @@ def test_memory_that_runs_out(monkeypatch: pytest.MonkeyPatch) -> None:
     def greedy(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(torques, "torques", greedy)
+    monkeypatch.setattr(torques_single, "torques", greedy)
     refused(run(*ARM), "out of memory")
 
 
@@ -89,7 +89,7 @@ def test_interrupted(interruption: type[BaseException], monkeypatch: pytest.Monk
     def stopped(*_: object, **__: object) -> None:
         raise interruption
 
-    monkeypatch.setattr(torques, "torques", stopped)
+    monkeypatch.setattr(torques_single, "torques", stopped)
     outcome = run(*ARM, "--out", "tau.csv")
     assert (outcome.status, outcome.out, outcome.err.strip()) == (130, "", "")
     assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf"]

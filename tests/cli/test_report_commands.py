@@ -73,9 +73,7 @@ def test_accuracy_names_the_cheapest() -> None:
     page = checked(html(accuracy_page(accuracy, 1e-2)))
     text = " ".join(page.all("main")[0].text.split())
     assert text.startswith("The target of 0.01 is met volume: hull, b has an error of 1.0e-03.")
-    assert "volume: from hull, a, with an error of 1.0e-01, to exact, with 0 in 5 times the time." in str(
-        page.source
-    )
+    assert "volume: from hull, a, with an error of 1.0e-01, to exact, with 0 in 5 times the time." in str(page.source)
     text = " ".join(checked(html(accuracy_page(accuracy, 1e-9, pictures=False))).all("main")[0].text.split())
     assert text.startswith("The target of 1e-09 is met volume: exact")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robots import PATHS
+from example_robots import PATHS, cases
 from oracles import frictionless, random_state, worst
 from pinocchio_robots import PinocchioRobot
 
@@ -20,16 +20,6 @@ MASSLESS = {"romeo": "RHand", "romeo_laas_small": "r_gripper_joint"}
 """Robots with a joint that moves links without mass, and its name."""
 
 
-LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
-"""Beginnings of the names of robots with 30 joints and more, which take seconds each."""
-
-
-def _cases():
-    for path in PATHS:
-        if path.stem not in MASSLESS:
-            yield pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * path.stem.startswith(LARGE))
-
-
 def _expected(other, model, q, qd, tau):
     """Pinocchio's accelerations; where joints mimic others, which `aba` cannot, from its M and bias."""
     S, (position, v, drift) = other.reduction(model, q), other.state(model, q, qd, np.zeros(model.n))
@@ -41,7 +31,7 @@ def _expected(other, model, q, qd, tau):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", list(_cases()))
+@pytest.mark.parametrize("path", list(cases(MASSLESS)))
 def test_accelerations(path, moving_base):
     model = load(path, moving_base=moving_base)
     scene = frictionless(model)

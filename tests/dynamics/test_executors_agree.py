@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from busy_robot import BUSY_SCENE, busy_robot
 from compiled_programs import bits, needs_compiler
-from example_robots import PATHS
+from example_robots import cases
 from oracles import EPS, golden_model, random_state, reference, robot, worst
 from robot_catalogue import names
 
@@ -21,7 +21,6 @@ from robodyn.self_checks import energy, laws, losses
 pytestmark = needs_compiler
 
 SAMPLES = 130
-NAMES = [f"{path.parent.parent.name}-{path.stem}" for path in PATHS]
 APART = {False: 4 * EPS, True: 8 * EPS}
 """Of the largest torque, for fixed and free bases: the rotation from a quaternion costs some roundings more."""
 MODELS = reference("golden_inverse_dynamics")["models"]
@@ -42,7 +41,7 @@ def both(program, arrays, dtype=np.float64):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", PATHS, ids=NAMES)
+@pytest.mark.parametrize("path", list(cases()))
 def test_torques_of_real_robots(path, moving_base):
     model = load(path, moving_base=moving_base)
     compiled, plain = both(Plan(model, Scene()).torques(), sources(model, Scene()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from example_robots import PATHS, REFUSED, all_paths, path_of
+from example_robots import PATHS, REFUSED, all_paths, cases, path_of
 from oracles import frictionless, random_state, run, worst
 from pinocchio_robots import PinocchioRobot
 
@@ -14,7 +14,6 @@ from robodyn.plan import Plan
 
 SAMPLES = 6
 TOLERANCE = 1e-12
-NAMES = [f"{path.parent.parent.name}-{path.stem}" for path in PATHS]
 
 
 def test_there_are_as_many_as_expected():
@@ -22,7 +21,7 @@ def test_there_are_as_many_as_expected():
     assert {path.name for path in all_paths()} - {path.name for path in PATHS} == set(REFUSED)
 
 
-@pytest.fixture(scope="module", params=PATHS, ids=NAMES)
+@pytest.fixture(scope="module", params=list(cases()))
 def path(request):
     return request.param
 

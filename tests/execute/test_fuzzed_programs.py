@@ -22,7 +22,7 @@ from robodyn.plan import Plan
 from robodyn.scene import Scene
 from robodyn.trace.scalar import CONSTANT, INPUT
 
-SEEDS = 30
+SEEDS = 15
 ROWS = 4
 """Samples with exact values; executors run on many copies of them, so that every lane of a block is looked at."""
 

@@ -1,0 +1,64 @@
+"""`robodyn torques` on one trajectory."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import Vector
+from robodyn.cli.reports import drawing, pictured, reported
+from robodyn.cli.screen import page, show
+from robodyn.cli.sinks import sinks
+from robodyn.loads import torques
+from robodyn.motion_input import read_motion
+from robodyn.one_pass import output_names
+from robodyn.report.json_torques import torques_json
+from robodyn.report.text_torques import torques_text
+from robodyn.result import Result
+from robodyn.trajectory.reader import Derivatives
+
+
+def run_single(
+    urdf: str,
+    scene_file: str | None,
+    gravity: Vector | None,
+    trajectory: str,
+    out: str | None,
+    report: str | None,
+    derivatives: Derivatives,
+    ignore_extra: bool,
+    accuracy: float | None,
+    example: bool,
+    form: str,
+    options: dict[str, Any],
+) -> Result:
+    """What was found, after it is shown and written."""
+    for place in (out, report):
+        check_names([urdf, trajectory, scene_file], place)
+    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    said = ""
+    if example:
+        from robodyn.cli.example import write_example
+
+        write_example(trajectory, model)
+        said = f"\nwritten: {trajectory}, an example motion to begin with\n"
+    way = None
+    if accuracy is not None:
+        from robodyn.cli.accuracy_asked import arithmetic_for
+
+        way = arithmetic_for(accuracy, trajectory, model, scene, derivatives, ignore_extra)
+        options["executor"] = way.executor or options["executor"]
+    names = output_names(model, options["reactions"], options["momentum"] is not None)
+    reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
+    with drawing(report, reader.size_bytes) as draw:
+        with reader, sinks(out, names, reader) as gather:
+            result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
+        result = way.fulfilled(result) if way else result
+        if out:
+            said += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
+        if report:
+            from robodyn.report.page_torques import torques_page
+
+            said += reported(report, lambda pictures: torques_page(result, model, scene, pictures, draw))
+    show(torques_json(result) if form == "json" else torques_text(result, options["explain"], page()) + said)
+    return result

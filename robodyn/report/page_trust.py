@@ -1,0 +1,62 @@
+"""Whether torques can be trusted, as a part of a report on them: self-checks, derivatives, effects, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph, Table, Verdict
+from robodyn.report.plots_torques import Plots
+from robodyn.report.table import Content, number
+from robodyn.report.text_joints import derivation_table
+from robodyn.report.text_torques import count, effect_table
+from robodyn.result import Result
+
+
+def trust(result: Result, plots: Plots | None) -> Iterator[Block]:
+    """The self-checks; how the motion was derived, which effects count, and warnings."""
+    yield from _checks(result, plots)
+    yield from _grounds(result)
+
+
+def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
+    checks, balance = result.checks, result.checks.energy_balance
+    yield Heading("Self-checks")
+    figures = (number(value, balance.turnover) for value in (balance.work, balance.energy_change, balance.residual))
+    work, stored, rest = figures
+    laws = [f"{value:.0e}" if value else "0" for value in (checks.first_law, checks.second_law, checks.power)]
+    reasons = [
+        f"Work done on the robot, less losses, is {work} J and the change of stored energy {stored} J, with "
+        f"{number(balance.turnover)} J going in and out; the difference is {rest} J, of which sampling explains "
+        f"{number(abs(balance.quadrature), balance.turnover)} J.",
+        f"Euler's laws and the power balance hold at {count(checks.samples, 'sample')} within {laws[0]}, {laws[1]} and "
+        f"{laws[2]} of the largest force, moment and power.",
+    ]
+    if not balance.consistent:
+        reasons.insert(0, "Velocities or accelerations are not the rates of the positions: check the trajectory.")
+        yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
+    else:
+        yield Verdict("good", "Energy and momentum balance", tuple(reasons))
+    if plots is not None:
+        yield Gallery((plots.energy(),))
+
+
+def _grounds(result: Result) -> Iterator[Block]:
+    """How the motion was derived, which effects count, and warnings."""
+    if result.derivation:
+        methods, rows = derivation_table(result.derivation)
+        yield Heading("Derivatives")
+        yield Table(methods, *rows) if rows else Paragraph(f"{methods}.")
+    yield Heading("Effects")
+    plan = f"{result.operations} operations per sample; {result.executor}: {result.reason}"
+    yield Table("Which effects count, and why", *_effect_table(result), note=plan)
+    if result.warnings:
+        yield Heading("Warnings")
+        yield Findings(tuple(("doubtful", line, ()) for line in result.warnings))
+
+
+def _effect_table(result: Result) -> Content:
+    """Without the column of what is saved, where that was not computed."""
+    head, rows = effect_table(result)
+    if any(effect.saved is not None for effect in result.effects):
+        return head, rows
+    return (*head[:3], *head[4:]), [(*row[:3], *row[4:]) for row in rows]
