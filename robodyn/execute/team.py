@@ -80,10 +80,8 @@ class _Member:
 
     def _live(self, seen: int) -> None:
         while not self._ends:
-            calls = self._stand_by(self._memory.buffer_info()[0], self._number, seen, LOOKS)
-            if calls == seen:
-                self._sleep()
-            seen = calls
+            seen = self._stand_by(self._memory.buffer_info()[0], self._number, seen, LOOKS)
+            self._sleep()
 
     def _sleep(self) -> None:
         self._asleep = True

@@ -9,13 +9,14 @@ CALLS, JOB, INSIDE = 0, 1, LINE
 SIZE = 2 * LINE
 
 TEXT = """\
-define i64 @stand_by(ptr %team, i64 %me, i64 %seen, i64 %looks) #0 {{
+define i64 @stand_by(ptr %team, i64 %me, i64 %known, i64 %looks) #0 {{
 entry:
   %job_at = getelementptr i64, ptr %team, i64 {job}
   %inside = getelementptr i64, ptr %team, i64 {inside}
   br label %look
 look:
-  %k = phi i64 [ 0, %entry ], [ %k1, %next ]
+  %seen = phi i64 [ %known, %entry ], [ %seen, %next ], [ %calls, %leave ]
+  %k = phi i64 [ 0, %entry ], [ %k1, %next ], [ 0, %leave ]
   %calls = load atomic i64, ptr %team acquire, align 8
   %none = icmp eq i64 %calls, %seen
   br i1 %none, label %next, label %enter
@@ -37,7 +38,7 @@ work:
   br label %leave
 leave:
   %after = atomicrmw sub ptr %inside, i64 1 release, align 8
-  ret i64 %calls
+  br label %look
 }}
 
 define i64 @lead(ptr %team, ptr %job, i64 %looks, ptr %rest, i32 %time) #0 {{
@@ -72,15 +73,16 @@ attributes #0 = {{ nounwind }}
 
 
 def team(triple: str) -> str:
-    """The LLVM IR of `i64 stand_by(team, me, seen, looks)` and of `i64 lead(team, job, looks, rest, time)`.
+    """The LLVM IR of `i64 stand_by(team, me, known, looks)` and of `i64 lead(team, job, looks, rest, time)`.
 
     A job is memory that begins with the address of a function `i64 share(job, me)`, which any number of threads may
     call at once and which returns when nothing is left to begin.
 
-    `stand_by` looks at most `looks` times whether the team was called since `seen` calls, takes part if it was and the
-    job is still open, and returns how many calls it has seen. `lead` opens a job, calls the team, does what it finds to
-    do, closes the job and waits for those inside: nobody touches the job afterwards, and nobody who was late is waited
-    for. It calls `rest(time)` after every so many looks, lest it keeps the core from those it waits for.
+    `stand_by` looks whether the team was called since the `known` calls, takes part if it was and the job is still
+    open, and looks on; after so many looks in vain it returns how many calls it has seen. `lead` opens a job, calls the
+    team, does what it finds to do, closes the job and waits for those inside: nobody touches the job afterwards, and
+    nobody who was late is waited for. It calls `rest(time)` after every so many looks, lest it keeps the core from
+    those it waits for.
 
     Args:
         triple: of the machine, as LLVM writes it.
