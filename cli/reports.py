@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -98,6 +97,7 @@ def write_report(path: str, document: Any) -> str:
     Raises:
         InputError: the file cannot be written; nothing is left then.
     """
+    import shlex
     from dataclasses import replace
 
     from robodyn.cli.whole_file import write_whole
