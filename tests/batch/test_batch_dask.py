@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
@@ -54,6 +55,14 @@ def test_no_scheduler_there(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert batch("--dask", "tcp://x:1").err == "error: --dask needs Dask (pip install 'robodyn[dask]')\n"
+
+
+def test_no_word_of_work_that_is_given_to_others() -> None:
+    logger = logging.getLogger("of.dask")
+    logger.setLevel(logging.WARNING)
+    with cluster._no_warnings("of.dask"):
+        assert [logger.isEnabledFor(level) for level in (logging.WARNING, logging.ERROR)] == [False, True]
+    assert logger.level == logging.WARNING
 
 
 def test_problems_of_workers_in_words() -> None:
