@@ -17,7 +17,7 @@ from robodyn.errors import InputError
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
 LARGE = 20_000_000
-"""Bytes of a trajectory from which processes that draw are worth their start."""
+"""Bytes of a table from which processes that draw are worth their start."""
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
@@ -61,14 +61,14 @@ def get_ready(report: str | None) -> None:
 
 
 @contextmanager
-def drawing(report: str | None, size: int) -> Iterator[Any]:
-    """What draws the figures of a report on a table of so many bytes: large ones keep processes busy beside this."""
+def drawing(report: str | None, table: str) -> Iterator[Any]:
+    """What draws the figures of a report on this table: a large one is worth processes beside this."""
     if report is None:
         yield None
         return
     from robodyn.report.drawing import at_once, beside
 
-    if pictured(report) and size >= LARGE:
+    if pictured(report) and os.path.isfile(table) and os.path.getsize(table) >= LARGE:
         with beside() as draw:
             yield draw
     else:

@@ -35,22 +35,22 @@ def run_single(
     """What was found, after it is shown and written."""
     for place in (out, report):
         check_names([urdf, trajectory, scene_file], place)
-    model, scene = robot_in_scene(urdf, scene_file, gravity)
-    said = ""
-    if example:
-        from robodyn.cli.example import write_example
+    with drawing(report, trajectory) as draw:
+        model, scene = robot_in_scene(urdf, scene_file, gravity)
+        said = ""
+        if example:
+            from robodyn.cli.example import write_example
 
-        write_example(trajectory, model)
-        said = f"\nwritten: {trajectory}, an example motion to begin with\n"
-    way = None
-    if accuracy is not None:
-        from robodyn.cli.accuracy_asked import arithmetic_for
+            write_example(trajectory, model)
+            said = f"\nwritten: {trajectory}, an example motion to begin with\n"
+        way = None
+        if accuracy is not None:
+            from robodyn.cli.accuracy_asked import arithmetic_for
 
-        way = arithmetic_for(accuracy, trajectory, model, scene, derivatives, ignore_extra)
-        options["executor"] = way.executor or options["executor"]
-    names = output_names(model, options["reactions"], options["momentum"] is not None)
-    reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
-    with drawing(report, reader.size_bytes) as draw:
+            way = arithmetic_for(accuracy, trajectory, model, scene, derivatives, ignore_extra)
+            options["executor"] = way.executor or options["executor"]
+        names = output_names(model, options["reactions"], options["momentum"] is not None)
+        reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
         with reader, sinks(out, names, reader) as gather:
             result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
         result = way.fulfilled(result) if way else result

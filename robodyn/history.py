@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,31 +86,34 @@ class Thinned:
         while (time[-1] - self._start) / self._width >= _ROOM * SPANS:
             self._double()
         spans = ((time - self._start) / self._width).astype(np.int64)
-        samples = np.stack((np.broadcast_to(time, values[0].shape), *values))
         begins = np.flatnonzero(np.append(True, np.diff(spans)))
         for first, last in zip(begins, [*begins[1:], len(time)], strict=True):
-            self._add(int(spans[first]), samples[..., first:last])
+            part = (time[None, first:last], *(each[:, first:last] for each in values))
+            self._add(int(spans[first]), _extreme(part, self._deciding))
 
     def curves(self) -> Curves:
         """What has been gathered."""
         return Curves(self.names, self.quantities, np.stack([self._kept[span] for span in sorted(self._kept)]))
 
-    def _add(self, span: int, samples: Floats) -> None:
+    def _add(self, span: int, extreme: Floats) -> None:
         if span in self._kept:
-            samples = np.concatenate((self._kept[span], samples), axis=2)
-        self._kept[span] = _extreme(samples, self._deciding)
+            both = np.concatenate((self._kept[span], extreme), axis=2)
+            extreme = _extreme(tuple(both), self._deciding)
+        self._kept[span] = extreme
 
     def _double(self) -> None:
         before, self._kept, self._width = self._kept, {}, 2.0 * self._width
-        for span, samples in before.items():
-            self._add(span // 2, samples)
+        for span, extreme in before.items():
+            self._add(span // 2, extreme)
 
 
-def _extreme(samples: Floats, deciding: int) -> Floats:
-    """Of samples (1 + quantities, columns, N) those where one of the first quantities is least or greatest."""
+def _extreme(samples: Sequence[Floats], deciding: int) -> Floats:
+    """Of samples (columns or 1, N) of each of 1 + quantities those where one of the first quantities is least, then
+    greatest: (1 + quantities, columns, 2 deciding)."""
     values = samples[1 : 1 + deciding]
-    rows = np.concatenate((values.argmin(axis=2), values.argmax(axis=2)))
-    return np.take_along_axis(samples, rows.T[None], axis=2)
+    rows = np.stack([*(each.argmin(axis=1) for each in values), *(each.argmax(axis=1) for each in values)], axis=1)
+    columns = np.arange(len(rows))[:, None]
+    return np.stack([each[columns if len(each) > 1 else 0, rows] for each in samples])
 
 
 class Recorder:

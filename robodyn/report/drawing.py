@@ -4,55 +4,55 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
 from threading import active_count
-from typing import Any, Protocol
+from typing import Any
 
 PROCESSES = 2
 _MODULES = ("matplotlib.figure", "matplotlib.backends.backend_svg", "robodyn.report.figures_torques")
 
-
-class Draw(Protocol):
-    """Begin to draw: a function and what it is called with."""
-
-    def __call__(self, function: Callable[..., Any], *given: Any) -> Callable[[], Any]:
-        """What returns the result, when it is wanted."""
-        ...
+Task = Callable[[], Any]
+"""What draws something and returns it."""
+Draw = Callable[[Sequence[Task]], Sequence[Task]]
+"""Begin with tasks; for each, what returns its result when it is wanted."""
 
 
-def at_once(function: Callable[..., Any], *given: Any) -> Callable[[], Any]:
-    """In this process, when the result is wanted."""
-    return partial(function, *given)
+def at_once(tasks: Sequence[Task]) -> Sequence[Task]:
+    """In this process, when the results are wanted."""
+    return tasks
 
 
 @contextmanager
 def beside() -> Iterator[Draw]:
-    """In processes beside this one, which import what draws from now on; in this one where there can be none."""
+    """In processes beside this one; in this one where there can be none.
+
+    The first of them begins to import what draws now, and parts into PROCESSES when there are tasks: an import takes
+    as long as half of a report's figures.
+    """
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
-    def draw(function: Callable[..., Any], *given: Any) -> Callable[[], Any]:
+    def draw(tasks: Sequence[Task]) -> Sequence[Task]:
         try:
-            waiting = pool.submit(function, *given)
+            waiting = pool.submit(_drawn, tasks)
         except (OSError, RuntimeError):
-            return partial(function, *given)
+            return tasks
 
-        def result() -> Any:
+        def result(k: int) -> Any:
             with suppress(BrokenProcessPool, OSError):
-                return waiting.result()
-            return function(*given)
+                return waiting.result()[k]
+            return tasks[k]()
 
-        return result
+        return [partial(result, k) for k in range(len(tasks))]
 
     try:
         how = "fork" if sys.platform == "linux" and active_count() == 1 else "spawn"
-        pool = ProcessPoolExecutor(PROCESSES, get_context(how), _prepare)
-        for _ in range(PROCESSES):
-            pool.submit(int)
+        pool = ProcessPoolExecutor(1, get_context(how), _prepare)
+        pool.submit(int)
     except (ImportError, OSError):
         yield at_once
         return
@@ -66,6 +66,21 @@ def _prepare() -> None:
     """Import what draws; an interrupt is for the process that asked."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    for name in _MODULES:
-        with suppress(ImportError):
+    with suppress(ImportError):
+        for name in _MODULES:
             import_module(name)
+        from robodyn.report.figures_torques import first_figure
+
+        first_figure()
+
+
+def _drawn(tasks: Sequence[Task]) -> list[Any]:
+    """The results, by processes that have what this one has imported, where there can be such."""
+    if sys.platform != "linux":
+        return [task() for task in tasks]
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    with ProcessPoolExecutor(PROCESSES, get_context("fork")) as pool:
+        waiting = [pool.submit(task) for task in tasks]
+        return [each.result() for each in waiting]

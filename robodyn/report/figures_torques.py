@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,24 +21,44 @@ if TYPE_CHECKING:
 
 _WIDE = 380
 _TALL = 660
+_LOW = 280
 _PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
 """Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
+Lines = dict[str, tuple[Floats, Floats]]
+"""Times and values by name."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
 def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int]) -> list[Figure]:
     """For some joints torque, speed and power against time, and torque against speed within the limits."""
-    sheet = Sheet(_WIDE, _TALL)
-    return [_joint_figure(sheet, joints[k], curves, k) for k in columns]
+    return [_joint_figure(joints[k], curves, k) for k in columns]
 
 
-def _joint_figure(sheet: Sheet, joint: JointLoad, curves: Curves, column: int) -> Figure:
+def first_figure() -> None:
+    """Draw for nobody: axes and letters of the first figures take as long as the figures after them."""
+    line = np.arange(2.0), np.arange(2.0)
+
+    def draw(canvas: Canvas) -> None:
+        for axes in _panels(canvas):
+            _over_time(axes, line, "0", None, INK)
+
+    _sheet(_TALL).plot(draw, "first")
+    _sheet(_LOW).plot(lambda canvas: _lines(canvas, {"0": line}, "0", ({},)), "first")
+
+
+@lru_cache(maxsize=2)
+def _sheet(height: int) -> Sheet:
+    """What figures of a height are drawn on, one after another."""
+    return Sheet(_WIDE, height)
+
+
+def _joint_figure(joint: JointLoad, curves: Curves, column: int) -> Figure:
     speed = "m/s" if joint.unit == "N" else "rad/s"
     what = "force" if joint.unit == "N" else "torque"
 
     def draw(canvas: Canvas) -> None:
-        axes = canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
+        axes = _panels(canvas)
         limits = {"torque": joint.effort_limit, "speed": joint.velocity_limit, "power": None}
         titles = {"torque": f"{what} [{joint.unit}]", "speed": f"speed [{speed}]", "power": "power [W]"}
         for k, (quantity, limit) in enumerate(limits.items()):
@@ -46,7 +67,12 @@ def _joint_figure(sheet: Sheet, joint: JointLoad, curves: Curves, column: int) -
         axes[3].set_title(f"{what} [{joint.unit}] against speed [{speed}]")
 
     caption = printable(joint.name)
-    return Figure(caption, _joint_words(joint, what, speed), sheet.plot(draw, f"joint {column}"))
+    return Figure(caption, _joint_words(joint, what, speed), _sheet(_TALL).plot(draw, f"joint {column}"))
+
+
+def _panels(canvas: Canvas) -> list[Axes]:
+    """The axes of a joint's figure, which stay on its sheet."""
+    return canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
 
 
 def _panel(canvas: Canvas, k: int) -> Axes:
@@ -67,39 +93,28 @@ def base_figures(loads: Sequence[ComponentLoad], history: History) -> list[Figur
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
         names = history.base.names[first : first + 3]
 
-        def draw(canvas: Canvas, first: int = first, unit: str = unit, names: Sequence[str] = names) -> None:
-            axes = canvas.subplots()
-            canvas.subplots_adjust(left=0.16, right=0.965, top=0.83, bottom=0.15)
-            for k, name in enumerate(names):
-                axes.plot(*history.base.line("load", first + k), label=name, color=SERIES[k])
-            _legend(axes, 3)
-            few_ticks(axes, up=6)
-            axes.set_title(f"[{unit}]")
-            axes.set_xlabel("time [s]")
+        lines = {name: history.base.line("load", first + k) for k, name in enumerate(names)}
+
+        def draw(canvas: Canvas, lines: Lines = lines, unit: str = unit) -> None:
+            _lines(canvas, lines, unit, ({}, {}, {}))
 
         peaks = [f"{part.name} {number(part.peak)} {unit}" for part in loads if part.name in names]
         alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
-        found.append(Figure(f"Base {title}: ground on robot", alt, plot(_WIDE, 280, draw, title)))
+        found.append(Figure(f"Base {title}: ground on robot", alt, _sheet(_LOW).plot(draw, title)))
     return found
 
 
 def energy_figure(balance: EnergyBalance, history: History) -> Figure:
     """Work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
 
+    lines = {name: history.energy.line("energy", k) for k, name in enumerate(history.energy.names)}
+
     def draw(canvas: Canvas) -> None:
-        axes = canvas.subplots()
-        canvas.subplots_adjust(left=0.16, right=0.965, top=0.83, bottom=0.15)
-        for k, (name, colour) in enumerate(zip(history.energy.names, SERIES, strict=False)):
-            look = {"linewidth": 3.0} if k == 0 else {"dashes": (3, 3), "linewidth": 1.6}
-            axes.plot(*history.energy.line("energy", k), label=name, color=colour, **look)
-        _legend(axes, 2)
-        few_ticks(axes, up=6)
-        axes.set_title("[J]")
-        axes.set_xlabel("time [s]")
+        _lines(canvas, lines, "J", ({"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}))
 
     fit = "agree" if balance.consistent else "disagree"
     alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {number(balance.worst)} J"
-    return Figure("Energy check: work less losses, and energy stored", alt, plot(_WIDE, 280, draw, "energy"))
+    return Figure("Energy check: work less losses, and energy stored", alt, _sheet(_LOW).plot(draw, "energy"))
 
 
 def share_figure(joints: Sequence[JointLoad]) -> Figure:
@@ -135,6 +150,19 @@ def pose_figure(robot: Model | tuple[str, bool], q: Floats, joint: str, when: st
     model = load(robot[0], moving_base=robot[1]) if isinstance(robot, tuple) else robot
     shapes, why = shapes_of(model)
     return robot_figure(model, q, joint, when, shapes), why
+
+
+def _lines(canvas: Canvas, lines: Lines, unit: str, looks: Sequence[dict[str, Any]]) -> None:
+    """Quantities of one unit against time, with their names above."""
+    if not canvas.axes:
+        axes = canvas.add_axes((0.16, 0.15, 0.805, 0.68))
+        axes.set_xlabel("time [s]")
+        few_ticks(axes, up=6)
+    (axes,) = canvas.axes
+    for (name, line), look, colour in zip(lines.items(), looks, SERIES, strict=False):
+        axes.plot(*line, label=name, color=colour, **look)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=len(lines), columnspacing=1.0)
+    axes.set_title(f"[{unit}]")
 
 
 def _over_time(axes: Axes, line: tuple[Floats, Floats], title: str, limit: float | None, colour: str) -> None:
@@ -196,10 +224,6 @@ def _bars(axes: Axes, shares: Floats, names: Sequence[str]) -> None:
     axes.axvline(0.0, color=INK, linewidth=1.0)
     axes.axvline(1.0, color=GRID, linewidth=1.0)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.0f}"))
-
-
-def _legend(axes: Axes, columns: int) -> None:
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=columns, columnspacing=1.0)
 
 
 def _cut(name: str) -> str:

@@ -102,8 +102,8 @@ def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
 
 def _shares(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Heading("What makes the peaks")
-    if plots is not None and plots.shares is not None:
-        yield Gallery((plots.shares(),))
+    if plots is not None and (shares := plots.shares()):
+        yield Gallery(tuple(shares))
     yield Table("What each effect adds to the peak of a joint", *share_table(result))
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 
 from robodyn.history import History
 from robodyn.model import Model
 from robodyn.report.document import Figure
-from robodyn.report.drawing import PROCESSES, Draw, at_once
+from robodyn.report.drawing import PROCESSES, Draw, Task, at_once
 from robodyn.report.limits_words import effort_use, worst_joint
 from robodyn.report.table import printable
 from robodyn.result import Result
@@ -31,24 +32,46 @@ class Plots:
         order = sorted(range(len(joints)), key=lambda k: (-effort_use(joints[k]), k))
         self.history, self.shown = history, sorted(order[:PLOTTED])
         self.worst = worst_joint(result)
-        chunks = [self.shown[k::PROCESSES] for k in range(PROCESSES)]
+        tasks: dict[str, Task] = {}
+        here: dict[str, Task] = {}
+        if history.joints is not None:
+            for part in range(PROCESSES):
+                chunk = self.shown[part::PROCESSES]
+                tasks[f"joints {part}"] = partial(figures.joint_figures, joints, history.joints, chunk)
         if self.worst is not None:
             joint = joints[self.worst]
             self.when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
-            pose = (history.states[self.worst]["q"], joint.name, self.when)
-            if draw is not at_once and os.path.isfile(model.file):
-                self.picture = draw(figures.pose_figure, (model.file, model.floating), *pose)
-            else:
-                self.picture = at_once(figures.pose_figure, model, *pose)
-        if history.joints is not None:
-            self._joints = [draw(figures.joint_figures, joints, history.joints, chunk) for chunk in chunks]
+            again = draw is not at_once and os.path.isfile(model.file)
+            robot = (model.file, model.floating) if again else model
+            pose = partial(figures.pose_figure, robot, history.states[self.worst]["q"], joint.name, self.when)
+            (tasks if again else here)["picture"] = pose
         loaded = [joints[k] for k in sorted(order[: 2 * PLOTTED]) if joints[k].peak]
-        self.shares = draw(figures.share_figure, loaded) if loaded else None
-        self.base = draw(figures.base_figures, result.base_wrench, history)
-        self.energy = draw(figures.energy_figure, result.checks.energy_balance, history)
+        if loaded:
+            tasks["shares"] = partial(figures.share_figure, loaded)
+        tasks["base"] = partial(figures.base_figures, result.base_wrench, history)
+        tasks["energy"] = partial(figures.energy_figure, result.checks.energy_balance, history)
+        self._drawn = here | dict(zip(tasks, draw(list(tasks.values())), strict=True))
+
+    def picture(self) -> tuple[Figure, str]:
+        """The robot where its most loaded joint is loaded most, and what is said of shapes that are not there."""
+        found: tuple[Figure, str] = self._drawn["picture"]()
+        return found
+
+    def shares(self) -> list[Figure]:
+        """What each effect adds to the peaks; none where there are none."""
+        return [self._drawn["shares"]()] if "shares" in self._drawn else []
+
+    def base(self) -> list[Figure]:
+        """Forces and moments of the ground on the robot."""
+        return list(self._drawn["base"]())
+
+    def energy(self) -> Figure:
+        """Work and stored energy."""
+        found: Figure = self._drawn["energy"]()
+        return found
 
     def joints(self) -> list[Figure]:
         """Those of the joints that are shown, in their order."""
-        drawn = [figure for chunk in self._joints for figure in chunk()]
+        drawn = [figure for part in range(PROCESSES) for figure in self._drawn[f"joints {part}"]()]
         order = [k for first in range(PROCESSES) for k in self.shown[first::PROCESSES]]
         return [drawn[order.index(k)] for k in self.shown]
