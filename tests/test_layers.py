@@ -15,7 +15,8 @@ ROOT = Path(__file__).parent.parent
 ORDER = [
     ("errors", "spatial", "wording", "overlap", "installed", "motor"),
     ("inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
-    ("mesh", "urdf", "trajectory", "execute", "scene_table"),
+    ("urdf", "trajectory", "execute", "scene_table"),
+    ("mesh",),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
     ("joints", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),

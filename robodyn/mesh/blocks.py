@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from robodyn.mesh.stl_binary import StlTriangles
-from robodyn.mesh.triangles import Corners, Triangles
+from robodyn.mesh.triangles import Corners, MemoryTriangles, Triangles
 from robodyn.spatial import Array
 
 CHUNK = 256
@@ -67,7 +67,7 @@ def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[A
 
 def _raw(triangles: Triangles, rows: int) -> Iterator[Corners]:
     """The blocks as they come fastest, perhaps with corners that are not finite."""
-    return triangles.records(rows) if isinstance(triangles, StlTriangles) else triangles.blocks(rows)
+    return triangles.records(rows) if isinstance(triangles, (StlTriangles, MemoryTriangles)) else triangles.blocks(rows)
 
 
 def reference_in(X: Array) -> Array:

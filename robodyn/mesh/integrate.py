@@ -8,6 +8,7 @@ from sys import float_info
 import numpy as np
 
 from robodyn.mesh.closed import Fingerprint
+from robodyn.mesh.compiled_kernel import kernel_for
 from robodyn.mesh.exact import Moments, exact_moments
 from robodyn.mesh.integrals import ROUNDING, Integrals, second_bound, volume_bound
 from robodyn.mesh.kernel import symmetric, volume_kernel
@@ -44,7 +45,7 @@ def integrate(triangles: Triangles, exact: bool = False) -> Integrals:
         and principal second moments within `bound` and `bound_second`, and so within 1e-12, on every closed surface.
         Correctly rounded if exact.
     """
-    return _refined(triangles, swept(triangles, volume_kernel), exact)
+    return _refined(triangles, swept(triangles, kernel_for(triangles.count)), exact)
 
 
 def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Fingerprint]:
@@ -52,7 +53,7 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
 
     What an open surface encloses depends on the reference: its integrals stay in float64 unless they are to be exact.
     """
-    sweep, found = swept_with_edges(triangles, volume_kernel)
+    sweep, found = swept_with_edges(triangles, kernel_for(triangles.count))
     return _refined(triangles, sweep, exact, limit=LIMIT if found.closed else np.inf), found
 
 

@@ -71,10 +71,14 @@ class MemoryTriangles:
         return len(self.corners)
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        for start in range(0, self.count, rows):
-            block = self.corners[start : start + rows]
-            check_finite(block, start, self.name)
+        for k, block in enumerate(self.records(rows)):
+            check_finite(block, k * rows, self.name)
             yield block
+
+    def records(self, rows: int = BLOCK) -> Iterator[Corners]:
+        """The blocks, perhaps with corners that are not finite."""
+        for start in range(0, self.count, rows):
+            yield self.corners[start : start + rows]
 
     def array(self) -> Floats:
         check_finite(self.corners, 0, self.name)

@@ -9,6 +9,8 @@ from mesh_samples import box, cone, cylinder, moved, tetrahedron, torus, uv_sphe
 from robodyn.mesh.integrate import integrate
 from robodyn.mesh.triangles import MemoryTriangles
 
+pytestmark = pytest.mark.usefixtures("either_kernel")
+
 EPS = np.finfo(float).eps
 
 

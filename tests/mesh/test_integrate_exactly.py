@@ -12,6 +12,8 @@ from mesh_samples import box, cone, corners, cylinder, flipped, moved, tetrahedr
 from robodyn.mesh.integrate import integrate
 from robodyn.mesh.triangles import MemoryTriangles
 
+pytestmark = pytest.mark.usefixtures("either_kernel")
+
 EPS = np.finfo(float).eps
 BODIES = {
     "box": box((0.3, 2.0, 0.7)),

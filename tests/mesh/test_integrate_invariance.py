@@ -16,6 +16,8 @@ from robodyn.mesh.integrate import integrate, measure
 from robodyn.mesh.load import load_triangles
 from robodyn.mesh.triangles import BLOCK, MemoryTriangles
 
+pytestmark = pytest.mark.usefixtures("either_kernel")
+
 EPS = np.finfo(float).eps
 BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
 

@@ -14,6 +14,8 @@ from robodyn.inertia.principal import principal_axes
 from robodyn.mesh.integrate import integrate
 from robodyn.mesh.triangles import MemoryTriangles
 
+pytestmark = pytest.mark.usefixtures("either_kernel")
+
 EPS = np.finfo(float).eps
 BODIES = {
     "box": box(),

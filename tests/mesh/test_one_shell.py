@@ -106,9 +106,9 @@ class Counted(MemoryTriangles):
 
     reads: list[int]
 
-    def blocks(self, rows=BLOCK):
+    def records(self, rows=BLOCK):
         self.reads.append(rows)
-        return super().blocks(rows)
+        return super().records(rows)
 
 
 def counted(array):

@@ -15,6 +15,8 @@ from robodyn.mesh.load import load_triangles
 from robodyn.mesh.sweep import swept
 from robodyn.mesh.triangles import MemoryTriangles
 
+pytestmark = pytest.mark.usefixtures("either_kernel")
+
 SQUARES = slice(11, 17)
 BODIES = {
     "box": box((1, 2, 3)),
