@@ -9,10 +9,10 @@ from robodyn.cli.files import check_names
 from robodyn.cli.options import FORMAT, GRAVITY, PATH, POSITIVE, SCENE, Vector
 from robodyn.cli.reports import REPORT, reported
 from robodyn.cli.screen import page, show
-from robodyn.cli.whole_file import write_whole
 from robodyn.report.json_accuracy import accuracy_json
 from robodyn.report.plotting import form_of, rendered
 from robodyn.report.text_accuracy import accuracy_text
+from robodyn.whole_file import write_whole
 
 
 @click.command("accuracy", short_help="What each further digit costs in time.")
@@ -51,7 +51,7 @@ def command(
     if plot:
         from robodyn.report.plot_accuracy import accuracy_figure
 
-        write_whole(plot, rendered(accuracy_figure(found, target), picture))
+        write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"
     if report:
         from robodyn.report.page_accuracy import accuracy_page

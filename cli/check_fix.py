@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import click
 
 from robodyn.checks.project import Task, fix_task
-from robodyn.checks.whole import write_whole
 from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
 from robodyn.report.fixes_check import check_diff, fix_lines
+from robodyn.whole_file import write_whole
 
 
 def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:

@@ -100,7 +100,7 @@ def write_report(path: str, document: Any) -> str:
     import shlex
     from dataclasses import replace
 
-    from robodyn.cli.whole_file import write_whole
+    from robodyn.whole_file import write_whole
 
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
     if form_of(path) == "html":
@@ -112,7 +112,7 @@ def write_report(path: str, document: Any) -> str:
 
         text = markdown(whole)
     content = text.encode("utf-8", errors="backslashreplace")
-    write_whole(path, content)
+    write_whole(path, content, remedy="name another file")
     return f"\nwritten: {path}, {max(1, len(content) // 1000)} kB\n"
 
 

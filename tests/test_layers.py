@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ORDER = [
     ("errors", "spatial", "wording", "overlap", "installed", "motor"),
-    ("inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
+    ("whole_file", "inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
     ("urdf", "trajectory", "execute", "scene_table"),
     ("mesh",),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),

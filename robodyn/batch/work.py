@@ -19,6 +19,7 @@ from robodyn.one_pass import output_names
 from robodyn.overlap import behind
 from robodyn.report.json_torques import torques_json
 from robodyn.trajectory.write import open_writer
+from robodyn.whole_file import write_whole
 
 KEY = "inputs"
 """Of the document, for what it was made from: `trajectory`, `digest`, and the `table` with its size in `bytes`."""
@@ -96,7 +97,7 @@ def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     document: dict[str, Any] = json.loads(torques_json(result))
     made = {"trajectory": job.name, "digest": digest, "table": os.path.basename(job.table)}
     document[KEY] = {**made, "bytes": os.path.getsize(job.table)}
-    _write(job.document, json.dumps(document, indent=2, allow_nan=False) + "\n")
+    write_whole(job.document, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode())
     return document
 
 
@@ -113,18 +114,6 @@ def _clear(job: Job) -> None:
     for path in (*glob(f"{escape(job.table)}.*.part"), *glob(f"{escape(job.document)}.*.part")):
         with suppress(FileNotFoundError):
             os.unlink(path)
-
-
-def _write(path: str, text: str) -> None:
-    temporary = f"{path}.{os.urandom(4).hex()}.part"
-    try:
-        with open(temporary, "x", encoding="utf-8") as stream:
-            stream.write(text)
-        os.replace(temporary, path)
-    except BaseException:
-        with suppress(OSError):
-            os.unlink(temporary)
-        raise
 
 
 def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:

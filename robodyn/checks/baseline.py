@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from robodyn.checks.identity import Identity, identity
 from robodyn.checks.rule import Finding
-from robodyn.checks.whole import write_whole
 from robodyn.errors import InputError
+from robodyn.whole_file import write_whole
 
 VERSION = 1
 

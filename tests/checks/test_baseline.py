@@ -116,7 +116,7 @@ def test_no_baseline(tmp_path: Path, text: str) -> None:
 def test_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no such baseline"):
         compared([], str(tmp_path / "no.json"))
-    with pytest.raises(InputError, match="cannot be written: No such file"):
+    with pytest.raises(InputError, match="cannot be written: no such file"):
         write_baseline([], str(tmp_path / "no" / "baseline.json"))
 
 

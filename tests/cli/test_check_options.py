@@ -142,7 +142,7 @@ def test_a_file_that_cannot_be_written(folder: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("os.replace", full)
     outcome = run("check", "axis.urdf", "--fix")
     assert (outcome.status, outcome.out) == (2, "")
-    assert outcome.err == "error: axis.urdf: cannot be written: No space left on device (nothing was written)\n"
+    assert outcome.err == "error: axis.urdf: cannot be written: no space left on device (nothing was written)\n"
     assert (folder / "axis.urdf").read_text() == AXIS
 
 

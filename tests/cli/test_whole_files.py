@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from robodyn.checks.whole import write_whole
 from robodyn.errors import InputError
+from robodyn.whole_file import write_whole
 
 
 def test_new_and_old(tmp_path: Path) -> None:
@@ -39,15 +39,24 @@ def test_what_cannot_be_written(tmp_path: Path, name: str) -> None:
     assert os.listdir(tmp_path) == ["folder"]
 
 
-def test_a_failure_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("problem", "raised", "words"),
+    [
+        (OSError(28, "No space left on device"), InputError, "no space left on device"),
+        (KeyboardInterrupt("stop"), KeyboardInterrupt, "stop"),
+    ],
+)
+def test_a_failure_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, problem: BaseException, raised: type[BaseException], words: str
+) -> None:
     path = tmp_path / "a.urdf"
     path.write_bytes(b"one")
 
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
+    def fails(*_: object) -> None:
+        raise problem
 
-    monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(InputError, match="No space left on device"):
+    monkeypatch.setattr(os, "replace", fails)
+    with pytest.raises(raised, match=words):
         write_whole(str(path), b"two")
     assert path.read_bytes() == b"one"
     assert os.listdir(tmp_path) == ["a.urdf"]

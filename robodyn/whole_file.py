@@ -1,4 +1,4 @@
-"""Writing files whole or not at all."""
+"""Files that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from contextlib import suppress
 from robodyn.errors import InputError
 
 
-def write_whole(path: str, data: bytes) -> None:
+def write_whole(path: str, data: bytes, remedy: str = "nothing was written") -> None:
     """Give a file this content, by way of a temporary one beside it; its mode stays, and so does a link to it.
 
     Raises:
         InputError: it cannot be written; then it is as it was.
     """
     if "\0" in path:
-        raise InputError("cannot be written: the name has a null character", remedy="nothing was written", file=path)
+        raise InputError("cannot be written: the name has a null character", remedy=remedy, file=path)
     target = os.path.realpath(path)
     temporary = f"{target}.{os.urandom(4).hex()}.part"
     try:
@@ -29,7 +29,8 @@ def write_whole(path: str, data: bytes) -> None:
             shutil.copymode(target, temporary)
         os.replace(temporary, target)
     except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", remedy="nothing was written", file=path) from None
+        why = (error.strerror or str(error)).lower()
+        raise InputError(f"cannot be written: {why}", remedy=remedy, file=path) from None
     finally:
         with suppress(OSError):
             os.unlink(temporary)
