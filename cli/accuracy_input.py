@@ -17,14 +17,18 @@ DURATION = 2.0
 def accuracy_of(
     files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None
 ) -> Accuracy:
-    """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml."""
+    """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml or that
+    is given alone."""
     ctx = click.get_current_context()
     robot = len(files) == 2 or files[0].lower().endswith(".urdf")
+    alone = scene_file if len(files) == 1 else None
+    if robot and alone:
+        files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
     if not robot and (scene_file or gravity):
         raise click.UsageError("--scene and --gravity are for robots, not for a mesh", ctx)
-    moved = robot and files[1].lower().endswith(".toml")
+    moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if duration is not None and not moved:
         raise click.UsageError("--duration is for a URDF and a scene, which make a motion", ctx)
     if not robot:

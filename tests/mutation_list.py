@@ -4,6 +4,15 @@ Under the name of a test file: (file, text as it is, as it must not be).
 """
 
 MUTATIONS = {
+    "history/test_history.py": [
+        ("history.py", "*(each.argmax(axis=1) for", "*(each.argmin(axis=1) for"),
+        ("history.py", "columns if len(each) > 1 else 0, rows", "0, rows"),
+    ],
+    "mesh/test_compiled_kernel.py": [
+        ("mesh/compiled_kernel.py", "for edge in (u, v, w)]", "for edge in (u, v, v)]"),
+        ("mesh/compiled_kernel.py", "range(3)] for c in range(3)]", "range(3)] for c in (0, 2, 1)]"),
+        ("mesh/compiled_kernel.py", "TYPICAL)[1] < count", "TYPICAL)[0] < count"),
+    ],
     "dynamics/test_golden.py": [
         ("dynamics/newton_euler.py", "+ cross(w_in, joint.w) + joint.wd", "+ joint.wd"),
         ("dynamics/newton_euler.py", "2.0 * cross(w_in, joint.v)", "1.0 * cross(w_in, joint.v)"),

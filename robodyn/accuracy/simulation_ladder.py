@@ -72,8 +72,6 @@ def simulation_accuracy(model: Model, scene: Scene = DEFAULT, duration: float = 
     times = timed(acts)
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
-    if any(rung.evaluations is None for rung in rungs):
-        notes.append("sweeps of implicit steps are not counted: as many evaluations each as the method has stages")
     name = f"{model.name}, {duration:g} s"
     return Accuracy(name, (ladder,), _prices(a_plan), notes=(*said, *notes))
 
@@ -85,8 +83,8 @@ class _Try:
     executor: str
     errors: tuple[float, float]
     drift: float
-    evaluations: int | None
-    operations: float | None
+    evaluations: int
+    operations: float
 
     def rung(self, time: Spread) -> Rung:
         return Rung(self.name, self.errors, time, self.operations, self.evaluations, self.drift)
@@ -115,10 +113,8 @@ def _tries(
         if not np.isfinite(way):
             failed, why = [*failed, name], "a number overflows"
             continue
-        evaluations = motion.evaluations
-        count = evaluations if method.adaptive else motion.steps
-        work = None if method.implicit or count is None else float(count * _operations(a_plan, method))
-        found.append(_Try(name, how, executor, (end, way), drift_of(motion), evaluations, work))
+        work = _operations(a_plan, method, motion)
+        found.append(_Try(name, how, executor, (end, way), drift_of(motion), motion.evaluations, work))
         if took > LONGEST / 4 or (len(found) > 1 and way > GAIN * found[-2].errors[1]):
             break
     lost = "; ".join(failed) if found else method.name
@@ -154,10 +150,15 @@ def drift_of(motion: Simulation) -> float:
 
 
 @lru_cache(maxsize=32)
-def _operations(a_plan: Plan, method: Method) -> int:
-    """Of a step, or of an evaluation by a method that chooses its steps."""
+def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
+    """Of all steps of a motion, with the sweeps of implicit ones, or of all evaluations of an adaptive method."""
     equations = Equations(a_plan)
-    return (equations.derivatives() if method.adaptive else Steps(equations, method).step()).size
+    if method.adaptive:
+        return float(motion.evaluations * equations.derivatives().size)
+    steps = Steps(equations, method)
+    sweep = steps.sweep()
+    swept = sweep.size * motion.evaluations // len(method.b) if sweep else 0
+    return float(motion.steps * steps.step().size + swept)
 
 
 def _until_limit(model: Model, scene: Scene, duration: float) -> tuple[float, list[str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ctypes import c_int64, c_void_p
+from ctypes import addressof, c_int64, c_void_p
 from functools import cache
 from typing import NamedTuple
 
@@ -34,10 +34,12 @@ class Done(NamedTuple):
     Attributes:
         steps: that were done.
         settled: whether it is not sweeps that failed.
+        sweeps: of all steps, if they are done.
     """
 
     steps: int
     settled: bool
+    sweeps: int = 0
 
 
 class CompiledSteps:
@@ -75,9 +77,10 @@ class CompiledSteps:
         given = np.empty(0) if columns is None else np.repeat(columns[:, :, None], samples, axis=2)
         kernels = 0 if self._sweep is None else self._sweep.address, self._step.address
         places = (array.ctypes.data for array in (slots, spare, table, flags))
+        swept = c_int64(0)
         sizes = width, 8 * samples, samples // self.lanes, records, every, SWEEPS
-        done = self._run(*kernels, *places, *sizes, given.ctypes.data, self.columns)
-        return Done(done, True) if done >= 0 else Done(-1 - done, False)
+        done = self._run(*kernels, *places, *sizes, given.ctypes.data, self.columns, addressof(swept))
+        return Done(done, True, swept.value) if done >= 0 else Done(-1 - done, False)
 
 
 class NumpySteps:
@@ -92,30 +95,31 @@ class NumpySteps:
 
     def __call__(self, slots: Floats, every: int, columns: Floats | None = None) -> Done:
         """As `CompiledSteps`."""
-        state = slots[0].T
+        state, sweeps = slots[0].T, 0
         for k in range(every * (len(slots) - 1)):
             now = np.empty((len(state), 0)) if columns is None else np.repeat(columns[k : k + 1], len(state), axis=0)
             if self._sweep is not None:
-                found = self._settled(self._sweep, state, now)
+                found, count = self._settled(self._sweep, state, now)
                 if found is None:
                     return Done(k, False)
-                state = found
+                state, sweeps = found, sweeps + count
             state = np.asarray(self._step({self.source: state, COLUMNS: now}, len(state)), dtype=float)
             if not np.isfinite(state).all():
                 return Done(k, True)
             if (k + 1) % every == 0:
                 slots[(k + 1) // every] = state.T
-        return Done(every * (len(slots) - 1), True)
+        return Done(every * (len(slots) - 1), True, sweeps)
 
-    def _settled(self, sweep: NumpyBlocks, state: Floats, now: Floats) -> Floats | None:
+    def _settled(self, sweep: NumpyBlocks, state: Floats, now: Floats) -> tuple[Floats | None, int]:
+        """What sweeps end with, None if they do not, and how many it took."""
         before = np.inf
-        for _ in range(SWEEPS):
+        for count in range(1, SWEEPS + 1):
             swept = sweep({self.source: state, COLUMNS: now}, len(state))
             state, change = np.asarray(swept[:, :-1], dtype=float), float(swept[:, -1].max())
             if change <= DONE or (change <= NEAR and change >= before):
-                return state
+                return state, count
             before = change
-        return None
+        return None, SWEEPS
 
 
 def _kernel(program: Program, source: str, width: int, lanes: int, columns: int) -> Function:
@@ -126,5 +130,5 @@ def _kernel(program: Program, source: str, width: int, lanes: int, columns: int)
 
 @cache
 def _rollout(lanes: int) -> Function:
-    arguments = (*[c_void_p] * 6, *[c_int64] * 6, c_void_p, c_int64)
+    arguments = (*[c_void_p] * 6, *[c_int64] * 6, c_void_p, c_int64, c_void_p)
     return built("rollout", ("rollout", lanes), lambda: rollout(lanes), *arguments)

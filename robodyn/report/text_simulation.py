@@ -34,13 +34,12 @@ def _head(result: Simulation) -> str:
     x, y, z = result.scene.gravity
     on = [effect.name for effect, why in result.effects if why.active]
     length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"
-    counted = "" if result.evaluations is None else f", {result.evaluations} evaluations"
     return (
         f"{printable(result.model.name)}: {result.time[-1]:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
         f"effects on: {', '.join(on)}; no contact\n"
         f"form: {LOOPED if result.loops else FREE}\n"
         f"method: {result.method.name} of order {result.method.order} ({result.method.about}), "
-        f"{result.steps} {length}{counted}, {result.executor}\n"
+        f"{result.steps} {length}, {result.evaluations} evaluations, {result.executor}\n"
     )
 
 

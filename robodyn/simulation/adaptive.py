@@ -31,8 +31,8 @@ def adaptive_motion(
     limits: Limits,
     executor: str,
     signal: Signal,
-) -> tuple[Motion, int]:
-    """The motion from a state (width,), recorded at every step that the method takes, and its evaluations.
+) -> Motion:
+    """The motion from a state (width,), recorded at every step that the method takes.
 
     The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Quaternions are four numbers here, of any
     length; those of the record have unit length.
@@ -71,4 +71,4 @@ def adaptive_motion(
             h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
             h /= np.linalg.norm(h, axis=1)[:, None]
     ended = limits.nearest(states[-1]).reached(float(found.t[-1])) if found.status == 1 else ""
-    return Motion(found.t, states, len(found.t) - 1, 1, runner.choice.executor, ended), int(found.nfev)
+    return Motion(found.t, states, len(found.t) - 1, 1, runner.choice.executor, ended, int(found.nfev))

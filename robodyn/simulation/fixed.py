@@ -33,7 +33,8 @@ MOST_RECORDS = 100_000
 
 
 class Motion(NamedTuple):
-    """Times (N,), states (N, width), steps done, steps between records, the executor, and why it ended early."""
+    """Times (N,), states (N, width), steps done, steps between records, the executor, why it ended early, and how often
+    the equations were evaluated."""
 
     time: Floats
     states: Floats
@@ -41,6 +42,7 @@ class Motion(NamedTuple):
     every: int
     executor: str
     ended: str = ""
+    evaluations: int = 0
 
 
 class FixedSteps:
@@ -58,6 +60,7 @@ class FixedSteps:
         """
         self.method, self.width, self.signal = method, Equations(plan).width, signal
         self.run = stepper(plan, method, executor, steps)
+        self._sweeps = 0
 
     def motion(self, state: Floats, duration: float, step: float, limits: Limits) -> Motion:
         """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
@@ -75,6 +78,7 @@ class FixedSteps:
         first[: self.width], first[self.width - 1] = state, h
         chunk = max(CHUNK // every, 1) if self.signal.curves else CHUNK
         parts, done, ended = [first[None]], 0, None
+        self._sweeps = 0
         while done < total and ended is None:
             block = self._advance(parts[-1][-1], min(chunk, total - done), every, h, done * every)
             ended = limits.first_beyond(block)
@@ -83,16 +87,21 @@ class FixedSteps:
             parts = [part for part in parts if len(part)]
         time: Floats = np.arange(done + 1.0) * (every * h)
         if ended is None:
-            return Motion(time, self._own(parts), total * every, every, self.name)
+            return Motion(time, self._own(parts), total * every, every, self.name, "", self._evaluations(total * every))
         last, more, late = self._to_limit(parts[-1][-1], every, h, limits, done * every)
         time = np.array([*time, time[-1] + late])
         why = limits.nearest(last).reached(float(time[-1]))
-        return Motion(time, self._own([*parts, last[None]]), done * every + more, every, self.name, why)
+        steps = done * every + more
+        return Motion(time, self._own([*parts, last[None]]), steps, every, self.name, why, self._evaluations(steps))
 
     @property
     def name(self) -> str:
         """Of the executor."""
         return "compiled" if isinstance(self.run, CompiledSteps) else "numpy"
+
+    def _evaluations(self, steps: int) -> int:
+        """Of the equations of motion: each sweep of an implicit step takes as many as the method has stages."""
+        return len(self.method.b) * (self._sweeps if self.method.implicit else steps)
 
     def _own(self, parts: list[Floats]) -> Floats:
         return np.concatenate(parts)[:, : self.width]
@@ -111,6 +120,7 @@ class FixedSteps:
             if not done.settled:
                 raise InputError(f"the steps of {self.method.name} do not settle {at}", remedy=SHORTER)
             raise InputError(f"the motion cannot be followed {at}: a number overflows", remedy=SHORTER)
+        self._sweeps += done.sweeps
         if not np.isfinite(slots).all():
             raise InputError(f"a number overflows after {time:.6g} s", remedy=SHORTER)
         states: Floats = slots[1:, :, 0]

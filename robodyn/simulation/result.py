@@ -46,7 +46,7 @@ class Simulation:
         time, q, qd: (N,), (N, nq), (N, n), the first as the scene says.
         work: (N,) done by drives and wrenches, less what friction took [J].
         steps: how many were done.
-        evaluations: of the equations of motion; None where an implicit method's sweeps are not counted.
+        evaluations: of the equations of motion; each sweep of an implicit step takes as many as the method has stages.
         effects: of every effect whether it is on, and why.
         loops: of a closed chain, what its loops carry and how far they come apart.
         ended: why the motion ended before its time; empty if it did not.
@@ -65,7 +65,7 @@ class Simulation:
     work: Floats
     figures: Figures
     steps: int
-    evaluations: int | None
+    evaluations: int
     executor: str
     effects: tuple[tuple[Effect, Verdict], ...]
     loops: LoopFigures | None = None

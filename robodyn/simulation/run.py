@@ -78,7 +78,7 @@ def simulate(
     begun = initial_state(model, scene, signal.table)
     how, stiff, remedy = way(a_plan, how, begun[: model.nq], length, step is None, method is None)
     try:
-        motion, evaluations = integrated(a_plan, how, length, executor, signal)
+        motion = integrated(a_plan, how, length, executor, signal)
     except InputError as error:
         raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
@@ -95,7 +95,7 @@ def simulate(
         work=motion.states[:, -2],
         figures=_figures(a_plan, motion, executor, signal),
         steps=motion.steps,
-        evaluations=evaluations,
+        evaluations=motion.evaluations,
         executor=motion.executor,
         effects=a_plan.verdicts,
         loops=loop_figures(a_plan, motion, executor, signal, not how.method.adaptive),
@@ -113,10 +113,8 @@ def simulate(
     )
 
 
-def integrated(
-    a_plan: Plan, how: How, duration: float, executor: str, signal: Signal | None = None
-) -> tuple[Motion, int | None]:
-    """The motion from the scene's initial state, and how often the equations were evaluated if that was counted."""
+def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: Signal | None = None) -> Motion:
+    """The motion from the scene's initial state."""
     method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
     signal = signal or Signal(a_plan.scene, a_plan.model, None)
     signal.check_duration(duration)
@@ -131,8 +129,7 @@ def integrated(
     if method.keeps:
         check_free(a_plan.model, a_plan.scene, method.name)
     ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
-    motion = ready.motion(state, duration, how.step, limits)
-    return motion, None if method.implicit else motion.steps * len(method.b)
+    return ready.motion(state, duration, how.step, limits)
 
 
 def initial_state(model: Model, scene: Scene, table: Table | None = None) -> Floats:

@@ -43,6 +43,7 @@ def test_pendulum():
         steps = [rungs[f"{name}, {step} ms"] for step in (16, 4)]
         assert 0.6 * 4**order <= steps[0].error / steps[1].error <= 1.7 * 4**order
     assert rungs["rk4, 4 ms"].evaluations == 4 * np.ceil(QUARTER / 4e-3)
+    assert all(rung.operations > rung.evaluations > 0 for rung in ladder.rungs)
     assert rungs["gauss6, 4 ms"].drift <= 1e-12 < rungs["euler, 4 ms"].drift
     assert all(rung.errors[0] <= rung.errors[1] for rung in ladder.rungs)
     assert [rung.error for rung in ladder.front] == sorted((rung.error for rung in ladder.front), reverse=True)

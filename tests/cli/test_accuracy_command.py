@@ -53,6 +53,13 @@ def test_robot() -> None:
     assert "\nEffects\nwithout" in outcome.out
 
 
+def test_a_scene_may_be_named_as_for_simulate() -> None:
+    calls = ((*PLANAR, "--duration", "0.05"), (PLANAR[0], "--scene", PLANAR[1], "--duration", "0.05"))
+    found = [json.loads(run("accuracy", *call, "--format", "json").out) for call in calls]
+    errors = [[method["errors"] for method in one["ladders"][0]["methods"]] for one in found]
+    assert errors[0] == errors[1]
+
+
 def test_a_target_beyond_reach() -> None:
     outcome = run("accuracy", BRACKET, "--target", "1e-300")
     assert outcome.status == 1

@@ -38,6 +38,23 @@ def test_order(method, settled):
     assert errors[1] <= 0.05
 
 
+@pytest.mark.parametrize("method", [method for method in FIXED if method.implicit], ids=lambda method: method.name)
+def test_sweeps_are_counted(method):
+    """One of each step where nothing pushes; else some, as many in machine code as by NumPy but for rounding."""
+    stages = len(method.b)
+    model, scene = tumbling()
+    at_rest = replace(scene, gravity=(0, 0, 0), initial_qd={}, wrenches=(), drive={})
+    for executor in ("compiled", "numpy"):
+        found = robodyn.simulate(model, at_rest, 0.1, method=method.name, step=0.01, executor=executor)
+        assert found.evaluations == 10 * stages
+    counts = [
+        robodyn.simulate(model, scene, 0.1, method=method.name, step=1e-3, executor=executor).evaluations
+        for executor in ("compiled", "numpy")
+    ]
+    assert 3 * 100 * stages <= min(counts) <= max(counts) <= 20 * 100 * stages
+    assert max(counts) <= 1.05 * min(counts)
+
+
 @pytest.mark.parametrize("method", ADAPTIVE, ids=lambda method: method.name)
 def test_tolerance(method, settled):
     model, scene = tumbling()

@@ -51,7 +51,7 @@ done:
 }}
 
 define i64 @rollout(ptr %sweep, ptr %step, ptr %slots, ptr %spare, ptr %table, ptr %flags, i64 %rows, i64 %pitch,
-    i64 %groups, i64 %records, i64 %every, i64 %sweeps, ptr %columns, i64 %extra) nounwind {{
+    i64 %groups, i64 %records, i64 %every, i64 %sweeps, ptr %columns, i64 %extra, ptr %swept) nounwind {{
 entry:
   %twice = mul i64 %rows, 2
   %past = add i64 %twice, 1
@@ -67,6 +67,7 @@ entry:
 loop:
   %k = phi i64 [ 0, %entry ], [ %k1, %next ]
   %from = phi ptr [ %slots, %entry ], [ %to, %next ]
+  %so_far = phi i64 [ 0, %entry ], [ %in_all, %next ]
   %k1 = add i64 %k, 1
   %whole = urem i64 %k1, %every
   %record = udiv i64 %k1, %every
@@ -123,6 +124,8 @@ judged:
   br label %iterate
 end:
   %ready = phi ptr [ %from, %begin ], [ %want, %judge ]
+  %took = phi i64 [ 0, %begin ], [ %s1, %judge ]
+  %in_all = add i64 %so_far, %took
   %bad = call i64 @apply(ptr %step, ptr %ready, ptr %to, ptr %table, ptr %flags, i64 %rows, i64 0, i64 %pitch,
     i64 %groups)
   %is_bad = icmp ne i64 %bad, 0
@@ -131,6 +134,7 @@ next:
   %more = icmp slt i64 %k1, %steps
   br i1 %more, label %loop, label %finished
 finished:
+  store i64 %in_all, ptr %swept
   ret i64 %steps
 stop:
   ret i64 %k
@@ -151,7 +155,7 @@ def rollout(lanes: int) -> str:
     first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if
     not null), at most `sweeps` times, until the last of its outputs is small, then `step`. `columns` holds `extra`
     columns for each step, which both read besides. `spare` has room for four states and a column each, `table` for
-    2 rows + 1 + extra pointers.
+    2 rows + 1 + extra pointers; `swept` is told how many sweeps there were, if all steps are done.
 
     Returns:
         The number of steps done, all of them unless a sample is flagged; or -1 - steps where sweeps do not settle.
