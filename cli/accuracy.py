@@ -18,7 +18,8 @@ from robodyn.whole_file import write_whole
 @click.command("accuracy", short_help="What each further digit costs in time.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
 @click.option("--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error.")
-@click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2.")
+@click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's.")
+@click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
 @SCENE
 @GRAVITY
@@ -28,6 +29,7 @@ def command(
     files: tuple[str, ...],
     target: float | None,
     duration: float | None,
+    table: str | None,
     plot: str | None,
     scene_file: str | None,
     gravity: Vector | None,
@@ -43,10 +45,10 @@ def command(
       robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv --report accuracy.html
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
-    check_names([*files, scene_file], plot)
-    check_names([*files, scene_file], report)
+    for place in (plot, report):
+        check_names([*files, scene_file, table], place)
     picture = form_of(plot) if plot else ""
-    found = accuracy_of(files, scene_file, gravity, duration)
+    found = accuracy_of(files, scene_file, gravity, duration, table)
     written = ""
     if plot:
         from robodyn.report.plot_accuracy import accuracy_figure

@@ -10,12 +10,9 @@ from robodyn.accuracy.ladder import Accuracy
 from robodyn.cli.files import robot_in_scene
 from robodyn.cli.options import Vector
 
-DURATION = 2.0
-"""s of a simulated motion."""
-
 
 def accuracy_of(
-    files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None
+    files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None, table: str | None
 ) -> Accuracy:
     """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml or that
     is given alone."""
@@ -29,15 +26,15 @@ def accuracy_of(
     if not robot and (scene_file or gravity):
         raise click.UsageError("--scene and --gravity are for robots, not for a mesh", ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
-    if duration is not None and not moved:
-        raise click.UsageError("--duration is for a URDF and a scene, which make a motion", ctx)
+    if (duration is not None or table is not None) and not moved:
+        raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)
     if not robot:
         return _of_mesh(files[0])
     if not moved:
         return _of_torques(files[0], files[1], scene_file, gravity)
     if scene_file:
         raise click.UsageError(f"the scene is given twice: {files[1]} and --scene {scene_file}", ctx)
-    return _of_motion(files[0], files[1], gravity, DURATION if duration is None else duration)
+    return _of_motion(files[0], files[1], gravity, duration, table)
 
 
 def _of_mesh(mesh: str) -> Accuracy:
@@ -53,7 +50,9 @@ def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vec
     return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory)
 
 
-def _of_motion(urdf: str, scene_file: str, gravity: Vector | None, duration: float) -> Accuracy:
+def _of_motion(
+    urdf: str, scene_file: str, gravity: Vector | None, duration: float | None, table: str | None
+) -> Accuracy:
     from robodyn.accuracy.simulation_ladder import simulation_accuracy
 
-    return simulation_accuracy(*robot_in_scene(urdf, scene_file, gravity), duration)
+    return simulation_accuracy(*robot_in_scene(urdf, scene_file, gravity, loops=True), duration, table)

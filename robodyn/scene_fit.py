@@ -53,7 +53,7 @@ def refuse_loops(scene: Scene, file: str | None = None) -> None:
         SceneError: it does.
     """
     if scene.loops:
-        what = "a scene with loops is simulated: nothing else here knows what joints and loops share"
+        what = "the scene closes loops, and what joints and loops share is known to simulations alone"
         remedy = "robodyn simulate follows the closed chain; without [[loop]] its open tree is computed"
         raise SceneError(what, remedy=remedy, file=file)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -13,12 +14,15 @@ from numpy.typing import NDArray
 from robodyn.accuracy.motion_error import MotionError, between_records
 from robodyn.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
 from robodyn.errors import InputError
+from robodyn.model import Model
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import initial_state, simulate
 
 Floats = NDArray[np.float64]
+Run = Callable[..., Simulation]
+"""`simulate` with all but the duration and the method."""
 COARSE, FINE = (16, 1e-18), (24, 1e-22)
 """Orders of series and their tolerances."""
 PATIENCE = 10.0
@@ -45,11 +49,15 @@ class Reference:
     how: str
 
 
-def motion_reference(plan: Plan, duration: float) -> Reference:
+def motion_reference(plan: Plan, duration: float, run: Run | None = None) -> Reference:
     """The motion of a plan's robot from its scene's initial state; joint limits are not looked at.
 
-    By power series in 77 digits, of two orders with tolerances of their own, where that takes seconds; else by DOP853
-    (or Radau) and by a Gauss-Legendre method of order 6, in doubles. The bound is the largest difference of the two.
+    By power series in 77 digits, of two orders with tolerances of their own, where that takes seconds; else, and for
+    tables and closed chains, by DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), in doubles.
+    The bound is the largest difference of the two.
+
+    Args:
+        run: simulates it, where that needs more than the plan: a table.
 
     Raises:
         InputError: mpmath is not installed, or no method gets through.
@@ -58,7 +66,7 @@ def motion_reference(plan: Plan, duration: float) -> Reference:
     try:
         coarse, fine = (_series(plan, duration, *how) for how in (COARSE, FINE))
     except (InputError, ZeroDivisionError, ValueError, OverflowError):
-        return _in_doubles(plan, duration)
+        return _in_doubles(plan.model, duration, run or partial(simulate, plan.model, plan.scene))
     expected = fine(times)
     measure = MotionError.over(plan.model, expected)
     apart = measure(coarse(times), expected) + np.finfo(float).eps
@@ -86,6 +94,8 @@ def _series(plan: Plan, duration: float, order: int, tolerance: float) -> Callab
     Raises:
         InputError: it has no series, or they take more than `PATIENCE`.
     """
+    if plan.scene.loops:
+        raise InputError("closed chains are set right after each step")
     equations, model = Equations(plan), plan.model
     taylor = Taylor(equations.derivatives(), STATE, equations.width, order)
     state = [fixed(x) for x in initial_state(model, plan.scene)]
@@ -131,24 +141,25 @@ def _unit(plan: Plan, states: Floats) -> Floats:
     return states
 
 
-def _in_doubles(plan: Plan, duration: float) -> Reference:
-    """By the two that agree best of three methods in doubles."""
-    fine = _first(plan, duration, [("gauss6", {"step": duration / 2**k}) for k in (16, 14, 18)])
-    other = _first(plan, duration, [("dop853", {"rtol": 1e-13}), ("radau", {"rtol": 1e-11})])
+def _in_doubles(model: Model, duration: float, run: Run) -> Reference:
+    """By two methods in doubles, each the first of its kind that gets through."""
+    halved = [("gauss6", 16), ("gauss6", 14), ("gauss6", 18), ("rk4", 17)]
+    fine = _first(run, duration, [(name, {"step": duration / 2**k}) for name, k in halved])
+    other = _first(run, duration, [("dop853", {"rtol": 1e-13}), ("radau", {"rtol": 1e-11})])
     at = between_records(fine)
     some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
     found = np.hstack((other.q, other.qd))[some]
-    measure = MotionError.over(plan.model, found)
+    measure = MotionError.over(model, found)
     apart = measure(at(other.time[some]), found) + np.finfo(float).eps
     return _bounded(at, measure, apart, f"{fine.method.name} and {other.method.name}")
 
 
-def _first(plan: Plan, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
+def _first(run: Run, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
     """The first of some simulations that gets through."""
     problem: InputError | None = None
     for method, how in ways:
         try:
-            return simulate(plan.model, plan.scene, duration, method=method, **how)
+            return run(duration, method=method, **how)
         except InputError as error:
             problem = error
     assert problem is not None

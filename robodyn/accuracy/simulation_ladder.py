@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.accuracy.ladder import Accuracy, Ladder, Price, Rung
-from robodyn.accuracy.motion_reference import Reference, motion_reference
+from robodyn.accuracy.motion_reference import Reference, Run, motion_reference
 from robodyn.accuracy.timing import Spread, timed
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
@@ -22,11 +22,13 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.how import How
 from robodyn.simulation.methods import METHODS, Method
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import integrated, simulate
+from robodyn.simulation.run import integrated, simulate, start_of
 from robodyn.simulation.slip import with_friction
 from robodyn.simulation.steps import Steps
-from robodyn.simulation.table import curves
+from robodyn.simulation.table import Signal, Source, read_table
 
+DURATION = 2.0
+"""s of a motion, where none is given."""
 STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
 """s, of methods with a fixed step, while they gain digits."""
 TOLERANCES = 1e-4, 1e-7, 1e-10, 1e-13
@@ -40,7 +42,9 @@ BEFORE_LIMIT = 0.99
 """Share of the motion up to a joint's limit that is compared."""
 
 
-def simulation_accuracy(model: Model, scene: Scene = DEFAULT, duration: float = 10.0) -> Accuracy:
+def simulation_accuracy(
+    model: Model, scene: Scene = DEFAULT, duration: float | None = None, table: Source | None = None
+) -> Accuracy:
     """True errors of a motion by every integrator at several steps, its drift of energy, and what they cost.
 
     Errors are those of positions and speeds, at the end and the largest along the way, relative to the largest angle,
@@ -48,27 +52,30 @@ def simulation_accuracy(model: Model, scene: Scene = DEFAULT, duration: float = 
     are those of the loop, without machine code being made and without the figures that `simulate` reports.
 
     Args:
-        duration: s; a motion that reaches a joint's limit is compared up to shortly before.
+        duration: s; by default 2, or that of the table if it is shorter. A motion that reaches a joint's limit is
+            compared up to shortly before.
+        table: as for `simulate`.
 
     Raises:
-        InputError: the scene does not fit the robot, or no method gets through.
+        InputError: the scene does not fit the robot or the table, or no method gets through.
     """
     if model.n == 0:
         raise InputError("the robot has no joints: nothing moves", file=model.file)
     scene, said = with_friction(model, scene)
-    named = sorted({curve.column for curve in curves(scene)})
-    if named:
-        what = f"the scene names {', '.join(map(repr, named))}, columns of a table, which are not followed here"
-        raise InputError(what, remedy="write numbers in their place")
-    duration, notes = _until_limit(model, scene, duration)
+    signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    if duration is None:
+        duration = DURATION if signal.table is None else min(DURATION, signal.table.duration)
+    followed = partial(simulate, model, table=signal.source)
+    duration, notes = _until_limit(partial(followed, scene), duration)
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
-    reference = motion_reference(a_plan, duration)
-    tries, executor = [], "auto" if compiler().problem else "compiled"
+    run = partial(followed, a_plan.scene)
+    reference = motion_reference(a_plan, duration, run)
+    tries, start, executor = [], start_of(a_plan, signal), "auto" if compiler().problem else "compiled"
     for method in METHODS:
-        found, lost = _tries(a_plan, method, duration, reference, executor)
+        found, lost = _tries(a_plan, run, method, duration, reference, executor)
         tries += found
         notes += lost
-    acts = {each.name: partial(integrated, a_plan, each.how, duration, each.executor) for each in tries}
+    acts = {each.name: partial(integrated, a_plan, each.how, duration, each.executor, signal, start) for each in tries}
     times = timed(acts)
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
@@ -91,14 +98,14 @@ class _Try:
 
 
 def _tries(
-    a_plan: Plan, method: Method, duration: float, reference: Reference, executor: str
+    a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference, executor: str
 ) -> tuple[list[_Try], list[str]]:
     """A method at ever shorter steps or tolerances as long as that helps, and what failed."""
     found: list[_Try] = []
     failed: list[str] = []
     why = ""
     executor = "auto" if method.adaptive else executor
-    run = partial(simulate, a_plan.model, a_plan.scene, method=method.name, executor=executor)
+    run = partial(run, method=method.name, executor=executor)
     for name, how, given in _settings(method, duration):
         try:
             if not found:
@@ -161,9 +168,9 @@ def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
     return float(motion.steps * steps.step().size + swept)
 
 
-def _until_limit(model: Model, scene: Scene, duration: float) -> tuple[float, list[str]]:
+def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
     """How long the motion is, and what is to be said about it."""
-    motion = settled(model, scene, duration)
+    motion = settled(run, duration)
     if not motion.ended:
         return duration, []
     until = float(f"{BEFORE_LIMIT * motion.time[-1]:.6g}")
@@ -173,16 +180,16 @@ def _until_limit(model: Model, scene: Scene, duration: float) -> tuple[float, li
     return until, [f"compared up to {until:g} s: {motion.ended}"]
 
 
-def settled(model: Model, scene: Scene, duration: float) -> Simulation:
+def settled(run: Run, duration: float) -> Simulation:
     """The motion by the first method that gets through.
 
     Raises:
         InputError: none does.
     """
     try:
-        return simulate(model, scene, duration)
+        return run(duration)
     except InputError:
-        return simulate(model, scene, duration, method="radau", rtol=1e-8)
+        return run(duration, method="radau", rtol=1e-8)
 
 
 def _prices(a_plan: Plan) -> tuple[Price, ...]:

@@ -78,7 +78,7 @@ def simulate(
     begun = initial_state(model, scene, signal.table)
     how, stiff, remedy = way(a_plan, how, begun[: model.nq], length, step is None, method is None)
     try:
-        motion = integrated(a_plan, how, length, executor, signal)
+        motion = integrated(a_plan, how, length, executor, signal, start_of(a_plan, signal))
     except InputError as error:
         raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
@@ -113,14 +113,20 @@ def simulate(
     )
 
 
-def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: Signal | None = None) -> Motion:
-    """The motion from the scene's initial state."""
-    method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
-    signal = signal or Signal(a_plan.scene, a_plan.model, None)
-    signal.check_duration(duration)
+def start_of(a_plan: Plan, signal: Signal) -> Floats:
+    """(width,) the state in which a motion begins, its loops closed.
+
+    Raises:
+        InputError: they cannot be.
+    """
     state = initial_state(a_plan.model, a_plan.scene, signal.table)
-    if a_plan.scene.loops:
-        state = closed_start(Closing(a_plan), state)
+    return closed_start(Closing(a_plan), state) if a_plan.scene.loops else state
+
+
+def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: Signal, state: Floats) -> Motion:
+    """The motion from a state of `start_of`."""
+    method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
+    signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
         return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal)

@@ -118,6 +118,11 @@ class Signal:
         endless = {joint.name for joint in model.independent if joint.continuous}
         self._wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
 
+    @property
+    def source(self) -> Mapping[str, Floats] | None:
+        """The table as arrays by name."""
+        return None if self.table is None else {"time": self.table.time, **self.table.columns}
+
     @cached_property
     def _splines(self) -> Callable[..., Floats]:
         """Of the columns of references, in the order of `_smooth`."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from closed_chains import four_bars
 from oracles import reference
 from simulated_robots import pendulum, slide, tumbling
 
@@ -24,6 +26,7 @@ pytest.importorskip("mpmath")
 
 QUARTER = float(reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"]["90"]) / 4
 SWING = Scene(initial_q={"j1": np.pi / 2})
+PUSHED = replace(SWING, drive={"j1": Drive(torque="push")})
 
 
 @pytest.fixture(autouse=True)
@@ -118,7 +121,29 @@ def test_a_robot_that_cannot_move():
         simulation_accuracy(built(link("l0", 1.0)), Scene(), 1.0)
 
 
-def test_scenes_that_follow_a_table_are_refused():
-    scene = Scene(drive={"j1": Drive(torque="push")})
-    with pytest.raises(InputError, match="the scene names 'push', columns of a table"):
-        simulation_accuracy(pendulum(), scene, 1.0)
+def test_a_table_is_asked_for():
+    with pytest.raises(InputError, match=r"the scene names 'push', columns of a table \(give the table: --traj FILE\)"):
+        simulation_accuracy(pendulum(), PUSHED, 1.0)
+
+
+def test_tables_are_followed():
+    """A table of a constant torque makes the motion that is known of that torque; its duration is the usual one."""
+    table = {"time": [0.0, 0.1, 0.25], "push": [2.0, 2.0, 2.0]}
+    model, times = pendulum(), np.linspace(0.0, 0.25, 40)
+    known = motion_reference(plan(model, replace(SWING, drive={"j1": Drive(torque=2.0)})), 0.25)
+    found = motion_reference(plan(model, PUSHED), 0.25, partial(simulate, model, PUSHED, table=table))
+    assert "gauss6 and dop853" in found.how
+    assert found.error(found.at(times), known.at(times)).max() <= found.bound + known.bound
+    whole = simulation_accuracy(model, PUSHED, table=table)
+    assert whole.name.endswith(", 0.25 s")
+    rungs = {rung.name: rung for rung in whole.ladders[0].rungs}
+    assert rungs["rk4, 4 ms"].errors[0] <= 1e-9 < rungs["euler, 4 ms"].errors[0]
+
+
+def test_closed_chains():
+    model, scene = four_bars(1)
+    found = simulation_accuracy(model, scene, 0.4)
+    assert found.ladders[0].reference.startswith("gauss6 and dop853, which agree to ")
+    rungs = {rung.name: rung for rung in found.ladders[0].rungs}
+    assert 100 <= rungs["rk4, 16 ms"].error / rungs["rk4, 4 ms"].error <= 700
+    assert rungs["gauss6, 4 ms"].error <= 1e-11

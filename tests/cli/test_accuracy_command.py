@@ -126,7 +126,7 @@ def test_simulation(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     [
         ((*PLANAR, "--scene", PLANAR[1]), "the scene is given twice"),
         ((*PLANAR, "--duration", "0"), "invalid value for '--duration': 0 is no positive finite number"),
-        ((*SCARA, "--duration", "1"), "--duration is for a URDF and a scene"),
+        ((*SCARA, "--duration", "1"), "--duration and --traj are for a URDF and a scene"),
         ((BRACKET, "--plot", "front.bmp"), "front.bmp: unknown type of picture by this suffix"),
         ((BRACKET, "--plot", BRACKET), f"{BRACKET}: the output would overwrite an input"),
     ],
