@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, cached_property
-from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.execute.job import Fields, Job
 from robodyn.execute.llvm.build import built
 from robodyn.execute.llvm.driver import driver
 from robodyn.execute.llvm.kernel import kernel
 from robodyn.execute.llvm.machine import Function
-from robodyn.execute.llvm.team import LINE
 from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.team import the_team
 from robodyn.trace.program import Program
 
 SCALARS = {"float64": "double", "float32": "float"}
@@ -35,8 +32,6 @@ THREAD_WORK = 1 << 21
 """Operations that are worth a thread of their own: some 50 microseconds."""
 
 Numbers = NDArray[np.floating[Any]]
-Fields = tuple[int, int, int, int, bool]
-"""Of an array, as `robodyn.execute.llvm.driver.FIELDS` names them."""
 
 
 class CompiledBlocks:
@@ -87,13 +82,23 @@ class CompiledBlocks:
         target = (
             result if out is None or self._fits(out, arrays, samples) else np.empty((outputs, samples), self.dtype).T
         )
-        fields = [_fields(each, self.rows <= MOST_STREAMS) for each in (*arrays, target)]
-        flags = array("B", bytes(-(-samples // BLOCK) * BLOCK // 8))
-        if self._in_threads(fields, flags.buffer_info()[0], samples, threads):
-            self._repair(arrays, samples, target, np.frombuffer(flags, np.uint8))
+        self._bound(arrays, samples, target, threads)()
         if target is not result:
             result[...] = target
         return result
+
+    def bound(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> Callable[[], None]:
+        """`__call__` of one thread with these arguments: to be called often, as what they hold changes.
+
+        Args:
+            sources, out: as for `__call__`, of the executor's dtype.
+        """
+        arrays = [sources[name] for name in self.sources]
+        named = zip(self.sources, arrays, strict=True)
+        plain = all(self._plain(name, given, samples) is given for name, given in named)
+        if not plain or not self._fits(out, arrays, samples):
+            raise ValueError("arrays to be used again and again must be of the executor's own numbers, and apart")
+        return self._bound(arrays, samples, out, 1)
 
     def _plain(self, name: str, given: Numbers, samples: int) -> Numbers:
         """The array of a source in this machine's own numbers."""
@@ -109,24 +114,21 @@ class CompiledBlocks:
         plain = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, len(self.program.outputs))
         return plain and not any(np.may_share_memory(out, given) for given in arrays)
 
-    def _in_threads(self, fields: list[Fields], flags: int, samples: int, threads: int) -> bool:
-        """Runs over the samples; whether any is flagged."""
+    def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
+        """What runs over the samples."""
+        fields = [_fields(each, self.rows <= MOST_STREAMS) for each in (*given, out)]
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
-        each = -(-samples // (threads * BLOCK)) * BLOCK
-        parts = range(0, samples, each)
-        arrays, common = array("q", chain.from_iterable(fields)), array("q", (0, *parts))
-        table, row = -(-self.rows // LINE) * 8 * LINE, PITCH * self.dtype.itemsize
-        room = table + self.rows * row
-        rooms = np.empty(len(parts) * room, np.uint8)
-        pointers = self._share.address, self._kernel.address, arrays.buffer_info()[0], _address(rooms), flags
-        numbers = len(fields), room, table, row, STEP, BLOCK, samples, each, len(parts)
-        job = array("q", (*pointers, common.buffer_info()[0], *numbers))
-        the_team()(job.buffer_info()[0], len(parts))
-        return bool(common[0])
+        functions = self._share.address, self._kernel.address
+        job = Job(functions, fields, self.rows, PITCH * self.dtype.itemsize, STEP, BLOCK, samples, threads)
 
-    def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flags: NDArray[np.uint8]) -> None:
+        def run() -> None:
+            if job():
+                self._repair(given, samples, out, job.flagged())
+
+        return run
+
+    def _repair(self, arrays: list[Numbers], samples: int, result: Numbers, flagged: NDArray[np.int64]) -> None:
         """Computes the flagged samples by NumPy."""
-        flagged = np.flatnonzero(np.unpackbits(flags, bitorder="little")[:samples])
         chosen = {name: given[flagged] for name, given in zip(self.sources, arrays, strict=True)}
         result[flagged] = self._fallback(chosen, len(flagged))
 
@@ -165,7 +167,7 @@ def _fields(given: Numbers, few: bool) -> Fields:
     return _address(given), sample_stride, column_stride, columns, direct
 
 
-def _address(given: Numbers | NDArray[np.uint8]) -> int:
+def _address(given: Numbers) -> int:
     return int(given.__array_interface__["data"][0])
 
 

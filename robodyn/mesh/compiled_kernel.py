@@ -57,7 +57,8 @@ def compiled_kernel(code: CompiledBlocks, space: Array) -> Kernel:
     corners = space[:3].reshape(9 * TOGETHER, samples).T
     out, result = workspace(_SUMS + TOGETHER, samples), np.empty(_SUMS)
     sums, sizes = out[:_SUMS], out[_SUMS:].reshape(-1)
-    steps: list[Step] = [(code, ({_SOURCE: corners}, samples, out.T)), (np.add.reduce, (sums, 1, None, result))]
+    run = code.bound({_SOURCE: corners}, samples, out.T)
+    steps: list[Step] = [(run, ()), (np.add.reduce, (sums, 1, None, result))]
     return Kernel(steps, result, sizes)
 
 

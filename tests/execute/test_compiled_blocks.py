@@ -12,6 +12,7 @@ from compiled_programs import bits, needs_compiler
 from oracles import EPS, golden_model, random_state, worst
 
 from robodyn.execute import compiled_blocks
+from robodyn.execute import job as job_module
 from robodyn.execute.compiled_blocks import BLOCK, CompiledBlocks
 from robodyn.execute.llvm import build, machine
 from robodyn.execute.llvm.machine import host
@@ -38,6 +39,38 @@ def test_agrees_with_numpy():
     assert worst(found[finite], plain[finite]) <= 4 * EPS
     flagged = {name: values[3::101] for name, values in arrays.items()}
     np.testing.assert_array_equal(found[3::101], NumpyBlocks(PROGRAM, WIDTHS)(flagged, len(flagged["a"])))
+
+
+def test_arrays_that_change(monkeypatch):
+    """Run again and again on the same arrays, of which each time other samples, or none, are left to NumPy."""
+    left, repair = [], CompiledBlocks._repair
+
+    def spy(self, arrays, samples, result, flagged):
+        left.append(flagged.tolist())
+        repair(self, arrays, samples, result, flagged)
+
+    monkeypatch.setattr(CompiledBlocks, "_repair", spy)
+    arrays, out = state(1000), np.empty((len(PROGRAM.outputs), 1000)).T
+    run = ready().bound(arrays, 1000, out)
+    for shift in (0, 1, 2):
+        for values in arrays.values():
+            values[...] = np.roll(values, shift, axis=0)
+        right = bits(expected(arrays))
+        left.clear()
+        run()
+        np.testing.assert_array_equal(bits(out), right)
+        assert left == [[k for k in range(1000) if not abs(arrays["a"][k, 0]) < 1e6]]
+    arrays["a"][:, 0] = 0.5
+    left.clear()
+    run()
+    assert left == []
+
+
+def test_arrays_that_cannot_be_used_again():
+    arrays, out = state(10), np.empty((len(PROGRAM.outputs), 10)).T
+    for wrong, target in ((np.float32, out), (np.float64, arrays["a"])):
+        with pytest.raises(ValueError, match="again and again"):
+            ready().bound({name: x.astype(wrong, copy=False) for name, x in arrays.items()}, 10, target)
 
 
 @pytest.mark.parametrize("samples", SAMPLES)
@@ -110,7 +143,7 @@ def test_many_threads_at_once():
 def test_work_is_shared_among_threads(monkeypatch):
     """No more threads than asked for, and each has work enough."""
     started = []
-    monkeypatch.setattr(compiled_blocks, "the_team", lambda: lambda job, threads: started.append(threads))
+    monkeypatch.setattr(job_module, "the_team", lambda: lambda job, threads: started.append(threads))
     for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
@@ -129,7 +162,7 @@ def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch)
 
     arrays = state(4097)
     right = expected(arrays)
-    monkeypatch.setattr(compiled_blocks, "the_team", lambda: some)
+    monkeypatch.setattr(job_module, "the_team", lambda: some)
     np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
 
 
