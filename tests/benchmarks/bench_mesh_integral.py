@@ -75,6 +75,8 @@ def shortest(found: dict[str, Callable[[], object]], count: int, turns: int) -> 
         for name, run in found.items():
             if best.get(name, 0.0) > SLOW:
                 continue
+            if name in best:
+                run()  # what the one before it has left in memory is not its fault
             start = time.perf_counter()
             run()
             spent = (time.perf_counter() - start) / count * 1e9
