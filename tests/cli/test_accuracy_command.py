@@ -20,6 +20,9 @@ def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
     hurry(monkeypatch)
     monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
     monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 1)
+    monkeypatch.setattr("robodyn.accuracy.timing.SHORT", 0.0)
+    monkeypatch.setattr("robodyn.accuracy.simulation_ladder.STEPS", (1.6e-2, 4e-3))
+    monkeypatch.setattr("robodyn.accuracy.simulation_ladder.TOLERANCES", (1e-4, 1e-8))
 
 
 def test_mesh_as_text() -> None:

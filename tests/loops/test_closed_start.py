@@ -91,9 +91,9 @@ def test_loops_are_for_simulations():
     model, scene = four_bars(1)
     still = np.zeros(3)
     for function in (robodyn.inverse_dynamics, robodyn.forward_dynamics):
-        with pytest.raises(InputError, match="a scene with loops is simulated"):
+        with pytest.raises(InputError, match="the scene closes loops"):
             function(model, still, still, still, scene=scene)
-    with pytest.raises(InputError, match="a scene with loops is simulated"):
+    with pytest.raises(InputError, match="the scene closes loops"):
         robodyn.torques(model, robodyn.motion(model, np.arange(5.0), *np.zeros((3, 5, 3))), scene)
     assert robodyn.mass_matrix(model, still, scene=scene).shape == (3, 3)
     assert isinstance(scene, Scene)
