@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -32,16 +33,29 @@ _SUMS = 17
 def kernel_for(count: int) -> Callable[[Array], Kernel]:
     """What is quickest for a mesh of so many triangles: `volume_kernel`, or the same in machine code.
 
-    Machine code needs the compiler and is made, or loaded, once: the more of that is done already, the smaller are the
-    meshes that are worth it. Sums of the two differ by rounding.
+    Machine code needs the compiler and is made, or loaded, once: the more of that is done already, and the more such
+    meshes this process has had, the sooner it is worth it. Sums of the two differ by rounding.
     """
-    if count >= LEAST and _worth_its_start(count):
+    if count < LEAST:
+        return volume_kernel
+    _seen.triangles += count
+    if _worth_its_start(_seen.triangles):
         from robodyn.execute.llvm.machine import compiler
 
         if not compiler().problem:
             with suppress(OSError, RuntimeError):
                 return partial(compiled_kernel, _machine_code())
     return volume_kernel
+
+
+@dataclass
+class _Seen:
+    """Triangles of large meshes that this process has had."""
+
+    triangles: int = 0
+
+
+_seen = _Seen()
 
 
 def compiled_kernel(code: CompiledBlocks, space: Array) -> Kernel:

@@ -21,6 +21,7 @@ def _nothing_made_yet(monkeypatch: pytest.MonkeyPatch) -> None:
     """No machine code of an earlier test is at hand."""
     compiled_kernel._machine_code.cache_clear()
     monkeypatch.setattr(compiled_kernel, "_is_kept", lambda: True)
+    monkeypatch.setattr(compiled_kernel, "_seen", compiled_kernel._Seen())
 
 
 def first_worth(monkeypatch: pytest.MonkeyPatch, started: bool, kept: bool) -> float:
@@ -48,6 +49,14 @@ def test_once_made_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("llvmlite")
     assert kernel_for(100_000_000) is not volume_kernel
     assert kernel_for(LEAST) is not volume_kernel
+
+
+def test_many_meshes_are_worth_what_a_larger_one_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As soon as the meshes before it were: the second of a million triangles, where code is yet to be made."""
+    pytest.importorskip("llvmlite.binding")
+    monkeypatch.setattr(compiled_kernel, "_is_kept", lambda: False)
+    kernels = [kernel_for(1_000_000) is volume_kernel for _ in range(5)]
+    assert kernels == [True, False, False, False, False]
 
 
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
