@@ -65,7 +65,7 @@ def test_tables_are_up_to_date(name):
     assert tables_in(TEXT)[name] == steady_tables()[name](), ADVICE
 
 
-@pytest.mark.parametrize("name", ["accuracy", "derivatives"])
+@pytest.mark.parametrize("name", [pytest.param("accuracy", marks=pytest.mark.slow), "derivatives"])
 def test_errors_are_those_measured(name):
     """Words to the letter and numbers to a factor of four: rounding errors differ from one processor to another."""
     shown, found = (cells(text) for text in (tables_in(TEXT)[name], steady_tables()[name]()))

@@ -71,7 +71,9 @@ def test_mass_ratios_of_twenty_four_decades():
             assert np.max(np.abs(found - expected) / np.abs(expected)) <= 1e-12
 
 
-@pytest.mark.parametrize("n", [4, 5, 6, 8, 10, 15, 20, 30, 50, 75, 100])
+@pytest.mark.parametrize(
+    "n", [4, 5, 6, 8, 10, 15, 20, 30, 50, *(pytest.param(n, marks=pytest.mark.slow) for n in (75, 100))]
+)
 def test_condition_of_the_mass_matrix_of_equal_links(n):
     cond = np.linalg.cond(mass_matrix(chain(n), np.zeros(n)))
     assert abs(cond / (4 * n**4) - 1) <= 0.09

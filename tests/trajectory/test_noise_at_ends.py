@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import from_arrays
@@ -10,6 +11,7 @@ from robodyn.trajectory.read import from_arrays
 SIGNALS = Signals((Signal("elbow", "angle"),))
 
 
+@pytest.mark.slow
 def test_implied_noise_of_acceleration_is_that_of_many_noisy_copies() -> None:
     places = [0, 5, 20, 300]
     rng, time = np.random.default_rng(7), np.arange(1001) * 1e-3
