@@ -16,7 +16,7 @@ class Rung:
         errors: true relative errors, one for each of the ladder's `measures`.
         time: seconds.
         operations: floating-point operations, None where they cannot be counted.
-        evaluations: of the equations of motion, None where there are none or they are not counted.
+        evaluations: of the equations of motion, None where there are none.
         drift: of the energy along a motion, relative to the largest kinetic energy; None where there is none.
     """
 

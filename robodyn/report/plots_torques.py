@@ -21,7 +21,7 @@ class Plots:
     """The figures that are drawn from the course of the motion: begun here, and there when they are asked for.
 
     Attributes:
-        shown: the joints with plots; loaded: those whose shares are drawn.
+        history: of the motion; shown: the joints with plots.
         worst, when: the joint that is loaded most, and its moment.
     """
 
