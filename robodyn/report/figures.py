@@ -7,6 +7,8 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
+from robodyn.report.ticks import plain_numbers
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -99,22 +101,11 @@ def _wipe(axes: Axes) -> None:
 
 
 def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
-    """So many numbers at most along each linear axis."""
+    """So many numbers at most along each axis, without a factor beside it, which is overlooked."""
     for axis, bins in ((axes.xaxis, across), (axes.yaxis, up)):
-        if axis.get_scale() == "linear":
-            locator: Any = axis.get_major_locator()
-            locator.set_params(nbins=bins)
-    whole_numbers(axes)
-
-
-def whole_numbers(axes: Axes) -> None:
-    """Numbers without a factor beside the axis, which is overlooked, and without formulas."""
-    from matplotlib.ticker import FuncFormatter, LogFormatter
-
-    for axis in (axes.xaxis, axes.yaxis):
-        if axis.get_scale() == "log":
-            axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1, 0.4)))
-        axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:.5g}".replace("-", "\u2212")))
+        locator: Any = axis.get_major_locator()
+        locator.set_params(nbins=bins)
+        plain_numbers(axis)
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> None:

@@ -71,7 +71,7 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
     from matplotlib import rc_context
     from matplotlib.rcsetup import cycler
 
-    from robodyn.report.figures import SERIES, plot, whole_numbers
+    from robodyn.report.figures import SERIES, plot
     from robodyn.report.plot_accuracy import draw_accuracy
 
     ladder = accuracy.ladders[k]
@@ -81,8 +81,6 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
         with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
             draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
         for axes in canvas.axes:
-            whole_numbers(axes)
-            axes.margins(x=0.04)
             axes.set_title("")
 
     words = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}"

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
 from robodyn.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.report.plotting import new_figure
 from robodyn.report.table import printable
+from robodyn.report.ticks import log_axis
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns per sample")}
 _MARKERS = "osD^v<>Ph*Xd"
-LEAST = 1e-17
-"""Where an error of zero is drawn."""
+_NO_ERROR = 1e-16
+"""The least error of a ladder without any, for the scale."""
 
 
 def accuracy_figure(accuracy: Accuracy, target: float | None = None) -> Figure:
@@ -34,7 +37,7 @@ def draw_accuracy(figure: Figure, accuracy: Accuracy, target: float | None = Non
 
 def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
     scale, unit = _UNITS[ladder.per]
-    best = ladder.front
+    best, zero = ladder.front, _zero(ladder.rungs, target)
     for k, (family, rungs) in enumerate(_families(ladder.rungs).items()):
         times = [scale * rung.time.median for rung in rungs]
         spread = [
@@ -42,16 +45,19 @@ def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
             [scale * (rung.time.high - rung.time.median) for rung in rungs],
         ]
         marker = _MARKERS[k // 10 % len(_MARKERS)]
-        panel.errorbar(times, list(map(_shown, rungs)), xerr=spread, fmt=marker, ms=5, lw=1, label=family)
+        panel.errorbar(times, _heights(rungs, zero), xerr=spread, fmt=marker, ms=5, lw=1, label=family)
     ink = panel.spines["left"].get_edgecolor()
-    line = [scale * rung.time.median for rung in best], list(map(_shown, best))
+    line = [scale * rung.time.median for rung in best], _heights(best, zero)
     panel.plot(*line, color=ink, lw=1.2, zorder=0, label="front")
     if target is not None:
         panel.axhline(target, color=ink, lw=1, ls="--", label=f"target {target:g}")
     panel.set(xscale="log", yscale="log", xlabel=f"time [{unit}], median and quartiles", ylabel="largest error")
+    panel.margins(x=0.04)
+    log_axis(panel.xaxis)
+    log_axis(panel.yaxis, zero=zero)
     panel.grid(visible=True, which="major", alpha=0.3)
     panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
-    panel.text(0.0, -0.14, f"errors against {ladder.reference}", transform=panel.transAxes, fontsize="x-small")
+    panel.text(0.0, -0.14, f"errors against {ladder.reference}", transform=panel.transAxes, fontsize="small")
 
 
 def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:
@@ -62,5 +68,15 @@ def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:
     return found
 
 
-def _shown(rung: Rung) -> float:
-    return max(rung.error, LEAST)
+def _zero(rungs: Sequence[Rung], target: float | None) -> float | None:
+    """Where an error of 0 is drawn: two decades below every other; None where no error is 0."""
+    errors = [rung.error for rung in rungs]
+    if all(errors):
+        return None
+    others = [error for error in (*errors, target) if error]
+    return 10.0 ** (floor(log10(min(others, default=_NO_ERROR))) - 2)
+
+
+def _heights(rungs: Sequence[Rung], zero: float | None) -> list[float]:
+    """Where the errors of rungs are drawn."""
+    return [rung.error or zero or _NO_ERROR for rung in rungs]

@@ -1,0 +1,82 @@
+"""Error against time as a plot: every error at its own height, every label once."""
+
+from __future__ import annotations
+
+import itertools
+import re
+
+import pytest
+from html_pages import checked
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from robodyn.accuracy.ladder import Accuracy, Ladder, Rung
+from robodyn.accuracy.timing import Spread
+from robodyn.report.html_page import html
+from robodyn.report.page_accuracy import accuracy_page
+from robodyn.report.plot_accuracy import accuracy_figure
+from robodyn.report.ticks import log_ticks, tick_labels
+
+
+
+def ladder(errors: list[float], times: list[float]) -> Accuracy:
+    """Methods with these errors and times [s]."""
+    rungs = tuple(
+        Rung(f"method {k}", (error,), Spread(t, 0.99 * t, 1.01 * t, 5))
+        for k, (error, t) in enumerate(zip(errors, times, strict=True))
+    )
+    return Accuracy("r", (Ladder("torques", ("torque",), "digits", "sample", rungs),), ())
+
+
+def drawn(errors: list[float], times: list[float], target: float | None = None):
+    """The axes of a ladder, drawn for a file."""
+    figure = accuracy_figure(ladder(errors, times), target)
+    FigureCanvasAgg(figure).draw()
+    return figure.axes[0]
+
+
+def heights(axes) -> list[float]:
+    """Where the points are on paper, in the order of the methods."""
+    return [axes.transData.transform((1.0, container.lines[0].get_ydata()[0]))[1] for container in axes.containers]
+
+
+def labels(axis) -> list[str]:
+    return [label.get_text() for label in axis.get_ticklabels() if label.get_text()]
+
+
+def test_errors_below_rounding_have_heights_of_their_own() -> None:
+    axes = drawn([1e-32, 1e-21, 1e-16, 1e-8], [4e-6, 3e-6, 2e-6, 1e-6])
+    found = heights(axes)
+    assert found == sorted(found)
+    assert min(b - a for a, b in itertools.pairwise(found)) > 0.15 * (found[-1] - found[0])
+
+
+def test_an_error_of_zero_stands_below_all_others_at_0() -> None:
+    axes = drawn([0.0, 1e-25, 1e-3], [3e-6, 2e-6, 1e-6], target=1e-28)
+    zero = axes.containers[0].lines[0].get_ydata()[0]
+    assert zero < 1e-29
+    assert dict(zip(axes.get_yticks(), labels(axes.yaxis), strict=True))[zero] == "0"
+
+
+@pytest.mark.parametrize("times", [(1.1e-5, 1.25e-5, 1.9e-5), (6.8e-6, 7.0e-6, 7.1e-6), (1e-8, 1e-2), (5e-9, 3e-8)])
+def test_no_label_stands_twice(times: tuple[float, ...]) -> None:
+    found = ladder([10.0 ** (-3 * k - 1) for k in range(len(times))], list(times))
+    texts = [each.text.strip() for each in checked(html(accuracy_page(found))).all("text")]
+    numbers = [text for text in texts if re.fullmatch(r"\u2212?\d[\d.]*(e[+\u2212]\d+)?", text)]
+    assert len(numbers) == len(set(numbers)) >= 4, numbers
+
+
+@pytest.mark.parametrize("decades", [0.001, 0.1, 0.7, 1.0, 2.0, 2.9, 3.0, 8.0, 29.0, 300.0])
+def test_logarithmic_ticks_are_few_and_enough(decades: float) -> None:
+    for low in (1e-20, 3.3e-3, 7.0, 9.6e4):
+        found = log_ticks(low, low * 10.0 ** min(decades, 300.0), 8)
+        assert 2 <= len(found) <= 10, (low, found)
+        assert found == sorted(found)
+
+
+def test_labels_of_large_times_differ() -> None:
+    assert tick_labels([1.7e9, 1.7e9 + 0.5, 1.7e9 + 1.0]) == ["1700000000", "1700000000.5", "1700000001"]
+    assert tick_labels([-0.3, 0.0, 0.1 + 0.2]) == ["\u22120.3", "0", "0.3"]
+
+
+def test_a_ladder_without_errors() -> None:
+    assert labels(drawn([0.0, 0.0], [1e-6, 2e-6]).yaxis) == ["0"]
