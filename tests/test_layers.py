@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
-    ("errors", "spatial", "wording", "overlap", "installed", "motor"),
+    ("errors", "spatial", "wording", "overlap", "installed", "motor", "ties"),
     ("whole_file", "inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
     ("urdf", "trajectory", "execute", "scene_table"),
     ("mesh",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.report.table import PLAIN, Page, number, printable
-from robodyn.robot_inertia.compare import Comparison, Difference, LinkComparison
+from robodyn.robot_inertia.compare import UNCERTAIN, Comparison, Difference, LinkComparison
 
 _HEAD = (
     *("link", "difference [%]", "mass [kg]", "density [kg/m^3]", "centres apart [m]"),
@@ -41,7 +41,7 @@ def _row(link: LinkComparison, found: Difference) -> tuple[str, ...]:
     count = len(link.remarks)
     return (
         link.name,
-        f"{100 * found.inertia:.3g}" if found.inertia >= 1e-12 else "0",
+        f"{100 * found.inertia:.3g}" if found.inertia > UNCERTAIN else "0",
         number(found.body.mass),
         number(found.density),
         number(found.distance, max(map(abs, (*found.shapes.box.lo, *found.shapes.box.hi)))),

@@ -17,8 +17,12 @@ from robodyn.robot_inertia.declared import LinkInertia, declared
 from robodyn.robot_inertia.measured import MeshFile, Outcome, Reading
 from robodyn.robot_inertia.shapes import ShapesInertia, mesh_file, shapes_inertia
 from robodyn.robot_inertia.slips import relative, slip
+from robodyn.ties import ranked
 from robodyn.urdf.description import Description, Link
 from robodyn.urdf.geometry import Kind, Paths, Shape, link_shapes
+
+UNCERTAIN = 1e-12
+"""Relative differences below this are none: rounding makes them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +86,10 @@ def _impossible(room: float) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """The links of a robot that have mass or shapes, the most different first, those that were not compared last."""
+    """The links of a robot that have mass or shapes, the most different first, those that were not compared last.
+
+    Links that differ equally, or by no more than rounding, stand in the order of the description.
+    """
 
     name: str
     file: str
@@ -105,11 +112,11 @@ def compare(
     files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
     meshes = (reading or Reading({})).parts(files)
     links = [_compared(description, link, kind, shapes[link.name], meshes) for link in wanted]
-    return Comparison(description.name, description.file, kind, tuple(sorted(links, key=_rank)))
+    return Comparison(description.name, description.file, kind, tuple(ranked(links, _rank, UNCERTAIN)))
 
 
-def _rank(link: LinkComparison) -> tuple[bool, float]:
-    return link.difference is None, -(0.0 if link.difference is None else link.difference.inertia)
+def _rank(link: LinkComparison) -> float:
+    return -1.0 if link.difference is None else link.difference.inertia
 
 
 def _compared(

@@ -7,6 +7,7 @@ import numpy as np
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.properties import MassProperties
 from robodyn.spatial import ZERO
+from robodyn.ties import first_largest
 
 _MUCH = 0.1
 _AGREES = 0.05
@@ -36,7 +37,7 @@ def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
         (f"it were divided by {power:g}", power * own),
     )
     found = [(relative(given, wrong), what) for what, wrong in slips]
-    rest, what = min(found)
+    rest, what = found[first_largest([-rest for rest, _ in found])]
     if rest > min(_AGREES, _MUCH * apart):
         return ()
     return (f"the declared inertia would agree within {max(100 * rest, 0.1):.1f} % if {what}",)

@@ -10,6 +10,7 @@ import pytest
 
 from robodyn.inertia.solids import box
 from robodyn.inertia.urdf_text import inertial_element
+from robodyn.report.text_comparison import comparison_text
 from robodyn.robot_inertia.compare import compare
 from robodyn.robot_inertia.measured import Reading
 from robodyn.robot_inertia.slips import relative, slip
@@ -129,6 +130,24 @@ def test_the_doubtful_link_comes_first_of_those_with_closed_meshes(arm):
     np.testing.assert_allclose(hand.ratios, 1, rtol=1e-12)
     I = hand.body.inertia
     assert hand.inertia == pytest.approx(2 * np.sqrt(2) * I[0, 2] / np.linalg.norm(I), rel=1e-12)
+
+
+@pytest.mark.parametrize("ulps", [(0, 0, 0), (3, 0, 1), (0, 5, 2)])
+def test_last_digits_change_neither_order_nor_text(ulps):
+    """Three links that agree with their shapes, and one that does not, all but for the last digits."""
+    wrong = SOLID.__class__(4.0, np.zeros(3), 1.2 * SOLID.S_c)
+    bodies = [SOLID.__class__(4.0, np.zeros(3), (1 + k * EPS) * SOLID.S_c) for k in ulps]
+    links = "".join(
+        f'<link name="{name}">{inertial_element(body)}{SHAPE}</link>'
+        for name, body in zip("abcd", (*bodies[:2], wrong, bodies[2]), strict=True)
+    )
+    joints = "".join(
+        f'<joint name="to_{name}" type="fixed"><parent link="a"/><child link="{name}"/></joint>' for name in "bcd"
+    )
+    found = compare(load_description(f'<robot name="r">{links}{joints}</robot>'.encode()))
+    assert [link.name for link in found.links] == ["c", "a", "b", "d"]
+    rows = comparison_text(found).splitlines()[3:7]
+    assert [row.split()[1] for row in rows] == ["20", "0", "0", "0"]
 
 
 def test_fingers_are_mirror_images(arm):
