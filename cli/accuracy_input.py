@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from robodyn.accuracy.ladder import Accuracy
-from robodyn.cli.files import robot_in_scene
+from robodyn.cli.files import check_table, robot_in_scene
 from robodyn.cli.options import Vector
 
 
@@ -55,4 +55,6 @@ def _of_motion(
 ) -> Accuracy:
     from robodyn.accuracy.simulation_ladder import simulation_accuracy
 
-    return simulation_accuracy(*robot_in_scene(urdf, scene_file, gravity, loops=True), duration, table)
+    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
+    check_table(table, scene, scene_file)
+    return simulation_accuracy(model, scene, duration, table)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robodyn.cli.options import Vector
-from robodyn.errors import InputError
+from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
     from robodyn.model import Model
@@ -38,6 +38,17 @@ def robot_in_scene(
     if not loops:
         refuse_loops(scene, scene_file)
     return model, scene
+
+
+def check_table(table: str | None, scene: Scene, scene_file: str | None) -> None:
+    """Raise if a table is given for a simulation and no scene names a column of it."""
+    if table is None or scene.table_columns:
+        return
+    remedy = 'e.g. drive.elbow = { kp = 100, kd = 10, reference = "q_elbow" }'
+    if scene_file is None:
+        what, remedy = f"no scene says what the columns of {table} drive", f"give --scene FILE.toml, with {remedy}"
+        raise InputError(what, remedy=remedy)
+    raise SceneError(f"no column of {table} is named, so that it drives nothing", remedy=remedy, file=scene_file)
 
 
 def described(urdf: str) -> Description:

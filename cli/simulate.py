@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
@@ -58,6 +58,7 @@ def command(
     check_names([urdf, scene_file, table], report)
     get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, None, loops=True)
+    check_table(table, scene, scene_file)
     if accuracy is None:
         result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from robodyn.errors import SceneError
+from robodyn.errors import InputError, SceneError
 from robodyn.model import Model
 from robodyn.scene import GROUND, Loop, Scene
 from robodyn.wording import alternatives, shown
@@ -56,6 +56,18 @@ def refuse_loops(scene: Scene, file: str | None = None) -> None:
         what = "the scene closes loops, and what joints and loops share is known to simulations alone"
         remedy = "robodyn simulate follows the closed chain; without [[loop]] its open tree is computed"
         raise SceneError(what, remedy=remedy, file=file)
+
+
+def check_moves(model: Model) -> None:
+    """Raise if the robot has no coordinates.
+
+    Raises:
+        InputError: it has no joint that moves, and its base is fixed.
+    """
+    if model.n == 0:
+        what = "nothing can move: the robot has no joint that moves, and its base is fixed"
+        remedy = 'free its base: [base] motion = "moving" in a scene'
+        raise InputError(what, remedy=remedy, file=model.file)
 
 
 def _check_loop(loop: Loop, model: Model, file: str | None) -> None:

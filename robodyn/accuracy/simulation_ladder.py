@@ -18,6 +18,7 @@ from robodyn.execute.llvm.machine import compiler
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import check_moves
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.how import How
 from robodyn.simulation.methods import METHODS, Method
@@ -59,8 +60,7 @@ def simulation_accuracy(
     Raises:
         InputError: the scene does not fit the robot or the table, or no method gets through.
     """
-    if model.n == 0:
-        raise InputError("the robot has no joints: nothing moves", file=model.file)
+    check_moves(model)
     scene, said = with_friction(model, scene)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     if duration is None:

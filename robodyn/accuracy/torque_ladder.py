@@ -23,6 +23,7 @@ from robodyn.motion_input import read_motion, sources_of
 from robodyn.overflow import REMEDY
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import check_moves
 from robodyn.trace.program import Program
 from robodyn.trajectory.motion import Trajectory
 
@@ -42,10 +43,9 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     sample of the whole motion, by one thread.
 
     Raises:
-        InputError: mpmath is not installed, the robot has no joints, or a torque overflows.
+        InputError: mpmath is not installed, nothing of the robot can move, or a torque overflows.
     """
-    if model.n == 0:
-        raise InputError("the robot has no joints: there is nothing to compute", file=model.file)
+    check_moves(model)
     a_plan = plan(model, scene)
     program, sources = a_plan.torques(), _columnar(sources_of(samples, scene))
     widths = runner_of(program, a_plan).widths

@@ -13,7 +13,6 @@ from robodyn.bench.peers import compared
 from robodyn.bench.result import Bench, EffectBench, ProgramBench, Timing
 from robodyn.bench.samples import Floats, random_sources
 from robodyn.bench.timing import repeated, taking_turns
-from robodyn.errors import InputError
 from robodyn.execute.compiled_blocks import CompiledBlocks
 from robodyn.execute.llvm.machine import compiler
 from robodyn.execute.runner import cores
@@ -21,6 +20,7 @@ from robodyn.inverse import mass_runner, runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import check_moves
 from robodyn.self_checks import energy, laws
 from robodyn.sizing import effect_reports
 from robodyn.trace.program import Program
@@ -50,14 +50,9 @@ def bench(
         watch: told what is measured next.
 
     Raises:
-        InputError: the robot has no joints, the scene does not fit it, or a torque overflows.
+        InputError: nothing of the robot can move, the scene does not fit it, or a torque overflows.
     """
-    if model.n == 0:
-        raise InputError(
-            "the robot has no joints: there is nothing to compute",
-            remedy='a base that moves has coordinates: [base] motion = "moving" in a scene',
-            file=model.file,
-        )
+    check_moves(model)
     a_plan = plan(model, scene)
     work = _work(a_plan.torques(), a_plan, random_sources(model, scene, samples), samples)
     workers = cores(threads)

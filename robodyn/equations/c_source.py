@@ -42,7 +42,7 @@ def c_source(model: Model, scene: Scene = DEFAULT) -> str:
         ASCII text; it includes <math.h> and nothing else, and compiles without warnings as C99 and as C++.
 
     Raises:
-        InputError: the robot has no joints, the scene needs columns of a trajectory, or a constant overflows.
+        InputError: nothing of the robot can move, the scene needs columns of a trajectory, or a constant overflows.
 
     Accuracy: within 1e-13 of robodyn's own results, relative to the largest.
     """

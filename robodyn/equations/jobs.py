@@ -8,6 +8,7 @@ from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import Scene
+from robodyn.scene_fit import check_moves
 from robodyn.wording import listed
 
 
@@ -15,14 +16,9 @@ def check_equations(model: Model, scene: Scene) -> None:
     """Raise if there are no equations, or if numbers are missing that only a trajectory has.
 
     Raises:
-        InputError: the robot has no joints, or wrenches of the scene name columns.
+        InputError: nothing of the robot can move, or wrenches of the scene name columns.
     """
-    if model.n == 0:
-        raise InputError(
-            "the robot has no joints: there are no equations of motion",
-            remedy='a base that moves has coordinates: [base] motion = "moving" in a scene',
-            file=model.file,
-        )
+    check_moves(model)
     if scene.columns:
         raise InputError(
             f"the scene's wrenches name columns of a trajectory: {listed(scene.columns)}",

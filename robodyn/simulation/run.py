@@ -14,6 +14,7 @@ from robodyn.inverse import runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.scene_fit import check_moves
 from robodyn.simulation.adaptive import adaptive_motion
 from robodyn.simulation.closed_start import closed_start, start_notes
 from robodyn.simulation.closing import Closing
@@ -69,6 +70,7 @@ def simulate(
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
+    check_moves(model)
     how = how_of(step, rtol, method)
     _check_positive(duration=duration, step=step, rtol=rtol)
     scene, notes = with_friction(model, scene)

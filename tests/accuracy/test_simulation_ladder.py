@@ -117,7 +117,7 @@ def test_kinds_are_compared_with_their_own():
 def test_a_robot_that_cannot_move():
     from small_robots import built, link
 
-    with pytest.raises(InputError, match="no joints"):
+    with pytest.raises(InputError, match="nothing can move"):
         simulation_accuracy(built(link("l0", 1.0)), Scene(), 1.0)
 
 

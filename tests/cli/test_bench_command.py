@@ -108,7 +108,7 @@ CALLS: list[tuple[tuple[str, ...], str]] = [
     (("no.urdf",), r"no\.urdf: there is no such file"),
     (("-", "--peers"), r"--peers reads the description again: name its file \(try: robodyn bench --help\)"),
     (("-", "--scene", "-"), r"<stdin>: standard input is asked for twice"),
-    ((str(ROBOTS / "composite.urdf"),), r".*composite\.urdf: the robot has no joints: there is nothing to compute \("),
+    ((str(ROBOTS / "composite.urdf"),), r".*composite\.urdf: nothing can move: the robot has no joint that moves"),
     ((str(ROBOTS / "puma.urdf"), *FEW, "--gravity", "0,0,1.7e308"), r"the torques of some samples overflow \("),
 ]
 

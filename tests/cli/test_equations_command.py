@@ -119,7 +119,7 @@ def refused(outcome, line):
 
 def test_wrong_robots():
     composite, free = str(ROBOTS / "composite.urdf"), str(ROBOTS / "rigid_body.urdf")
-    refused(run("equations", composite), f"{composite}: the robot has no joints: there are no equations of motion")
+    refused(run("equations", composite), f"{composite}: nothing can move: the robot has no joint that moves")
     refused(run("equations", free, "--form", "closed"), f"{free}: a floating joint has no closed form here")
     polish = str(ROBOTS / "puma_polish.toml")
     refused(run("equations", PUMA, "--scene", polish), "the scene's wrenches name columns of a trajectory: ")

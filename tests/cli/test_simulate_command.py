@@ -106,7 +106,7 @@ WRONG = [
         *((), '[[wrench]]\nlink = "fore"\nforce = ["fx", 0, 0]'),
         "the scene names 'fx', columns of a table (give the table: --traj FILE)",
     ),
-    (("--traj", "no.csv"), "", "the scene names no column of the table (write e.g. reference"),
+    (("--traj", "no.csv"), "", "scene.toml: no column of no.csv is named, so that it drives nothing (e.g. drive.elbow"),
     (("--traj", "no.csv"), '[drive]\nelbow = { torque = "ff" }', "no.csv: cannot be read: no such file or directory"),
     (("--method", "verlet"), "", "verlet does not apply: accelerations depend on speeds (coriolis)"),
     ((), "[drive]\nelbow = { kp = -1e8 }\n[initial]\nq = { elbow = 1 }", "the motion cannot be followed at "),
@@ -124,6 +124,17 @@ def test_wrong_calls(
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err.startswith(f"error: {line}"), outcome.err
     assert len(outcome.err.splitlines()) == 1
+
+
+def test_a_table_without_a_scene_drives_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_arm(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    outcome = run("simulate", "arm.urdf", "--traj", "arm.csv")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == (
+        "error: no scene says what the columns of arm.csv drive (give --scene FILE.toml, with e.g. "
+        'drive.elbow = { kp = 100, kd = 10, reference = "q_elbow" })\n'
+    )
 
 
 def test_a_stiff_drive_needs_a_stiff_method(tmp_path: Path) -> None:
