@@ -61,4 +61,4 @@ def command(
         *robot, trajectories[0], out, report, derivatives, ignore_extra, accuracy, example, form, options
     )
     unmet = result.accuracy is not None and not result.accuracy.met
-    return int(unmet or (fail_on_limits and not result.within_limits))
+    return int(unmet or (fail_on_limits and result.within_limits is False))

@@ -55,7 +55,7 @@ def run_batch(
         outcomes = _gathered(work, jobs, tick, form == "text")
     batch = Batch(robot, tuple(outcomes))
     show(batch_json(batch) if form == "json" else f"\n{batch_text(batch, page())}")
-    return 2 if batch.count("failed") else int(fail_on_limits and not batch.within_limits)
+    return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 
 def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, Any]) -> tuple[Setup, str]:

@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from robodyn.doubts import Doubt
+from robodyn.limits import Coverage, within
+
 Status = Literal["computed", "finished before", "failed"]
 
 
@@ -38,6 +41,7 @@ class Outcome:
         table, document: the files of its torques and of its report, empty if it failed.
         samples, duration: of the motion [s].
         exceeded: joints and what of them is beyond a limit, such as "elbow velocity"; see `robodyn.result.Result`.
+        limits, doubts: what was checked, and what else is not sure, as `robodyn.result.Result` has it.
         joints: empty if it failed.
         error: one line that says why it failed, else empty.
     """
@@ -49,13 +53,15 @@ class Outcome:
     samples: int = 0
     duration: float = 0.0
     exceeded: tuple[str, ...] = ()
+    limits: tuple[Coverage, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
     joints: tuple[JointPeak, ...] = ()
     error: str = ""
 
     @property
-    def within_limits(self) -> bool:
-        """Whether the motion exceeds no limit."""
-        return not self.exceeded
+    def within_limits(self) -> bool | None:
+        """Return whether the motion exceeds no limit; None if that cannot be said, as for a motion that failed."""
+        return None if self.status == "failed" else within(bool(self.exceeded), self.limits, self.doubts)
 
 
 @dataclass(frozen=True)
@@ -100,9 +106,10 @@ class Batch:
         return sum(outcome.status == status for outcome in self.outcomes)
 
     @property
-    def within_limits(self) -> bool:
-        """Whether no motion exceeds a limit."""
-        return all(outcome.within_limits for outcome in self.outcomes)
+    def within_limits(self) -> bool | None:
+        """Return False if a motion exceeds a limit; None if it cannot be said of one that it does not; else True."""
+        found = {outcome.within_limits for outcome in self.outcomes}
+        return False if False in found else None if None in found else True
 
     @property
     def worst(self) -> tuple[Worst, ...]:

@@ -15,6 +15,7 @@ from robodyn.energy_ledger import EnergyLedger
 from robodyn.execute.choice import Choice
 from robodyn.execute.runner import Runner
 from robodyn.inverse import mass_matrix, runner_of
+from robodyn.limits import binding, coverage
 from robodyn.model import Model
 from robodyn.motion_input import sources_of
 from robodyn.overflow import check_figures, check_loads
@@ -91,8 +92,8 @@ class Pass:
         self.joints = joint_of_rates(model)[self.rates]
         self.positions = position_of_rates(model)[self.rates]
         self.statistics = Statistics(
-            np.array([np.inf if joint.effort is None else joint.effort for joint in self.joints]),
-            np.array([np.inf if joint.velocity is None else joint.velocity for joint in self.joints]),
+            np.array([binding(joint.effort) or np.inf for joint in self.joints]),
+            np.array([binding(joint.velocity) or np.inf for joint in self.joints]),
         )
         self.still: Still | None = None
         self.choice: Choice | None = None
@@ -194,6 +195,7 @@ class Pass:
             momentum=self.momentum.report() if self.momentum else None,
             history=self.history.history(gathered.at_peak) if self.history else None,
             sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
+            limits=coverage(self.joints),
         )
 
     def _poses(self) -> dict[int, Floats]:

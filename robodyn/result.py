@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
+from robodyn.doubts import Doubt
 from robodyn.effects.effect import Verdict
+from robodyn.limits import Coverage, Excess, within
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:
     from robodyn.history import History
     from robodyn.sizing_result import Sizing
-
-
-@dataclass(frozen=True)
-class Excess:
-    """A limit of the description that the motion exceeds; effort and velocity are magnitudes."""
-
-    joint: str
-    quantity: Literal["effort", "velocity", "position"]
-    value: float
-    limit: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -36,8 +27,8 @@ class JointLoad:
         peak_power, least_power: largest and smallest tau qd.
         work_positive, work_negative: done by and returned to the actuator.
         hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does.
-        effort_limit, velocity_limit: None where the description has none; a margin is limit - |value|, negative if
-            exceeded, for `seconds_over_effort` and `seconds_over_velocity`.
+        effort_limit, velocity_limit: None where the description has none or says 0; a margin is limit - |value|,
+            negative if exceeded, for `seconds_over_effort` and `seconds_over_velocity`.
         lower, upper, q_min, q_max: position limits and the range of the motion.
         uncertainty: standard deviation of the peak torque implied by differentiating noisy positions; 0 if none was.
         error_bar: what noise and smoothing make the peak torque be off by, at most in 19 of 20 cases.
@@ -89,9 +80,11 @@ class JointLoad:
         place = speed.partition("/")[0]
         out = []
         if self.effort_limit is not None and abs(self.peak) > self.effort_limit:
-            out.append(Excess(self.name, "effort", abs(self.peak), self.effort_limit, self.unit))
+            when = (self.peak_time, self.seconds_over_effort)
+            out.append(Excess(self.name, "effort", abs(self.peak), self.effort_limit, self.unit, *when))
         if self.velocity_limit is not None and abs(self.max_speed) > self.velocity_limit:
-            out.append(Excess(self.name, "velocity", abs(self.max_speed), self.velocity_limit, speed))
+            when = (self.max_speed_time, self.seconds_over_velocity)
+            out.append(Excess(self.name, "velocity", abs(self.max_speed), self.velocity_limit, speed, *when))
         if self.lower is not None and self.q_min < self.lower:
             out.append(Excess(self.name, "position", self.q_min, self.lower, place))
         if self.upper is not None and self.q_max > self.upper:
@@ -218,7 +211,13 @@ class Promise:
 
 @dataclass(frozen=True)
 class Result:
-    """What a robot carries along a motion."""
+    """What a robot carries along a motion.
+
+    Attributes:
+        warnings: all of them, those of `doubts` too.
+        limits: which limits the motion could be held against.
+        doubts: what else keeps "No limit is exceeded" from being the whole truth.
+    """
 
     robot: str
     samples: int
@@ -237,6 +236,8 @@ class Result:
     history: History | None = None
     sizing: Sizing | None = None
     accuracy: Promise | None = None
+    limits: tuple[Coverage, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:
@@ -244,6 +245,9 @@ class Result:
         return tuple(excess for joint in self.joints for excess in joint.exceeded)
 
     @property
-    def within_limits(self) -> bool:
-        """Whether the motion exceeds no limit of the description, and with sizing none of motors and gears."""
-        return not self.exceeded and not (self.sizing and self.sizing.exceeded)
+    def within_limits(self) -> bool | None:
+        """Return False if the motion exceeds a limit of the description, or with sizing one of motors and gears.
+
+        True if all joints have limits and none is exceeded; None if joints have no limits or something is in doubt.
+        """
+        return within(bool(self.exceeded or (self.sizing and self.sizing.exceeded)), self.limits, self.doubts)

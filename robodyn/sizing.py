@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.effects.friction import friction_of
 from robodyn.inverse import runner_of
+from robodyn.limits import binding
 from robodyn.model import Joint, Model
 from robodyn.plan import Plan
 from robodyn.result import ComponentLoad, EffectReport, JointLoad
@@ -71,8 +72,8 @@ def joint_load(
         work_positive=float(totals["positive"][k]),
         work_negative=float(totals["negative"][k]),
         hold=0.5 * (friction.forward - friction.backward),
-        effort_limit=joint.effort,
-        velocity_limit=joint.velocity,
+        effort_limit=binding(joint.effort),
+        velocity_limit=binding(joint.velocity),
         seconds_over_effort=float(totals["over effort"][k]),
         seconds_over_velocity=float(totals["over velocity"][k]),
         lower=joint.lower,

@@ -13,13 +13,13 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
-    ("errors", "spatial", "wording", "overlap", "installed", "motor", "ties"),
+    ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties"),
     ("whole_file", "inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
     ("urdf", "trajectory", "execute", "scene_table"),
     ("mesh",),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
-    ("joints", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),
+    ("joints", "limits", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays", "motors"),
     ("inverse", "accelerations", "loops", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),

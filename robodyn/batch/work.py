@@ -11,8 +11,10 @@ from typing import Any
 from robodyn.batch.jobs import Job
 from robodyn.batch.setup import Setup
 from robodyn.batch_result import JointPeak, Outcome, Status
+from robodyn.doubts import Doubt
 from robodyn.errors import InputError, RobodynError
 from robodyn.installed import version_of
+from robodyn.limits import Coverage, Quantity, Unchecked
 from robodyn.loads import torques
 from robodyn.motion_input import read_motion
 from robodyn.one_pass import output_names
@@ -132,8 +134,14 @@ def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:
         samples=document["samples"],
         duration=document["duration"],
         exceeded=_exceeded(document, sized),
+        limits=tuple(_coverage(*each) for each in document["limits"].items()),
+        doubts=tuple(Doubt(**each) for each in document["doubts"]),
         joints=joints,
     )
+
+
+def _coverage(quantity: Quantity, found: dict[str, Any]) -> Coverage:
+    return Coverage(quantity, tuple(found["checked"]), tuple(Unchecked(**each) for each in found["unchecked"]))
 
 
 def _exceeded(document: dict[str, Any], sized: list[dict[str, Any]]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from robodyn.checks.reading import Reading
 from robodyn.checks.tree import Tree, build_tree
 from robodyn.checks.view import View
 from robodyn.errors import DescriptionError
+from robodyn.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.urdf.description import Description, read_description
 
 if TYPE_CHECKING:
@@ -36,9 +37,9 @@ class Thresholds:
     """RD209: radius of gyration of a moving rigid group."""
     mass_ratio: float = 1000.0
     """RD210: masses of the rigid groups on both sides of a joint."""
-    most_effort: float = 1e5
+    most_effort: float = MOST_EFFORT
     """RD506: a greater effort is a sentinel."""
-    most_velocity: float = 1e4
+    most_velocity: float = MOST_VELOCITY
     """RD506: a greater velocity is a sentinel."""
     most_range: float = 1e4
     """RD504: a greater position limit is a sentinel."""

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from robodyn.batch_result import Batch, Outcome
+from robodyn.report.json_torques import limits_data
 
 
 def batch_json(batch: Batch) -> str:
@@ -30,4 +31,5 @@ def _file(outcome: Outcome) -> dict[str, Any]:
     if outcome.status == "failed":
         return {key: fields[key] for key in ("trajectory", "status", "error")}
     fields.pop("error")
+    fields["limits"] = limits_data(outcome.limits)
     return {**fields, "within_limits": outcome.within_limits}

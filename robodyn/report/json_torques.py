@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from robodyn.limits import Coverage
+from robodyn.report.limits_words import limits_verdict
 from robodyn.result import JointLoad, Result
 from robodyn.trajectory.motion import JointDerivation
 
@@ -54,6 +57,10 @@ def torques_json(result: Result) -> str:
         "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
         "derivatives": [_derived(joint) for joint in result.derivation.joints] if result.derivation else [],
         "limits_exceeded": [asdict(excess) for excess in result.exceeded],
+        "limits": limits_data(result.limits),
+        "within_limits": result.within_limits,
+        "verdict": asdict(limits_verdict(result)),
+        "doubts": [asdict(doubt) for doubt in result.doubts],
         "warnings": list(result.warnings),
     }
     if result.momentum is not None:
@@ -65,6 +72,14 @@ def torques_json(result: Result) -> str:
 
         document["sizing"] = sizing_data(result.sizing)
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
+    """Return by quantity the joints whose limits were checked, and those without, with what is given instead."""
+    return {
+        each.quantity: {"checked": list(each.checked), "unchecked": [asdict(one) for one in each.unchecked]}
+        for each in limits
+    }
 
 
 def _joint(joint: JointLoad) -> dict[str, Any]:

@@ -1,31 +1,88 @@
-"""Which limits a motion exceeds, and how near it comes to others, in plain words."""
+"""Which limits a motion exceeds, which could not be checked, and how near it comes to others, in plain words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from robodyn.report.document import Verdict
+from robodyn.doubts import Doubt
+from robodyn.limits import Coverage, Excess, Unchecked
+from robodyn.report.document import Level, Verdict
 from robodyn.report.table import number, printable
 from robodyn.result import JointLoad, Result
 
 _LINES = 15
 """So many limits are named at the top of a page."""
+_NAMES = 4
+"""So many joints are named of those that have no limit."""
 
 
 def limits_verdict(result: Result) -> Verdict:
-    """Whether the motion keeps to the limits of the description."""
-    joints = result.joints
-    over = [joint for joint in joints if joint.exceeded]
+    """Return whether the motion keeps to the limits of the description, as far as that was checked."""
+    of = " of the description" if result.sizing is not None and result.sizing.exceeded else ""
+    nearest = tuple(_nearest(result.joints))
+    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest, of)
+
+
+def verdict_on_limits(
+    joints: int,
+    exceeded: Sequence[Excess],
+    limits: Sequence[Coverage],
+    doubts: Sequence[Doubt] = (),
+    nearest: Sequence[str] = (),
+    of: str = "",
+) -> Verdict:
+    """Return the verdict, green only where every limit was checked and nothing is in doubt.
+
+    Args:
+        joints: how many there are.
+        exceeded: what is beyond a limit; limits: which there are.
+        doubts: what else the verdict depends on.
+        nearest: remarks on limits that are nearly reached.
+        of: whose limits, such as " of the description"; empty for all.
+    """
+    doubtful = tuple(doubt.said for doubt in doubts)
+    over = len({excess.joint for excess in exceeded})
     if over:
-        count = f"{len(over)} of {len(joints)} joints" if len(joints) > 1 else "The joint"
-        verb = "exceeds its limits" if len(over) == 1 else "exceed their limits"
-        lines = [line for joint in over for line in exceeded_words(joint)]
-        return Verdict("bad", f"{count} {verb}", _shortened(lines))
-    if not any(joint.effort_limit is not None or joint.velocity_limit is not None for joint in joints):
-        what = "There are no limits of effort and speed to hold this motion against"
-        return Verdict("neutral", what, _unlimited(joints))
-    of = "" if result.within_limits else " of the description"
-    return Verdict("good", f"No limit{of} is exceeded", (*_nearest(joints), *_unlimited(joints)))
+        count = f"{over} of {joints} joints" if joints > 1 else "The joint"
+        verb = "exceeds its limits" if over == 1 else "exceed their limits"
+        reasons = (*doubtful, *_shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
+        return Verdict("bad", f"{count} {verb}", reasons)
+    clauses = "".join(f", {doubt.clause}" if k else f" {doubt.clause}" for k, doubt in enumerate(doubts))
+    if not any(each.checked for each in limits):
+        why = "the description gives no limits" if joints else "the robot has no joints"
+        reasons = (*doubtful, *unchecked_words(limits))
+        return Verdict("doubtful" if doubts else "neutral", f"Nothing was checked: {why}", reasons)
+    partly = any(each.unchecked for each in limits)
+    headline = f"No limit{of} is exceeded{' where there is one' if partly else ''}{clauses}"
+    level: Level = "doubtful" if doubts else "neutral" if partly else "good"
+    return Verdict(level, headline, (*doubtful, *unchecked_words(limits), *nearest))
+
+
+def unchecked_words(limits: Sequence[Coverage]) -> tuple[str, ...]:
+    """Return a sentence for each quantity of which joints have no limit."""
+    lines = []
+    for each in limits:
+        if each.unchecked:
+            count = f"{len(each.unchecked)} of {len(each.unchecked) + len(each.checked)} joints"
+            who = "; ".join(_without(each.unchecked))
+            lines.append(f"{count} have no {each.quantity} limit: not checked ({who}).")
+    return tuple(lines)
+
+
+def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
+    """Return the joints without a limit: those of which the description says nothing, 0, or a huge number."""
+    silent = [each.joint for each in unchecked if each.given is None]
+    zero = [each.joint for each in unchecked if each.given is not None and each.given <= 0.0]
+    huge = {each.joint: each.given for each in unchecked if each.given is not None and each.given > 0.0}
+    least = f"{min(huge.values(), default=0.0):g}{' or more' if len(set(huge.values())) > 1 else ''}"
+    for names, why in (
+        (silent, ""),
+        (zero, "0, which means none, for "),
+        (list(huge), f"{least}, which limits nothing, for "),
+    ):
+        if names:
+            more = f" and {len(names) - _NAMES} more" if len(names) > _NAMES else ""
+            yield f"{why}{', '.join(printable(name) for name in names[:_NAMES])}{more}"
 
 
 def _shortened(lines: list[str]) -> tuple[str, ...]:
@@ -35,25 +92,19 @@ def _shortened(lines: list[str]) -> tuple[str, ...]:
     return (*lines[:_LINES], f"{len(lines) - _LINES} more limits are exceeded: see the table of the joints.")
 
 
-def exceeded_words(joint: JointLoad) -> Iterator[str]:
-    """A sentence for each limit that a joint exceeds."""
-    name, what = printable(joint.name), "force" if joint.unit == "N" else "torque"
-    speed, place = ("m/s", "m") if joint.unit == "N" else ("rad/s", "rad")
-    for excess in joint.exceeded:
-        if excess.quantity == "position":
-            side = "below its lower" if excess.limit == joint.lower else "above its upper"
-            yield f"{name} goes to {excess.value:.6g} {place}, {side} limit of {excess.limit:.6g} {place}."
-        elif excess.quantity == "effort":
-            yield (
-                f"{name} needs a {what} of {number(excess.value)} {joint.unit} at {joint.peak_time:.6g} s, "
-                f"{_percent(excess.value, excess.limit)} its limit of {excess.limit:g} {joint.unit}; "
-                f"it is beyond the limit for {joint.seconds_over_effort:.3g} s."
-            )
-        else:
-            yield (
-                f"{name} moves at {number(excess.value)} {speed}, {_percent(excess.value, excess.limit)} its limit of "
-                f"{excess.limit:g} {speed}; it is beyond the limit for {joint.seconds_over_velocity:.3g} s."
-            )
+def exceeded_words(excess: Excess) -> str:
+    """Return a sentence on a limit that is exceeded."""
+    name, value, limit, unit = printable(excess.joint), excess.value, excess.limit, excess.unit
+    if excess.quantity == "position":
+        side = "below its lower" if value < limit else "above its upper"
+        return f"{name} goes to {value:.6g} {unit}, {side} limit of {limit:.6g} {unit}."
+    beyond = "" if excess.seconds is None else f"; it is beyond the limit for {excess.seconds:.3g} s"
+    percent = f"{100 * value / limit:.0f} % of its limit of {limit:g} {unit}{beyond}."
+    if excess.quantity == "velocity":
+        return f"{name} moves at {number(value)} {unit}, {percent}"
+    what = "force" if unit == "N" else "torque"
+    when = "" if excess.time is None else f" at {excess.time:.6g} s"
+    return f"{name} needs a {what} of {number(value)} {unit}{when}, {percent}"
 
 
 def worst_joint(result: Result) -> int | None:
@@ -75,20 +126,8 @@ def speed_use(joint: JointLoad) -> float:
     return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
 
 
-def _percent(value: float, limit: float) -> str:
-    return f"{100 * value / limit:.0f} % of" if limit > 0 else "beyond"
-
-
 def _nearest(joints: Sequence[JointLoad]) -> Iterator[str]:
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
-        joint = max(joints, key=use)
-        if use(joint):
+        joint = max(joints, key=use, default=None)
+        if joint is not None and use(joint):
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
-
-
-def _unlimited(joints: Sequence[JointLoad]) -> tuple[str, ...]:
-    free = [printable(joint.name) for joint in joints if joint.effort_limit is None]
-    if not free:
-        return ()
-    some = ", ".join(free[:4]) + (f" and {len(free) - 4} more" if len(free) > 4 else "")
-    return (f"Without a limit of effort in the description: {some}.",)

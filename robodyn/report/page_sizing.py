@@ -36,7 +36,7 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
         return
     yield Heading("Motors, bearings, foundation")
     if not sizing.exceeded:
-        yield sizing_verdict(sizing)
+        yield sizing_verdict(result)
     figures = [] if curves is None else list(_figures(result, sizing, model, scene, curves))
     if figures:
         yield Gallery(tuple(figures))
@@ -52,14 +52,19 @@ def _tables(result: Result, page: Page) -> Iterator[str]:
             yield part
 
 
-def sizing_verdict(sizing: Sizing) -> Verdict:
-    """Whether motors, gears and joints bear the motion."""
+def sizing_verdict(result: Result) -> Verdict:
+    """Return whether motors, gears and joints bear the motion; green only where all have limits, none in doubt."""
+    sizing = result.sizing
+    assert sizing is not None, "it is asked for"
     over = [joint for joint in sizing.joints if joint.exceeded]
     if not over:
         known = [joint for joint in sizing.joints if joint.level == "OK"]
         if not known:
             return Verdict("neutral", "No limits of motors and gears are known")
-        return Verdict("good", f"{len(known)} of {len(sizing.joints)} joints have limits, and keep to them")
+        clauses = ", ".join(doubt.clause for doubt in result.doubts)
+        headline = f"{len(known)} of {len(sizing.joints)} joints have limits, and keep to them"
+        sure: Level = "good" if len(known) == len(sizing.joints) else "neutral"
+        return Verdict("doubtful" if clauses else sure, f"{headline} {clauses}".strip())
     level: Level = "bad" if any(joint.level == "over peak" for joint in over) else "doubtful"
     reasons = tuple(f"{printable(joint.name)}: {in_words(each)}." for joint in over for each in joint.exceeded)
     count = f"{len(over)} of {len(sizing.joints)} joints ask more than their motors, gears or limits bear"

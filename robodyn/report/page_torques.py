@@ -51,7 +51,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     if result.sizing is not None and result.sizing.exceeded:
         from robodyn.report.page_sizing import sizing_verdict
 
-        blocks.append(sizing_verdict(result.sizing))
+        blocks.append(sizing_verdict(result))
     if result.accuracy is not None:
         met = result.accuracy.met
         headline = "The accuracy asked for is met" if met else "The accuracy asked for is not met"

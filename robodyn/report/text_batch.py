@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from robodyn.batch_result import Batch, Outcome, Status, Worst
+from robodyn.report.limits_words import unchecked_words, verdict_on_limits
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_torques import count, use
 
@@ -27,12 +30,23 @@ def batch_text(batch: Batch, page: Page = PLAIN) -> str:
     kinds: tuple[Status, ...] = ("computed", "finished before", "failed")
     found = [f"{amount} {kind}" for kind in kinds if (amount := batch.count(kind))]
     head = f"{printable(batch.robot)}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}\n"
-    worst = batch.worst
-    if not worst:
-        return head
-    limits = sum(not outcome.within_limits for outcome in batch.outcomes)
-    over = f"LIMITS EXCEEDED in {count(limits, 'file')}" if limits else "No limit is exceeded."
-    return f"{head}\nThe worst of each joint\n{page.table(_table(worst))}\n{over}\n"
+    done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
+    worst = f"The worst of each joint\n{page.table(_table(batch.worst))}\n" if batch.worst else ""
+    return f"{head}\n{worst}{_limits(done)}" if done else head
+
+
+def _limits(done: Sequence[Outcome]) -> str:
+    """Return the verdict on the limits of all motions, and what is in doubt, each with the files that it is about."""
+    doubts = {doubt.clause: doubt for outcome in done for doubt in reversed(outcome.doubts)}
+    limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
+    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(doubts.values()))
+    said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else f"{verdict.headline}."
+    lines = [said, *unchecked_words(limits)]
+    for clause in doubts:
+        about = [(x.trajectory, doubt.said) for x in done for doubt in x.doubts if doubt.clause == clause]
+        others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
+        lines.append(f"warning: {printable(about[0][0])}{others}: {printable(about[0][1])}")
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _table(worst: tuple[Worst, ...]) -> Content:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from robodyn.limits import Excess
+from robodyn.report.limits_words import limits_verdict, unchecked_words
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_joints import derivation_table, share_table
-from robodyn.result import Excess, JointLoad, Result
+from robodyn.result import JointLoad, Result
 
 
 def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:
@@ -81,9 +83,8 @@ def use(value: float, limit: float | None) -> str:
     """How much of a limit a value takes, in percent."""
     if limit is None:
         return "-"
-    percent = 100.0 * abs(value) / limit if limit > 0.0 else 0.0
-    share = ">100" if limit <= 0.0 < abs(value) else "<1" if 0.0 < percent < 0.5 else f"{percent:.0f}"
-    return f"{share}% of {limit:g}"
+    percent = 100.0 * abs(value) / limit
+    return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"
 
 
 def base_table(result: Result) -> Content:
@@ -137,20 +138,16 @@ def _checks(result: Result) -> str:
 
 def _limits(result: Result, page: Page) -> str:
     exceeded = result.exceeded
+    unchecked = "".join(f"{line}\n" for line in unchecked_words(result.limits))
     if not exceeded:
-        what = "No limit is exceeded" if result.within_limits else "No limit of the description is exceeded"
-        return f"{what}.\n" if any(map(_limited, result.joints)) else ""
+        return f"{limits_verdict(result).headline}.\n{unchecked}" if result.joints or result.doubts else ""
     found: dict[str, dict[str, list[str]]] = {}
     for excess in exceeded:
         found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
     quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
     rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
     title = f"LIMITS EXCEEDED by {len(found)} of {count(len(result.joints), 'joint')}"
-    return f"{title}\n{page.table((('joint', *quantities), rows))}"
-
-
-def _limited(joint: JointLoad) -> bool:
-    return any(limit is not None for limit in (joint.effort_limit, joint.velocity_limit, joint.lower, joint.upper))
+    return f"{title}\n{page.table((('joint', *quantities), rows))}{unchecked}"
 
 
 def _over(excess: Excess) -> str:

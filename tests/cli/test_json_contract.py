@@ -37,6 +37,10 @@ TOP = [
     "plan",
     "derivatives",
     "limits_exceeded",
+    "limits",
+    "within_limits",
+    "verdict",
+    "doubts",
     "warnings",
 ]
 JOINT = [
@@ -165,9 +169,10 @@ def test_exceeded_limits_are_data(tmp_path: Path) -> None:
         ARM.replace('upper="3"', 'upper="0.01"').replace('velocity="5"', 'velocity="0.15"')
     )
     (tmp_path / "arm.csv").write_text(motion(10))
+    during, never = {"time": 0.0, "seconds": 0.09}, {"time": None, "seconds": None}
     assert document(str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv"))["limits_exceeded"] == [
-        {"joint": "elbow", "quantity": "velocity", "value": 0.2, "limit": 0.15, "unit": "rad/s"},
-        {"joint": "elbow", "quantity": "position", "value": 0.2 * 9 / 100, "limit": 0.01, "unit": "rad"},
+        {"joint": "elbow", "quantity": "velocity", "value": 0.2, "limit": 0.15, "unit": "rad/s", **during},
+        {"joint": "elbow", "quantity": "position", "value": 0.2 * 9 / 100, "limit": 0.01, "unit": "rad", **never},
     ]
 
 

@@ -33,7 +33,6 @@ def test_within_limits(tmp_path: Path) -> None:
         ({"velocity": "0.15"}, "velocity"),
         ({"upper": "0.01"}, "position"),
         ({"lower": "0.001"}, "position"),
-        ({"effort": "0"}, "effort"),
     ],
 )
 @pytest.mark.parametrize("form", ["text", "json"])

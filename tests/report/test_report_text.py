@@ -135,9 +135,10 @@ def test_limits_in_one_line_a_joint() -> None:
 def test_use_of_limits() -> None:
     data = result("scara", "scara_pick_and_place", None)
     shoulder, elbow, quill = data.joints
-    odd = (replace(shoulder, effort_limit=0.0), replace(elbow, effort_limit=None), replace(quill, effort_limit=1e5))
+    odd = (replace(shoulder, effort_limit=1.0), replace(elbow, effort_limit=None), replace(quill, effort_limit=1e5))
     lines = section(torques_text(replace(data, joints=odd)), "joint ")
-    assert [re.split(r"  +", line)[-2] for line in lines[1:]] == [">100% of 0", "-", "<1% of 100000"]
+    used = f"{100 * abs(shoulder.peak):.0f}% of 1"
+    assert [re.split(r"  +", line)[-2] for line in lines[1:]] == [used, "-", "<1% of 100000"]
 
 
 def test_explain_names_every_effect_and_why() -> None:
