@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-from types import MappingProxyType
 
 import numpy as np
 
-from robodyn.inertia.moments import MASSLESS, Inertia, combined, inertia_of
+from robodyn.inertia.moments import Inertia, combined, inertia_of
 from robodyn.inertia.validity import unphysical
-from robodyn.joints import elementary, fixed, numbered, placement
+from robodyn.joints import elementary, numbered, placement
 from robodyn.model import Body, Floats, Frame, Joint, Model
 from robodyn.spatial import snapped
 from robodyn.urdf.description import Description, Inertial, load_description
@@ -70,10 +69,9 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
             body, R, p = frames[link.name]
             parts[body].append(_moments(link.inertial, R, p))
     joints = numbered(joints, description)
-    inertias = [_added(some) for some in parts]
+    inertias = [combined(some) for some in parts]
     bodies = tuple(Body(*row) for row in zip(names, parents, joints, inertias, strict=True))
-    links = {name: Frame(body, fixed(R), fixed(p)) for name, (body, R, p) in frames.items()}
-    return Model(description.name, description.file, bodies, MappingProxyType(links), _notes(description))
+    return Model(description.name, description.file, bodies, frames, _notes(description))
 
 
 def _base(description: Description, carried: dict[str, list[DescribedJoint]], moving: bool) -> tuple[str, Joint]:
@@ -93,11 +91,6 @@ def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
 def _matrix(inertial: Inertial) -> Floats:
     xx, xy, xz, yy, yz, zz = inertial.inertia
     return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-
-
-def _added(parts: list[Inertia]) -> Inertia:
-    m, mc, I = combined(parts) if parts else MASSLESS
-    return Inertia(m, fixed(mc), fixed(I))
 
 
 def _notes(description: Description) -> tuple[str, ...]:

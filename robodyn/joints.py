@@ -97,9 +97,6 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
                 offset=offset,
                 reduction=geared.reduction if geared else 1.0,
                 rotor_inertia=(geared.rotor_inertia or 0.0) if geared else 0.0,
-                R=fixed(joint.R),
-                p=fixed(joint.p),
-                axis=fixed(joint.axis),
             )
         )
     return out
@@ -122,9 +119,3 @@ def _master(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, fl
             )
         i = index[followed]
     return i, multiplier, offset
-
-
-def fixed(array: Floats) -> Floats:
-    """The same array, read-only from now on."""
-    array.flags.writeable = False
-    return array

@@ -10,13 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.frozen import Frozen
 from robodyn.inertia.moments import Inertia
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class Joint(Frozen):
     """What carries a body: its motion relative to the parent body.
 
     Attributes:
@@ -54,7 +55,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(Frozen):
     """Links that move as one. Its frame is that of the link that its joint carries, whose name it bears."""
 
     name: str
@@ -72,7 +73,7 @@ class Frame(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class Model(Frozen):
     """A tree of bodies; bodies[0] is the base and bodies[i].parent < i.
 
     Attributes:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from robodyn.frozen import FrozenValue
+
 Curve = tuple[tuple[float, float], ...]
 """(speed, torque) points with increasing speeds, straight lines between them; nothing beyond the last speed."""
 
 
 @dataclass(frozen=True)
-class Motor:
+class Motor(FrozenValue):
     """What drives a joint. Rotor inertia and gear ratio stand in the scene's `Rotor` of the joint.
 
     Speeds and torques are magnitudes at the motor's shaft [rad/s, N m] (of a linear motor m/s, N); the same curves hold

@@ -30,7 +30,7 @@ class Loads(NamedTuple):
     reactions: list[Wrench]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Plan:
     """What is computed for one model and scene, for motions that are zero where `still` says so.
 

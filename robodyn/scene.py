@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from robodyn.frozen import FrozenValue
+
 if TYPE_CHECKING:
     from robodyn.motor import Motor
 
@@ -17,7 +19,7 @@ GROUND = "ground"
 
 
 @dataclass(frozen=True)
-class Friction:
+class Friction(FrozenValue):
     """Friction of a joint: viscous qd, plus `forward` at qd > 0 or `backward` at qd < 0, plus Stribeck's excess.
 
     Attributes:
@@ -35,7 +37,7 @@ class Friction:
 
 
 @dataclass(frozen=True)
-class Rotor:
+class Rotor(FrozenValue):
     """A motor's rotor and the gear behind it.
 
     Attributes:
@@ -48,7 +50,7 @@ class Rotor:
 
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(FrozenValue):
     """A joint spring that pulls towards `rest` [rad] with `stiffness` [N m/rad]."""
 
     stiffness: float
@@ -56,7 +58,7 @@ class Spring:
 
 
 @dataclass(frozen=True)
-class Payload:
+class Payload(FrozenValue):
     """A mass fixed to a link.
 
     Attributes:
@@ -72,7 +74,7 @@ class Payload:
 
 
 @dataclass(frozen=True)
-class ExternalWrench:
+class ExternalWrench(FrozenValue):
     """A force [N] and a moment [N m] that act ON a link at a point of its frame [m].
 
     Attributes:
@@ -93,7 +95,7 @@ class ExternalWrench:
 
 
 @dataclass(frozen=True)
-class Immersed:
+class Immersed(FrozenValue):
     """A link in the scene's fluid.
 
     Attributes:
@@ -108,7 +110,7 @@ class Immersed:
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(FrozenValue):
     """The torque at a joint in a simulation: `torque + kp (reference - q) + kd (speed - qd)`.
 
     Attributes:
@@ -131,7 +133,7 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class LimitSpring:
+class LimitSpring(FrozenValue):
     """What pushes a joint back that is beyond a limit by x > 0: `max(stiffness x + damping xd, 0)`.
 
     Attributes:
@@ -143,7 +145,7 @@ class LimitSpring:
 
 
 @dataclass(frozen=True)
-class Loop:
+class Loop(FrozenValue):
     """A closure, by which the tree of links that a description is becomes a closed chain.
 
     Attributes:
@@ -168,9 +170,12 @@ class Loop:
     directions: tuple[Vector, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
+@dataclass(frozen=True)
+class Scene(FrozenValue):
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
+
+    Nothing in a scene can be edited; `dataclasses.replace(scene, friction={**scene.friction, "elbow": Friction(0.3)})`
+    is another. Scenes are compared by content.
 
     Attributes:
         gravity: m/s^2, in the axes of the ground (of a fixed base).
@@ -210,6 +215,9 @@ class Scene:
     loops: tuple[Loop, ...] = ()
     baumgarte: float = 0.0
     motor: Mapping[str, Motor] = field(default_factory=dict)
+
+    def __hash__(self) -> int:
+        return self._hash
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
+    ("frozen",),
     ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties"),
     ("whole_file", "inertia", "scene", "trace", "overflow", "statistics", "extremes", "sizing_result", "history"),
     ("urdf", "trajectory", "execute", "scene_table"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -31,7 +30,7 @@ def aligned(model: Model) -> Model:
     Q = [_axes(body.joint, first.get(i)) for i, body in enumerate(model.bodies)]
     bodies = tuple(_turned(body, Q[i], Q[body.parent] if i else np.eye(3)) for i, body in enumerate(model.bodies))
     links = {name: Frame(i, Q[i].T @ R, Q[i].T @ p) for name, (i, R, p) in model.links.items()}
-    return Model(model.name, model.file, bodies, MappingProxyType(links), model.notes)
+    return Model(model.name, model.file, bodies, links, model.notes)
 
 
 def _axes(joint: Joint, carried: Joint | None) -> Floats:

@@ -66,4 +66,5 @@ def test_wrong_shapes(message):
 def test_plans_are_made_once():
     model, scene = robot("puma560"), Scene()
     assert plan(model, scene) is plan(model, scene)
-    assert plan(model, scene) is not plan(model, Scene())
+    assert plan(model, scene) is plan(model, Scene())
+    assert plan(model, scene) is not plan(robodyn.load(model.file), scene)

@@ -1,0 +1,102 @@
+"""Data that cannot change after it is made: read-only copies of mappings, sequences and arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from numbers import Real
+from typing import Any, TypeVar
+
+V = TypeVar("V")
+
+
+class FrozenMapping(Mapping[str, V]):
+    """A read-only copy of a mapping, in its order; order does not count when two are compared."""
+
+    __slots__ = ("_values",)
+
+    def __init__(self, values: Mapping[str, V]) -> None:
+        self._values = dict(values)
+
+    def __getitem__(self, key: str) -> V:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._values.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._values)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._values,)
+
+
+class Frozen:
+    """A base of frozen dataclasses, which keep read-only copies of what they are given, and so do copies of them."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        for field in fields(self):  # type: ignore[arg-type]
+            object.__setattr__(self, field.name, self._kept(getattr(self, field.name)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+    @staticmethod
+    def _kept(value: Any) -> Any:
+        return frozen(value)
+
+
+class FrozenValue(Frozen):
+    """A base of dataclasses that are compared by content: equal ones are the same to the bit, and in every order."""
+
+    __slots__ = ("_hash",)
+    _hash: int
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        # Computed once, for programs are looked up by their scene at every call.
+        object.__setattr__(self, "_hash", hash(tuple(vars(self).values())))
+
+    @staticmethod
+    def _kept(value: Any) -> Any:
+        return frozen_value(value)
+
+
+def frozen(value: Any) -> Any:
+    """The value with read-only copies of mappings, sequences and arrays, also inside each other."""
+    if isinstance(value, Mapping):
+        return FrozenMapping({key: frozen(each) for key, each in value.items()})
+    if isinstance(value, (list, tuple)):
+        parts = [frozen(each) for each in value]
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+    if hasattr(value, "flags") and value.ndim:
+        copy = value.copy(order="K")
+        copy.flags.writeable = False
+        return copy
+    return value
+
+
+def frozen_value(value: Any) -> Any:
+    """The value with what can be written in several ways written in one.
+
+    Mappings are read-only and sorted, sequences and arrays are tuples, numbers are floats, zero has no sign.
+    """
+    if isinstance(value, Mapping):
+        return FrozenMapping({key: frozen_value(value[key]) for key in sorted(value)})
+    if isinstance(value, (list, tuple)):
+        return tuple(frozen_value(each) for each in value)
+    if hasattr(value, "tolist"):
+        return frozen_value(value.tolist())
+    if isinstance(value, Real) and not isinstance(value, bool):
+        number = float(value)
+        return math.nan if math.isnan(number) else number + 0.0
+    return value

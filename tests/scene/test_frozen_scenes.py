@@ -1,0 +1,184 @@
+"""Scenes cannot change after they are made; equal ones are the same to every program."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
+
+import numpy as np
+import pytest
+from busy_robot import BUSY_SCENE, busy_robot
+from oracles import robot
+
+import robodyn
+from robodyn.execute.llvm.build import code_key
+from robodyn.forward import acceleration_runner
+from robodyn.inverse import mass_runner, torque_runner
+from robodyn.motor import Motor
+from robodyn.plan import plan
+from robodyn.scene import DEFAULT, Drive, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
+from robodyn.simulation.run import simulate
+
+EVERYTHING = replace(
+    BUSY_SCENE,
+    motor={"j1": Motor(0.9, ((0.0, 2.0), (100.0, 1.0)), 3.0)},
+    drive={"j4": Drive(1.0, reference="plan"), "j1": Drive(kp=3.0)},
+    initial_q={"j1": 0.1, "j4": "begin"},
+    loops=(Loop("l", "l2", directions=((0.0, 1.0, 0.0),)),),
+)
+"""A scene with something in every field."""
+
+
+def _inside(value):
+    """A value and everything that it holds."""
+    yield value
+    if is_dataclass(value):
+        parts = [getattr(value, field.name) for field in fields(value)]
+    elif hasattr(value, "items"):
+        parts = [part for item in value.items() for part in item]
+    else:
+        parts = value if isinstance(value, tuple) else ()
+    for part in parts:
+        yield from _inside(part)
+
+
+def test_nothing_in_a_scene_can_be_edited():
+    """The field cannot be set, its mapping not be written to, and nothing that it holds is a list, dict or array."""
+    mappings = [field.name for field in fields(Scene) if hasattr(getattr(EVERYTHING, field.name), "items")]
+    assert {"friction", "rotor", "spring", "drive", "motor", "initial_q", "initial_qd"} == set(mappings)
+    for field in fields(Scene):
+        with pytest.raises(FrozenInstanceError):
+            setattr(EVERYTHING, field.name, getattr(DEFAULT, field.name))
+    for name in mappings:
+        for scene in (EVERYTHING, DEFAULT):
+            with pytest.raises(TypeError, match="does not support item assignment"):
+                getattr(scene, name)["j1"] = None
+            with pytest.raises(TypeError, match="does not support item deletion"):
+                del getattr(scene, name)["j1"]
+            assert not hasattr(getattr(scene, name), "update")
+    for value in _inside(EVERYTHING):
+        assert not isinstance(value, (list, dict, set, np.ndarray)), value
+        hash(value)
+
+
+def test_the_default_scene_cannot_change_torques():
+    model = robot("puma560")
+    before = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1)
+    with pytest.raises(TypeError):
+        DEFAULT.friction["waist"] = Friction(1000.0)
+    np.testing.assert_array_equal(robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1), before)
+
+
+def test_what_a_scene_was_made_of_can_change_without_it():
+    friction, gravity, curve = {"waist": Friction(2.0)}, np.array([0.0, 0.0, -9.81]), [[0.0, 2.0], [100.0, 1.0]]
+    loads = [Payload("flange", 1.0, com=[0.1, 0.0, 0.0])]
+    scene = Scene(gravity, friction, payloads=loads, motor={"waist": Motor(peak=curve)})
+    before = copy.deepcopy(scene)
+    friction["waist"], gravity[2], curve[0][1] = Friction(900.0), 5.0, 7.0
+    friction["elbow"] = Friction(1.0)
+    loads.append(Payload("flange", 9.0))
+    assert scene == before
+    assert scene.gravity == (0.0, 0.0, -9.81)
+    assert scene.friction == {"waist": Friction(2.0)}
+    assert scene.motor["waist"].peak == ((0.0, 2.0), (100.0, 1.0))
+
+
+def test_another_friction_by_replace_counts():
+    """What a user who wants to edit does instead."""
+    model, scene = robot("puma560"), Scene(friction={"waist": Friction(2.0)})
+    before = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1, scene=scene)
+    edited = replace(scene, friction={**scene.friction, "waist": Friction(5.0)})
+    after = robodyn.inverse_dynamics(model, 0.3, 0.2, 0.1, scene=edited)
+    np.testing.assert_allclose(after - before, [0.6, 0, 0, 0, 0, 0], atol=1e-14)
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x)), replace])
+def test_copies_are_equal_and_frozen(again):
+    twin = again(EVERYTHING)
+    assert twin == EVERYTHING
+    assert vars(twin).keys() == vars(EVERYTHING).keys() == {field.name for field in fields(Scene)}
+    assert hash(twin) == hash(EVERYTHING)
+    with pytest.raises(TypeError):
+        twin.friction["j1"] = Friction()
+    for value in _inside(twin):
+        assert not isinstance(value, (list, dict, set, np.ndarray)), value
+
+
+EQUAL = {
+    "order of joints": (
+        Scene(drive={"a": Drive("x"), "b": Drive("y")}),
+        Scene(drive={"b": Drive("y"), "a": Drive("x")}),
+    ),
+    "zeros": (Scene((0.0, 0.0, 0.0), {"a": Friction(0.0)}), Scene((0.0, -0.0, 0.0), {"a": Friction(-0.0)})),
+    "whole numbers": (
+        Scene((0, 0, -10), rotor={"a": Rotor(1, 2)}),
+        Scene((0.0, 0.0, -1e1), rotor={"a": Rotor(1.0, 2.0)}),
+    ),
+    "numbers of NumPy": (Scene(np.array([0, 0, -10])), Scene((np.float32(0), np.int64(0), -10.0))),
+    "no number": (Scene((0.0, float("nan"), 0.0)), Scene((0.0, np.float64("nan"), 0.0))),
+    "lists": (Scene(wrenches=[ExternalWrench("a", [1, 2, 3])]), Scene(wrenches=(ExternalWrench("a", (1, 2, 3)),))),
+}
+
+
+@pytest.mark.parametrize("pair", EQUAL.values(), ids=EQUAL)
+def test_equal_scenes_are_the_same_to_the_bit(pair):
+    """Nothing tells them apart, not even what is printed: the sign of a zero, or the order of columns."""
+    one, other = pair
+    assert one == other
+    assert hash(one) == hash(other)
+    assert repr(one) == repr(other)
+    assert one.table_columns == other.table_columns
+
+
+@pytest.mark.parametrize("field", [field.name for field in fields(Scene)])
+def test_every_field_counts(field):
+    default = getattr(DEFAULT, field)
+    bare = replace(EVERYTHING, **{field: "other" if isinstance(default, str) else default})
+    same = getattr(bare, field) == getattr(EVERYTHING, field)
+    assert same == (field in {"moving_base", "slip_speed", "initial_qd", "baumgarte"})
+    assert (bare == EVERYTHING) == same
+
+
+def test_equal_scenes_share_programs():
+    model = robot("puma560")
+    one, other = (Scene(friction={"waist": Friction(2.0)}, spring={"elbow": Spring(3.0)}) for _ in range(2))
+    assert one is not other
+    assert plan(model, one) is plan(model, other)
+    assert mass_runner(model, one) is mass_runner(model, other)
+    assert plan(model, one) is not plan(model, replace(one, spring={}))
+
+
+def test_runners_outlive_plans():
+    """A plan that was dropped from its cache and made again finds what was made for its like."""
+    model, scene = robot("puma560"), Scene(friction={"waist": Friction(2.5)})
+    first = plan(model, scene)
+    runners = torque_runner(first), acceleration_runner(first)
+    plan.cache_clear()
+    again = plan(model, scene)
+    assert again is not first
+    assert again == first
+    assert (torque_runner(again), acceleration_runner(again)) == runners
+
+
+def test_orders_of_drives_give_the_same_motion():
+    """A program that was made for one order finds its columns in a table that was read for another."""
+    model = busy_robot()
+    time = np.linspace(0.0, 0.05, 6)
+    table = {"time": time, "push": 3 * time, "lift": 2 - time}
+    drives = {"j1": Drive("push"), "slide": Drive("lift"), "j4": Drive(1.0)}
+    motions = [
+        simulate(model, Scene(drive=dict(items)), 0.05, table=table, step=0.01, executor="numpy").q
+        for items in (drives.items(), reversed(drives.items()))
+    ]
+    np.testing.assert_array_equal(*motions)
+
+
+def test_keys_of_machine_code_are_those_of_equal_scenes():
+    """The code's key is written with `repr`, to which 1 and 1.0 are different."""
+    model = robot("puma560")
+    keys = {
+        code_key(plan(model, Scene(rotor={"waist": rotor})).torques().operations).content
+        for rotor in (Rotor(2, 3), Rotor(2.0, 3.0), Rotor(np.float64(2.0), np.int32(3)))
+    }
+    assert len(keys) == 1
