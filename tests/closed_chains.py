@@ -78,8 +78,12 @@ def crank_slider(*, cut="small_end", **more):
     return built(*parts), scene
 
 
-def bennett(**more):
-    """Bennett's linkage: four hinges in space that move though their equations should not let them."""
+def bennett(*beside, **more):
+    """Bennett's linkage: four hinges in space that move though their equations should not let them.
+
+    Args:
+        beside: further links and joints, on l0.
+    """
     alpha, beta, a = 0.6, 1.1, 0.4
     b = a * np.sin(beta) / np.sin(alpha)
     parts, before, place = [link("l0")], "l0", {}
@@ -91,4 +95,4 @@ def bennett(**more):
     axes = {"axis": (0, -np.sin(alpha), np.cos(alpha)), "to_axis": (0, np.sin(beta), np.cos(beta))}
     loop = Loop("pin", "l3", (a, 0, 0), to_point=(-b, 0, 0), kind="hinge", **axes)
     start = {"j1": 0.8, "j2": 2.9, "j3": -0.8}
-    return built(*parts), Scene(loops=(loop,), initial_q=start, initial_qd={"j1": 3.0}, **more)
+    return built(*parts, *beside), Scene(loops=(loop,), initial_q=start, initial_qd={"j1": 3.0}, **more)

@@ -61,8 +61,8 @@ def simulation_accuracy(
         InputError: the scene does not fit the robot or the table, or no method gets through.
     """
     check_moves(model)
-    scene, said = with_friction(model, scene)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    scene, said = with_friction(model, signal.scene)
     if duration is None:
         duration = DURATION if signal.table is None else min(DURATION, signal.table.duration)
     followed = partial(simulate, model, table=signal.source)
@@ -70,7 +70,7 @@ def simulation_accuracy(
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     run = partial(followed, a_plan.scene)
     reference = motion_reference(a_plan, duration, run)
-    tries, start, executor = [], start_of(a_plan, signal), "auto" if compiler().problem else "compiled"
+    tries, start, executor = [], start_of(a_plan), "auto" if compiler().problem else "compiled"
     for method in METHODS:
         found, lost = _tries(a_plan, run, method, duration, reference, executor)
         tries += found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -65,7 +66,8 @@ def rollouts(
     Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at.
 
     Args:
-        q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops.
+        q, qd: (N, nq) and (N, n), as for `forward_dynamics`; of a closed chain they have to close its loops. Which of
+            the loops' equations imply others is judged where the scene begins, or at the first row if it does not say.
         steps, step: how many, a multiple of `every`, and how long [s].
         table: where the scene's drives or wrenches name columns, as for `simulate`: all motions follow it.
         method: one with steps of a fixed length.
@@ -83,7 +85,10 @@ def rollouts(
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene)
     if len(shape) != 1:
         raise InputError(f"the initial states have shape {shape}", remedy="give a row for each motion")
-    scene, _ = with_friction(model, scene)
+    signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    scene, _ = with_friction(model, signal.scene)
+    if scene.loops and not scene.initial_q:
+        scene = replace(scene, initial_q=dict(zip(model.coordinates, sources["q"][0].tolist(), strict=True)))
     a_plan, count, workers = plan(model, scene), shape[0], cores(threads)
     if scene.loops:
         check_closed(a_plan, sources["q"], sources["qd"])
@@ -93,7 +98,6 @@ def rollouts(
     first[:, : model.nq + model.n] = np.hstack((sources["q"], sources["qd"]))
     own = Equations(a_plan).width
     first[:, own - 1] = step
-    signal = Signal(scene, model, None if table is None else read_table(table, scene))
     signal.check_duration(steps * step)
     given = signal.in_steps(step * np.arange(float(steps)), step, chosen.moments) if signal.curves else None
     chunk = max(PIECE // every, 1) if signal.curves else steps

@@ -28,7 +28,7 @@ from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.slip import with_friction
-from robodyn.simulation.table import Signal, Source, Table, read_table
+from robodyn.simulation.table import Signal, Source, read_table
 
 Floats = NDArray[np.float64]
 DURATION = 10.0
@@ -73,14 +73,14 @@ def simulate(
     check_moves(model)
     how = how_of(step, rtol, method)
     _check_positive(duration=duration, step=step, rtol=rtol)
-    scene, notes = with_friction(model, scene)
-    a_plan = plan(model, scene)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    scene, notes = with_friction(model, signal.scene)
+    a_plan = plan(model, scene)
     length = duration or (DURATION if signal.table is None else signal.table.duration)
-    begun = initial_state(model, scene, signal.table)
+    begun = initial_state(model, scene)
     how, stiff, remedy = way(a_plan, how, begun[: model.nq], length, step is None, method is None)
     try:
-        motion = integrated(a_plan, how, length, executor, signal, start_of(a_plan, signal))
+        motion = integrated(a_plan, how, length, executor, signal, start_of(a_plan))
     except InputError as error:
         raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
@@ -115,13 +115,13 @@ def simulate(
     )
 
 
-def start_of(a_plan: Plan, signal: Signal) -> Floats:
+def start_of(a_plan: Plan) -> Floats:
     """(width,) the state in which a motion begins, its loops closed.
 
     Raises:
         InputError: they cannot be.
     """
-    state = initial_state(a_plan.model, a_plan.scene, signal.table)
+    state = initial_state(a_plan.model, a_plan.scene)
     return closed_start(Closing(a_plan), state) if a_plan.scene.loops else state
 
 
@@ -140,11 +140,11 @@ def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: S
     return ready.motion(state, duration, how.step, limits)
 
 
-def initial_state(model: Model, scene: Scene, table: Table | None = None) -> Floats:
+def initial_state(model: Model, scene: Scene) -> Floats:
     """(width,) q, qd, no work done, and no step yet; where the scene says nothing, 0 and no turn.
 
     Args:
-        table: whose first row is the value of a column that the scene names.
+        scene: that of a `Signal`, whose initial state is in numbers.
 
     Raises:
         InputError: a quaternion is zero.
@@ -156,7 +156,8 @@ def initial_state(model: Model, scene: Scene, table: Table | None = None) -> Flo
     qd = dict.fromkeys(model.rates, 0.0)
     for values, begun in ((q, scene.initial_q), (qd, scene.initial_qd)):
         for name, entry in begun.items():
-            values[name] = entry if not isinstance(entry, str) else float(table.columns[entry][0]) if table else 0.0
+            assert not isinstance(entry, str), "a scene of a Signal has its initial state in numbers"
+            values[name] = entry
     state = np.array([*q.values(), *qd.values(), 0.0, 0.0])
     for joint in model.independent:
         if joint.kind == "floating":

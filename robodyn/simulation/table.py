@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, SceneError
 from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.scene import Entry, Scene
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.layout import listing
@@ -97,11 +97,24 @@ def _curves(scene: Scene) -> Iterator[Curve]:
             yield Curve(drive.speed, REFERENCE)
 
 
+def _begun(scene: Scene, table: Table) -> Scene:
+    """The scene with the initial state in numbers."""
+
+    def numbers(begun: Mapping[str, Entry]) -> Mapping[str, Entry]:
+        return {name: float(table.columns[x][0]) if isinstance(x, str) else x for name, x in begun.items()}
+
+    named = any(isinstance(x, str) for begun in (scene.initial_q, scene.initial_qd) for x in begun.values())
+    return replace(scene, initial_q=numbers(scene.initial_q), initial_qd=numbers(scene.initial_qd)) if named else scene
+
+
 class Signal:
     """The curves of a scene at any time of a simulation.
 
     References are cubic splines through the rows (not-a-knot), their rates the slopes of these. Torques and wrenches
     are straight between rows, or, where the scene holds them, those of the last row.
+
+    Attributes:
+        scene: with the initial state in numbers, those of the first row where columns are named.
     """
 
     def __init__(self, scene: Scene, model: Model, table: Table | None) -> None:
@@ -115,13 +128,16 @@ class Signal:
             raise SceneError(what, remedy="give the table: --traj FILE")
         if table is not None and len(table.time) < 2:
             raise InputError("the table has one row", remedy="give two at least", file=table.file)
+        self.scene = scene if table is None else _begun(scene, table)
         endless = {joint.name for joint in model.independent if joint.continuous}
         self._wrapped = {drive.reference for name, drive in scene.drive.items() if name in endless}
 
     @property
     def source(self) -> Mapping[str, Floats] | None:
-        """The table as arrays by name."""
-        return None if self.table is None else {"time": self.table.time, **self.table.columns}
+        """The table as arrays by name; None where `scene` needs none."""
+        if self.table is None or not self.scene.table_columns:
+            return None
+        return {"time": self.table.time, **self.table.columns}
 
     @cached_property
     def _splines(self) -> Callable[..., Floats]:

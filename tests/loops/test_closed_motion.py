@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -217,3 +218,21 @@ def test_rollouts_of_states_on_the_loops():
     q[1, 0] += 0.1
     with pytest.raises(InputError, match="row 1 misses the loops by 0"):
         robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene)
+
+
+def test_redundancy_is_judged_where_a_column_of_the_table_begins():
+    """Two rods in line, as they are at zero, cannot bend to close their loop, so that nothing can be judged there."""
+    rod = 1.0, (0.25, 0, 0), (0.01, 0, 0, 0.02, 0, 0.02)
+    rods = link("r1", *rod), link("r2", *rod), joint("k1", "l0", "r1"), joint("k2", "r1", "r2", xyz=(0.5, 0, 0))
+    model, scene = bennett(*rods)
+    tie = Loop("tie", "r2", (0.5, 0, 0), to_point=(0.6, 0, 0))
+    scene = replace(scene, loops=(*scene.loops, tie), initial_q={**scene.initial_q, "k1": 1.0, "k2": -2.0})
+    table = {"time": [0.0, 1.0], **{name: [x, 0.0] for name, x in scene.initial_q.items()}, "rate": [3.0, 0.0]}
+    named = replace(scene, initial_q={name: name for name in scene.initial_q}, initial_qd={"j1": "rate"})
+    result, expected = robodyn.simulate(model, named, 0.1, table=table), robodyn.simulate(model, scene, 0.1)
+    assert result.loops.dropped == expected.loops.dropped
+    assert sum(name.startswith("pin") for name in expected.loops.dropped) == 3
+    np.testing.assert_array_equal(result.q, expected.q)
+    bare = replace(scene, initial_q={}, initial_qd={})
+    many = robodyn.rollouts(model, expected.q[:1], expected.qd[:1], 100, 1e-3, scene=bare, every=100)
+    assert np.abs(many.q[-1] - expected.q[-1]).max() <= 1e-12

@@ -17,7 +17,6 @@ from robodyn.report.plot_accuracy import accuracy_figure
 from robodyn.report.ticks import log_ticks, tick_labels
 
 
-
 def ladder(errors: list[float], times: list[float]) -> Accuracy:
     """Methods with these errors and times [s]."""
     rungs = tuple(
