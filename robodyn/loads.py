@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
@@ -68,9 +68,9 @@ def torques(
         options = Options(reactions, executor, threads, momentum, sized, history)
         run = Pass(model, scene, options, getattr(motion, "file", None))
         last: Trajectory | None = None
-        for block in (motion,) if isinstance(motion, Trajectory) else ahead(motion.blocks()):
+        for block, left in ahead(_blocks(motion)):
             if len(block):
-                columns, last = run.take(block, _samples_left(motion, block)), block
+                columns, last = run.take(block, left), block
                 for sink in sinks:
                     sink(block.time, columns)
     if last is None:
@@ -87,9 +87,17 @@ def _opened(
     return nullcontext(trajectory)
 
 
-def _samples_left(trajectory: Trajectory | TrajectoryReader, block: Trajectory) -> int:
-    """About how many samples there are from this block on."""
-    if isinstance(trajectory, Trajectory) or not trajectory.position_bytes:
+def _blocks(motion: Trajectory | TrajectoryReader) -> Iterator[tuple[Trajectory, int]]:
+    """Yield the blocks, and about how many samples there are from each on: by where the reader is after that one."""
+    if isinstance(motion, Trajectory):
+        yield motion, len(motion)
+        return
+    for block in motion.blocks():
+        yield block, _samples_left(motion, block)
+
+
+def _samples_left(trajectory: TrajectoryReader, block: Trajectory) -> int:
+    if not trajectory.position_bytes:
         return len(block)
     before = block.first_row - 1
     whole = (before + len(block)) * trajectory.size_bytes // trajectory.position_bytes

@@ -83,6 +83,7 @@ class Pass:
 
     Attributes:
         still: what has been zero in every block so far.
+        whole, checked: how many samples there are in all, by the largest estimate so far, and those of the laws.
     """
 
     def __init__(self, model: Model, scene: Scene, options: Options, file: str | None) -> None:
@@ -97,6 +98,7 @@ class Pass:
         )
         self.still: Still | None = None
         self.choice: Choice | None = None
+        self.whole = self.checked = 0
         self.ledger = EnergyLedger()
         self.laws = LawResiduals()
         self.history: Recorder | None = None
@@ -125,33 +127,36 @@ class Pass:
         programs = _programs(plan(self.model, self.scene, pattern), wrenches)
         samples, n = len(block), self.model.n
 
-        def run(runner: Runner, given: dict[str, Floats]) -> Floats:
-            count = len(given["q"])
-            expected = count * left // samples
-            how = self.options
-            return runner(given, count, executor=how.executor, threads=how.threads, expected=expected)
+        rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
+        self.whole = max(self.whole, self.statistics.samples + left)
+        self.checked = self.checked or -(-self.whole * len(rows) // samples)
 
-        loads = run(programs.wrenches, sources)
+        def run(runner: Runner, given: dict[str, Floats], expected: int) -> Floats:
+            how = self.options
+            return runner(given, len(given["q"]), executor=how.executor, threads=how.threads, expected=expected)
+
+        loads = run(programs.wrenches, sources, self.whole)
         self.choice = programs.wrenches.choice
         check_loads(loads, self.names, block.first_row, self.file)
         tau, base = loads[:, :n], loads[:, n : n + 6]
-        net = np.einsum("ij,ij->i", tau, block.qd) - run(programs.losses, sources)[:, 0]
-        rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
+        net = np.einsum("ij,ij->i", tau, block.qd) - run(programs.losses, sources, self.whole)[:, 0]
         checked = {name: values[rows] for name, values in sources.items()}
-        expected = run(programs.laws, checked)
+        expected = run(programs.laws, checked, self.checked)
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
-        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked)[:, 0])
+        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked, self.checked)[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
-            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources))
+            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources, self.whole))
         columns = loads if self.options.reactions else tau
         if self.momentum is None:
             return columns
-        return np.hstack((columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources))))
+        return np.hstack(
+            (columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources, self.whole)))
+        )
 
     @np.errstate(all="ignore")
     def result(self, last: Trajectory, explain: bool) -> Result:
@@ -212,5 +217,6 @@ class Pass:
         joints = [derived.get(name) for name in self.model.rates]
         std = np.array([joint.std_acceleration_near(from_end) if joint else 0.0 for joint in joints])
         bar = np.array([joint.bar_acceleration_near(from_end) if joint else 0.0 for joint in joints])
-        M = mass_matrix(self.model, self.statistics.at_peak[k][1]["q"], scene=self.scene)[k + self.rates.start]
+        q = self.statistics.at_peak[k][1]["q"]
+        M = mass_matrix(self.model, q, scene=self.scene, executor="numpy")[k + self.rates.start]
         return float(np.linalg.norm(M * std)), float(np.linalg.norm(M * bar))

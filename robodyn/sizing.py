@@ -98,7 +98,7 @@ def shares_at_peaks(
     if states:
         sources = {name: np.stack([state[name] for state in states]) for name in states[0]}
         for effect in plan.effects:
-            tau = runner_of(plan.share(effect), plan)(sources, len(states))
+            tau = runner_of(plan.share(effect), plan)(sources, len(states), executor="numpy")
             for k, share in enumerate(shares):
                 share[effect.name] = float(tau[k, first_rate + k])
     return shares

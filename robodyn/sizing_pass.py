@@ -115,7 +115,7 @@ class SizingPass:
 
     def _motor(self, i: int, k: int, duration: float, poses: Mapping[int, Floats]) -> MotorLoad:
         train, rate = self.motors.trains[i], self.rates.start + k
-        M = mass_matrix(self.model, poses[k], scene=self.scene)
+        M = mass_matrix(self.model, poses[k], scene=self.scene, executor="numpy")
         return self.motors.load(i, duration, float(M[rate, rate]) - train.gear * train.gear * train.inertia)
 
     def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:

@@ -13,7 +13,7 @@ from robodyn.bench.samples import LAYOUTS, Floats, laid_out
 from robodyn.bench.timing import Copying, largest_difference, repeated, taking_turns
 from robodyn.errors import InputError
 from robodyn.execute.compiled_blocks import CompiledBlocks, content_of, kernel_of
-from robodyn.execute.llvm.build import is_kept
+from robodyn.execute.llvm.build import code_key, kept_objects
 from robodyn.execute.llvm.machine import Function, compiler, machine_code
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.overflow import REMEDY
@@ -73,7 +73,8 @@ def build_times(way: Executor, program: Program, widths: Mapping[str, int]) -> t
         return repeated(ready), None
     anew = repeated(partial(compile_anew, program, widths, way.dtype))
     ready()
-    return anew, repeated(ready) if is_kept(content_of(program, widths, way.dtype)) else None
+    kept = kept_objects().get(code_key(content_of(program, widths, way.dtype)))
+    return anew, None if kept is None else repeated(ready)
 
 
 def executor_benches(work: Work, threads: int) -> tuple[tuple[ExecutorBench, ...], CopyBench]:

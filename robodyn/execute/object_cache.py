@@ -96,14 +96,6 @@ class ObjectCache:
                 part.unlink(missing_ok=True)
             _prune(self._folder, self._largest)
 
-    def has(self, content: str) -> bool:
-        """Whether something of this content, intact or not and by whatever maker, is kept."""
-        if self._folder is None:
-            return False
-        with suppress(OSError):
-            return any(name.startswith(_short(content)) for name in os.listdir(self._folder))
-        return False
-
     def held(self) -> tuple[int, int]:
         """How many files are kept, and their bytes."""
         sizes: list[int] = []

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import sys
 import warnings
 from collections.abc import Mapping
-from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
-from robodyn.execute.choice import EXECUTORS, TYPICAL, Choice, Rates, Readiness, Work, choice, times
+from robodyn.execute.choice import EXECUTORS, Choice, Work, choice
 from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.trace.program import Program
@@ -25,17 +23,14 @@ if TYPE_CHECKING:
 
 PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
-WORTH_ASKING = 0.02
-"""Seconds of work by NumPy, on a typical machine, from which rates and kept machine code are looked up."""
-WORTH_MEASURING = 0.5
-"""Likewise, from which the rates of this machine are measured, if they are not known."""
 
 
 class Runner:
     """Runs a program on arrays of samples.
 
-    `auto` begins with NumPy and turns to machine code as soon as that would have been quicker for the samples seen so
-    far and those announced; results of the two differ by rounding. Name an executor where runs must agree to the bit.
+    Results of the executors differ by rounding. `auto` takes the one that suits the samples that are `expected`, which
+    is always the same one for the same work. Where none are, it begins with NumPy and turns to machine code as soon as
+    that would have been quicker for all samples so far: name an executor where such runs must agree to the bit.
 
     Attributes:
         choice: the executor of the last run, and why.
@@ -47,9 +42,7 @@ class Runner:
         self.choice = Choice("numpy", "nothing has run yet")
         self._numpy: dict[type, NumpyBlocks] = {}
         self._compiled: dict[type, CompiledBlocks] = {}
-        self._kept: dict[type, bool] = {}
         self._problem: str | None = None
-        self._rates: Rates | None = None
         self._samples = self._runs = self._blocks = 0
 
     def __call__(
@@ -71,7 +64,7 @@ class Runner:
             out: (samples, outputs) of `dtype`, written to if given.
             executor: "auto", "numpy", "compiled", or "double-double" (1e-30, some 100 times slower than "numpy").
             threads: of the compiled executor; None is all cores.
-            expected: samples of this run and of those that will follow, if known.
+            expected: samples of the whole work that this run is a part of; 0 if they are not known.
             dtype: float64 or float32: of inputs, results and all operations.
 
         Returns:
@@ -85,7 +78,7 @@ class Runner:
         kind, workers = np.dtype(dtype).type, cores(threads)
         if executor == PAIRS:
             return self._in_pairs(sources, samples, out)
-        if self._chosen(executor, kind, samples, max(expected, samples), workers) == "compiled":
+        if self._chosen(executor, kind, samples, expected) == "compiled":
             return self._compiled[kind](sources, samples, out, workers)
         run = self._by_numpy(kind)
         self._samples += samples
@@ -104,10 +97,10 @@ class Runner:
         out[...] = high
         return out
 
-    def _chosen(self, executor: str, kind: type, samples: int, expected: int, threads: int) -> str:
+    def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> str:
         """The executor to use, which is ready."""
         if executor == "auto":
-            self.choice = self._choice(kind, samples, expected, threads)
+            self.choice = self._choice(kind, samples, expected)
         elif executor in EXECUTORS:
             self.choice = Choice(executor, "as asked")
         else:
@@ -120,43 +113,17 @@ class Runner:
             _say(f"large work goes without machine code, tens of times slower: {problem}")
         return self.choice.executor
 
-    def _choice(self, kind: type, samples: int, expected: int, threads: int) -> Choice:
-        """The quicker executor, finding out no more than the work is worth."""
+    def _choice(self, kind: type, samples: int, expected: int) -> Choice:
+        """The executor that suits the work: all that is expected, or all so far."""
+        if self._problem:
+            return Choice("numpy", self._problem)
+        size, block = self.program.size, self._by_numpy(kind).block
+        if expected:
+            return choice(Work(size, expected, 1, -(-expected // block)))
         if kind in self._compiled:
             ready = Choice("compiled", "its machine code is ready")
             return self.choice if self.choice.executor == "compiled" else ready
-        if self._problem:
-            return Choice("numpy", self._problem)
-        runs = -(-expected // max(samples, 1))
-        blocks = runs * -(-samples // self._by_numpy(kind).block)
-        work = Work(self.program.size, self._samples + expected, self._runs + runs, self._blocks + blocks, threads)
-        best = Readiness(kept=True, started="llvmlite.binding" in sys.modules)
-        seconds, _ = times(work, best, TYPICAL)
-        if seconds < WORTH_ASKING:
-            return Choice("numpy", "little work, and it starts at once")
-        rates = self._rates_for(seconds)
-        hoped = choice(work, best, rates)
-        if hoped.executor == "numpy":
-            return hoped
-        return choice(work, best._replace(kept=self._is_kept(kind)), rates)
-
-    def _rates_for(self, seconds: float) -> Rates:
-        """The rates of this machine, measured if they are not known and the work is worth it; else the typical ones."""
-        from robodyn.execute.rates import stored_rates
-
-        rates = self._rates or stored_rates() or TYPICAL
-        if rates is TYPICAL and seconds > WORTH_MEASURING and not compiler().problem:
-            rates = _measured()
-        self._rates = rates
-        return rates
-
-    def _is_kept(self, kind: type) -> bool:
-        from robodyn.execute.compiled_blocks import content_of
-        from robodyn.execute.llvm.build import is_kept
-
-        if kind not in self._kept:
-            self._kept[kind] = is_kept(content_of(self.program, self.widths, kind))
-        return self._kept[kind]
+        return choice(Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block)))
 
     def _by_numpy(self, kind: type) -> NumpyBlocks:
         if kind not in self._numpy:
@@ -176,16 +143,6 @@ class Runner:
         except (OSError, RuntimeError) as error:
             return f"LLVM fails on this program ({one_line(error)})"
         return None
-
-
-@cache
-def _measured() -> Rates:
-    """The rates measured now, in some tenths of a second; the typical ones where the compiler fails."""
-    from robodyn.execute.rates import measured_rates
-
-    with suppress(OSError, RuntimeError):
-        return measured_rates()
-    return TYPICAL
 
 
 @cache

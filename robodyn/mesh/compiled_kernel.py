@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -119,25 +118,12 @@ def _dot(a: list[Any], b: list[Any]) -> Any:
 
 
 def _worth_its_start(count: int) -> bool:
-    from robodyn.execute.choice import TYPICAL, Readiness, Work, times
+    from robodyn.execute.choice import Work, times
 
     if _machine_code.cache_info().currsize:
         return True
     blocks = -(-count // ROWS)
-    work = Work(_program().size, count // TOGETHER, blocks, blocks, threads=1)
-    started = "llvmlite.binding" in sys.modules
-
-    def worth(kept: bool) -> bool:
-        return times(work, Readiness(kept, started), TYPICAL)[1] < count * BY_NUMPY
-
-    return worth(kept=True) and worth(kept=_is_kept())
-
-
-def _is_kept() -> bool:
-    from robodyn.execute.compiled_blocks import content_of
-    from robodyn.execute.llvm.build import is_kept
-
-    return is_kept(content_of(_program(), _WIDTHS, np.float64))
+    return times(Work(_program().size, count // TOGETHER, blocks, blocks))[1] < count * BY_NUMPY
 
 
 @cache

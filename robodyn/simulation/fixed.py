@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
-from robodyn.execute.choice import EXECUTORS, TYPICAL, Readiness, Work, times
+from robodyn.execute.choice import EXECUTORS, Work, times
 from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.repeated import SINGLE, CompiledSteps, NumpySteps
 from robodyn.plan import Plan
@@ -180,8 +180,7 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
     if executor not in EXECUTORS:
         raise InputError(f"there is no executor {executor!r}", remedy=alternatives(executor, EXECUTORS, "executors"))
     programs = _programs(plan, method)
-    work = Work(programs.work, steps, 1, steps, 1)
-    by_numpy, by_code = times(work, Readiness(kept=False, started=False), TYPICAL)
+    by_numpy, by_code = times(Work(programs.work, steps, 1, steps))
     if executor == "compiled" or (executor == "auto" and by_code < by_numpy):
         problem = compiler().problem
         try:

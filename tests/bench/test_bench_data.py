@@ -140,7 +140,7 @@ def test_without_a_compiler(monkeypatch):
 
 
 def test_without_a_cache(monkeypatch):
-    monkeypatch.setattr(bench_executors, "is_kept", lambda content: False)
+    monkeypatch.setenv("ROBODYN_CACHE", "0")
     assert all(each.load is None for each in bench(robot("scara"), samples=SAMPLES).executors)
 
 

@@ -134,12 +134,3 @@ def test_without_its_sources_robodyn_keeps_no_machine_code(built, monkeypatch, t
     np.testing.assert_array_equal(results(), results())
     assert built.count("kernel") == 2
     assert not list(tmp_path.iterdir())
-
-
-def test_what_is_kept_is_known_without_a_compiler(built, monkeypatch):
-    content = CONTENTS["as it is"]
-    assert not build.is_kept(content)
-    results()
-    monkeypatch.setattr(build, "host", None)
-    assert build.is_kept(content)
-    assert not build.is_kept(CONTENTS["zero"])

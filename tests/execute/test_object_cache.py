@@ -23,24 +23,16 @@ def objects(tmp_path):
 
 def test_round_trip(objects):
     assert objects.get(KEY) is None
-    assert not objects.has(KEY.content)
     objects.put(KEY, CONTENT)
     objects.put(OTHER, b"")
     assert objects.get(KEY) == CONTENT
     assert objects.get(OTHER) == b""
-    assert objects.has(KEY.content)
 
 
 @pytest.mark.parametrize("part", Key._fields)
 def test_every_part_of_the_key_counts(objects, part):
     objects.put(KEY, CONTENT)
     assert objects.get(KEY._replace(**{part: "something else"})) is None
-
-
-def test_content_is_found_by_whichever_maker(objects):
-    objects.put(KEY._replace(maker="another machine"), CONTENT)
-    assert objects.has(KEY.content)
-    assert not objects.has(OTHER.content)
 
 
 def test_only_this_user_reads_what_is_kept(objects, tmp_path):

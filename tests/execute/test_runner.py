@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,10 +9,9 @@ import pytest
 from compiled_programs import needs_compiler, program_of
 
 from robodyn.errors import InputError
-from robodyn.execute import rates, runner
-from robodyn.execute.choice import TYPICAL, Readiness, Work, choice
+from robodyn.execute import runner
+from robodyn.execute.choice import Work, choice
 from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.llvm import machine
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.execute.runner import Runner
 
@@ -32,11 +30,9 @@ HUGE = 10**9
 
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch, tmp_path):
-    """An empty cache, rates that are known, and nothing said or measured in this process."""
+    """An empty cache, and nothing said in this process."""
     monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path))
-    monkeypatch.setattr(rates, "stored_rates", lambda: replace(TYPICAL))
-    for name in ("_say", "_measured"):
-        monkeypatch.setattr(runner, name, cache(getattr(runner, name).__wrapped__))
+    monkeypatch.setattr(runner, "_say", cache(runner._say.__wrapped__))
 
 
 def made(program=PROGRAM):
@@ -101,68 +97,39 @@ def test_explicit_numpy_runs_any_amount():
 
 
 @needs_compiler
-def test_small_calls_turn_to_machine_code_once_it_would_have_paid(monkeypatch):
+def test_small_calls_turn_to_machine_code_once_it_would_have_paid():
     """As `choice` has it for all samples so far."""
-    machine.compiler()
-    slow = replace(TYPICAL, call=1e-5, numpy=1e-8, run=1.5e-3, build=1e-4)
-    monkeypatch.setattr(rates, "stored_rates", lambda: slow)
-    monkeypatch.setattr(runner, "WORTH_ASKING", 0.0)
-    ready = Readiness(kept=False, started=True)
-    executors = [choice(Work(301, 50 * k, k, k, 1), ready, slow).executor for k in range(1, 30)]
-    assert "numpy" in executors
-    assert "compiled" in executors
+    executors = [choice(Work(PROGRAM.size, 50 * k, k, k)).executor for k in range(1, 1000)]
+    turn = executors.index("compiled")
     a_runner, found = made(), []
-    for _ in executors:
-        run(a_runner, threads=1)
-        found.append(a_runner.choice.executor)
-    assert found == executors
-
-
-@needs_compiler
-def test_machine_code_that_is_kept_is_used_sooner():
-    machine.compiler()
-    first, again = made(LONG), made(LONG)
-    run(first, expected=2000)
-    assert first.choice.executor == "numpy"
-    CompiledBlocks(LONG, {"x": 2})
-    run(again, expected=2000)
-    assert again.choice.executor == "compiled"
-
-
-def _counted(monkeypatch, module, name, answer=None):
-    calls = []
-
-    def call(*_):
-        calls.append(name)
-        return answer
-
-    monkeypatch.setattr(module, name, call)
-    return calls
-
-
-@needs_compiler
-def test_rates_are_measured_once_and_only_for_work_that_is_worth_it(monkeypatch):
-    looked = _counted(monkeypatch, rates, "stored_rates")
-    measured = _counted(monkeypatch, rates, "measured_rates", replace(TYPICAL))
-    for _ in range(3):
-        run(made())
-    assert not looked, "little work looks at no file"
-    for _ in range(3):
-        run(made(LONG), expected=2000)
-    assert looked
-    assert not measured
-    for _ in range(3):
-        run(made(), expected=HUGE)
-    assert len(measured) == 1
-
-
-def test_known_rates_are_read_once_by_a_runner(monkeypatch):
-    looked = _counted(monkeypatch, rates, "stored_rates", replace(TYPICAL, compiled=5e-10))
-    monkeypatch.setattr(runner, "WORTH_ASKING", 0.0)
-    a_runner = made()
-    for _ in range(5):
+    for _ in executors[: turn + 3]:
         run(a_runner)
-    assert len(looked) == 1
+        found.append(a_runner.choice.executor)
+    assert found == executors[: turn + 3]
+
+
+@needs_compiler
+@pytest.mark.parametrize("expected", [1000, HUGE])
+def test_announced_work_is_done_the_same_way_whatever_came_before(expected):
+    """In a cold process, with machine code at hand, and after much other work."""
+    cold, warm = made(), made()
+    first = run(cold, expected=expected)
+    for _ in range(3):
+        run(warm, executor="compiled")
+        run(warm)
+    np.testing.assert_array_equal(run(warm, expected=expected), first)
+    assert warm.choice == cold.choice
+    assert warm.choice.executor == ("compiled" if expected == HUGE else "numpy")
+
+
+def test_announced_work_is_done_the_same_way_in_every_block():
+    """The last block may be of one sample, which as the size of all blocks would be worth machine code."""
+    a_runner = made()
+    executors = []
+    for rows in (50, 50, 1):
+        a_runner({"x": X[:rows]}, rows, expected=20_000)
+        executors.append(a_runner.choice.executor)
+    assert executors == ["numpy"] * 3
 
 
 @pytest.mark.parametrize(

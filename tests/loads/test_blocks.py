@@ -7,11 +7,14 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from busy_robot import BUSY_SCENE, busy_robot
+from compiled_programs import needs_compiler
 from motions import Pieces, waves
 from oracles import EPS, robot
 from small_robots import built, joint, link
 
 from robodyn.errors import InputError
+from robodyn.execute import choice
+from robodyn.inverse import inverse_dynamics
 from robodyn.loads import torques
 from robodyn.motion_input import motion
 from robodyn.one_pass import output_names
@@ -64,6 +67,23 @@ def test_sinks_see_every_sample_once():
     np.testing.assert_array_equal(np.concatenate([time for time, _ in many]), once[0][0])
     np.testing.assert_array_equal(np.concatenate([loads for _, loads in many]), once[0][1])
     assert once[0][1].shape == (SAMPLES, len(output_names(model, True)))
+
+
+@needs_compiler
+def test_motions_before_this_one_change_no_digit(monkeypatch):
+    """Three motions that add up to what is worth machine code, on a model whose machine code is at hand."""
+    monkeypatch.setattr(choice, "START", 5e-4)
+    monkeypatch.setattr(choice, "BUILD", 0.0)
+    model = robot("puma560")
+    trajectory = waves(model, np.linspace(0, 3, 600))
+    found = []
+    for _ in range(3):
+        results = torques(model, trajectory, sinks=[lambda time, loads: found.append(loads)])
+        assert results.executor == "numpy"
+        inverse_dynamics(model, *(getattr(trajectory, name) for name in ("q", "qd", "qdd")), executor="compiled")
+    assert torques(model, Pieces(trajectory, [200] * 3)).executor == "numpy"
+    assert torques(model, waves(model, np.linspace(0, 3, 3000))).executor == "compiled"
+    np.testing.assert_array_equal(found[1:], [found[0]] * 2)
 
 
 def test_a_block_at_rest_between_blocks_that_move():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -13,32 +11,18 @@ from robodyn.mesh.blocks import ROWS, workspace
 from robodyn.mesh.compiled_kernel import LEAST, TOGETHER, kernel_for, triangle_program
 from robodyn.mesh.kernel import volume_kernel
 
-MILLIONS = (0.2, 0.5, 1, 2, 5, 10, 20)
-
 
 @pytest.fixture(autouse=True)
 def _nothing_made_yet(monkeypatch: pytest.MonkeyPatch) -> None:
     """No machine code of an earlier test is at hand."""
     compiled_kernel._machine_code.cache_clear()
-    monkeypatch.setattr(compiled_kernel, "_is_kept", lambda: True)
     monkeypatch.setattr(compiled_kernel, "_seen", compiled_kernel._Seen())
 
 
-def first_worth(monkeypatch: pytest.MonkeyPatch, started: bool, kept: bool) -> float:
-    """Millions of triangles of the smallest mesh that is left to machine code; all larger ones are, too."""
-    monkeypatch.setattr(compiled_kernel, "_is_kept", lambda: kept)
-    if started:
-        monkeypatch.setitem(sys.modules, "llvmlite.binding", sys)
-    else:
-        monkeypatch.delitem(sys.modules, "llvmlite.binding", raising=False)
-    worth = [compiled_kernel._worth_its_start(int(1e6 * each)) for each in MILLIONS]
-    assert worth == sorted(worth)
-    return MILLIONS[worth.index(True)]
-
-
-def test_the_more_there_is_the_sooner_it_is_worth_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    least = [first_worth(monkeypatch, *there) for there in ((True, True), (True, False), (False, True), (False, False))]
-    assert least == [0.5, 2, 10, 10]
+def test_from_some_ten_million_triangles_on() -> None:
+    """What machine code saves on them is more than its start."""
+    millions = (0.2, 0.5, 1, 2, 5, 10, 20)
+    assert [compiled_kernel._worth_its_start(int(1e6 * each)) for each in millions] == [False] * 5 + [True] * 2
 
 
 def test_small_meshes_do_not_ask() -> None:
@@ -51,12 +35,10 @@ def test_once_made_it_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
     assert kernel_for(LEAST) is not volume_kernel
 
 
-def test_many_meshes_are_worth_what_a_larger_one_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As soon as the meshes before it were: the second of a million triangles, where code is yet to be made."""
+def test_many_meshes_are_worth_what_a_larger_one_is() -> None:
+    """As soon as the meshes before it were: the second of five million triangles."""
     pytest.importorskip("llvmlite.binding")
-    monkeypatch.setattr(compiled_kernel, "_is_kept", lambda: False)
-    kernels = [kernel_for(1_000_000) is volume_kernel for _ in range(5)]
-    assert kernels == [True, False, False, False, False]
+    assert [kernel_for(5_000_000) is volume_kernel for _ in range(4)] == [True, False, False, False]
 
 
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:

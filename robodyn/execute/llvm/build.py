@@ -29,11 +29,6 @@ def code_key(content: object) -> Key:
     return Key(repr(content), repr((generator(), host())))
 
 
-def is_kept(content: object) -> bool:
-    """Whether machine code for this content lies in the cache, of this machine or another: llvmlite is not asked."""
-    return kept_objects().has(repr(content))
-
-
 def built(name: str, content: object, ir: Callable[[], str], *arguments: Any) -> Function:
     """The function of this name, from the cache or compiled.
 
