@@ -6,7 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from robodyn.errors import TrajectoryError
+from robodyn.statistics import COMPONENTS
 from robodyn.trajectory.columns import TIME_NAMES, Quantity, Signals
+from robodyn.trajectory.loop_columns import loops_in
 
 ABSENT = -1
 _SHOWN = 8
@@ -53,11 +55,13 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), ignore_
         ignore_extra: leave unknown columns out instead of refusing them.
 
     Raises:
-        TrajectoryError: a name is empty or appears twice, a quantity is given twice, a column is unknown or missing.
+        TrajectoryError: a name is empty or appears twice, a quantity is given twice, a column is unknown or missing, or
+            columns are those of loops, whether unknown ones are left out or not.
     """
     _check_header(header)
     time = _time(header)
     places, unknown = _meanings(header, signals, time, extra)
+    _refuse_loops(header, signals, unknown)
     unused = [name for name in unknown if ignore_extra or signals.is_dependent(name)]
     unknown = [name for name in unknown if name not in unused]
     _check_complete(header, signals, places, unknown)
@@ -124,6 +128,18 @@ def _meanings(header: Header, signals: Signals, time: int, extra: Sequence[str])
         else:
             places[meaning] = i
     return places, unknown
+
+
+def _refuse_loops(header: Header, signals: Signals, unknown: Sequence[str]) -> None:
+    loops = loops_in(unknown, {*(joint.name for joint in signals.joints), *signals.dependent}) if signals.joints else []
+    if loops:
+        first, last = (f"{part}_{loops[0]}" for part in (COMPONENTS[0], COMPONENTS[-1]))
+        what = (
+            f"columns '{first}' to '{last}' are what simulate writes of a loop, and inverse dynamics of closed chains "
+            "is not available: the torques would be those of the open tree"
+        )
+        remedy = f"the table's tau_ columns have the drives' torques; if {loops[0]!r} is no loop, rename its columns"
+        raise header.error(what, remedy)
 
 
 def _check_complete(header: Header, signals: Signals, places: Places, unknown: Sequence[str]) -> None:

@@ -74,6 +74,41 @@ def test_commands_that_know_only_trees(call: tuple[str, ...], tmp_path: Path, mo
     assert len(outcome.err.splitlines()) == 1
 
 
+@pytest.mark.parametrize("more", [(), ("--ignore-extra",)], ids=["", "ignoring extra columns"])
+def test_torques_refuse_a_table_of_a_closed_chain(more: tuple[str, ...], tmp_path: Path) -> None:
+    """The open tree's torques have nothing to do with those that drive the chain."""
+    out = tmp_path / "pump.csv"
+    simulate(*PUMP, "--duration", "0.1", "--out", str(out))
+    outcome = run("torques", PUMP[0], str(out), *more)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == (
+        f"error: {out}:1: columns 'fx_wrist_pin' to 'mz_wrist_pin' are what simulate writes of a loop, and inverse "
+        "dynamics of closed chains is not available: the torques would be those of the open tree (the table's tau_ "
+        "columns have the drives' torques; if 'wrist_pin' is no loop, rename its columns)\n"
+    )
+
+
+def test_a_scene_may_apply_the_wrench_of_a_cut_loop(tmp_path: Path) -> None:
+    """The open tree then needs the torques that drove the chain."""
+    out, both, cut, tau = (tmp_path / name for name in ("pump.csv", "both.csv", "cut.toml", "tau.csv"))
+    simulate(*PUMP, "--duration", "0.1", "--out", str(out))
+    names, table = out.read_text().splitlines()[0], np.loadtxt(out, delimiter=",", skiprows=1)
+    ours = [f"{part}_wrist_pin" for part in ("fx", "fy", "fz", "mx", "my", "mz")]
+    theirs = [f"{name}_on_slider" for name in ours]
+    np.savetxt(
+        both, np.hstack((table, -table[:, -6:])), "%.17g", ",", header=f"{names},{','.join(theirs)}", comments=""
+    )
+    scene = Path(PUMP[2]).read_text().partition("[[loop]]")[0]
+    for link, point, columns in (("rod", [0.3, 0, 0], ours), ("slider", [0, 0, 0], theirs)):
+        scene += f'[[wrench]]\nlink = "{link}"\npoint = {point}\nframe = "world"\n'
+        scene += f"force = {columns[:3]}\nmoment = {columns[3:]}\n"
+    cut.write_text(scene)
+    outcome = run("torques", PUMP[0], str(both), "--scene", str(cut), "--out", str(tau))
+    assert outcome.status == 0, outcome.err
+    torques = np.loadtxt(tau, delimiter=",", skiprows=1)[:, 1:]
+    assert np.abs(torques - [4.0, 0.0, 0.0]).max() <= 1e-11
+
+
 LOOP = '[[loop]]\nname = "pin"\nlink = "rod"\npoint = [0.3, 0, 0]\nto = "slider"\n'
 WRONG = {
     LOOP + LOOP: 'scene.toml: the scene: 2 loops have the name "pin"',

@@ -154,3 +154,37 @@ def test_floating_joint_needs_one_column_and_whole_quaternions() -> None:
 def test_usual_names() -> None:
     assert header_names(ARM) == ALL
     assert header_names(FREE)[:3] == ("time", "base_x", "base_y")
+
+
+SIX = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def with_sets(*names: str) -> tuple[str, ...]:
+    return ("time", "q1", "q2", "q3", *(f"{part}_{name}" for name in names for part in SIX))
+
+
+@pytest.mark.parametrize("loops", [("pin",), ("elbow",), ("shoulder", "elbow", "lift", "pin")], ids=" ".join)
+def test_wrenches_of_loops_are_refused(loops: tuple[str, ...]) -> None:
+    name = loops[-1]
+    with pytest.raises(TrajectoryError, match=f"columns 'fx_{name}' to 'mz_{name}' are what simulate writes of a loop"):
+        resolve(Header(with_sets(*loops)), ARM, ignore_extra=True)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        with_sets("pin")[:-1],
+        ("time", "q1", "q2", "q3", "fx_sensor", "fy_sensor", "fz_sensor"),
+        with_sets("shoulder", "elbow", "lift"),
+    ],
+    ids=["five of six", "a sensor's force", "reactions of every joint"],
+)
+def test_other_columns_may_be_ignored(names: tuple[str, ...]) -> None:
+    layout = resolve(Header(names), ARM, ignore_extra=True)
+    assert f"columns not used: '{names[4]}'" in layout.notes[0]
+    with pytest.raises(TrajectoryError, match="unknown columns 'fx_"):
+        resolve(Header(names), ARM)
+
+
+def test_a_simulation_may_follow_columns_of_loops() -> None:
+    assert resolve(Header(with_sets("pin")), Signals(()), ["fx_pin"], ignore_extra=True).extra == {"fx_pin": 4}
