@@ -183,6 +183,7 @@ def _cache() -> Iterator[Line]:
 def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
     unset = {
         "ROBODYN_CACHE": "not set: the user's cache folder",
+        "ROBODYN_CPU": "not set: machine code is for this processor",
         "ROS_PACKAGE_PATH": "not set: package:// by --package-path, or above the file",
         "NO_COLOR": "not set: bold headers on terminals",
     }

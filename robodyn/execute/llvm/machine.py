@@ -3,10 +3,21 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
 from functools import cache
 from time import perf_counter
 from typing import Any, NamedTuple
+
+from robodyn.errors import InputError
+from robodyn.wording import alternatives
+
+NATIVE = "native"
+_V2 = ("cx16", "popcnt", "sahf", "sse3", "sse4.1", "sse4.2", "ssse3")
+_V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
+_V4 = (*_V3, "avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl")
+LEVELS = {"x86-64-v2": _V2, "x86-64-v3": _V3, "x86-64-v4": _V4}
+"""The levels of x86-64 processors, which LLVM knows by these names, and what each can do beyond the first."""
 
 
 class Host(NamedTuple):
@@ -32,19 +43,38 @@ class Host(NamedTuple):
 
 @cache
 def host() -> Host:
-    """This machine.
+    """Return this machine, or what `ROBODYN_CPU` names in its place.
 
     Raises:
         ImportError, OSError, RuntimeError: llvmlite is not installed or does not load, or does not know the processor.
+        InputError: there is no such processor, or code for it would not run on this one.
     """
     import llvmlite
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
+    features = llvm.get_host_cpu_features()
     versions = llvmlite.__version__, tuple(llvm.llvm_version_info)
-    return Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features, *versions)
+    here = Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features.flatten(), *versions)
+    level = _level(here.triple)
+    if level == NATIVE:
+        return here
+    missing = [name for name in LEVELS[level] if not features.get(name)]
+    if missing:
+        what = f"ROBODYN_CPU: {level} has {', '.join(missing)}, which this processor ({here.cpu}) has not"
+        raise InputError(what, remedy="choose a lower level, or leave it unset")
+    return here._replace(cpu=level, features=",".join(f"+{name}" for name in LEVELS[level]))
+
+
+def _level(triple: str) -> str:
+    """What ROBODYN_CPU names."""
+    level = os.environ.get("ROBODYN_CPU") or NATIVE
+    known = [NATIVE, *(LEVELS if triple.startswith("x86_64") else ())]
+    if level not in known:
+        remedy = alternatives(level, known, "processors")
+        raise InputError(f"ROBODYN_CPU: there is no processor {level!r}", remedy=remedy)
+    return level
 
 
 class Compiler(NamedTuple):
