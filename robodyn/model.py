@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.frozen import Frozen
 from robodyn.inertia.moments import Inertia
-
-if TYPE_CHECKING:
-    from robodyn.urdf.parts import Description
 
 Floats = NDArray[np.float64]
 
@@ -84,7 +81,6 @@ class Model(Frozen):
         bodies: one per moving link, with the links fixed to it merged in exactly.
         links: where every link of the description is.
         notes: what was assumed or looks wrong, a line each.
-        description: what it was made of.
     """
 
     name: str
@@ -92,7 +88,6 @@ class Model(Frozen):
     bodies: tuple[Body, ...]
     links: Mapping[str, Frame]
     notes: tuple[str, ...] = ()
-    description: Description | None = None
 
     @cached_property
     def parents(self) -> tuple[int, ...]:
@@ -140,6 +135,18 @@ class Model(Frozen):
     def total_mass(self) -> float:
         """kg."""
         return float(sum(body.inertia.m for body in self.bodies))
+
+    @property
+    def reach(self) -> float:
+        """How far from the base's origin a mass centre can be at most, sliders at their farthest limits [m]."""
+        lengths: list[float] = []
+        for body in self.bodies:
+            joint = body.joint
+            slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
+            before = lengths[body.parent] if body.parent >= 0 else 0.0
+            lengths.append(before + float(np.linalg.norm(joint.p)) + slide)
+        centres = (float(np.linalg.norm(body.inertia.centre_of_mass)) for body in self.bodies)
+        return max(length + centre for length, centre in zip(lengths, centres, strict=True))
 
     @property
     def floating(self) -> bool:

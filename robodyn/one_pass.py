@@ -176,7 +176,8 @@ class Pass:
             joint_load(gathered, k, joint, name, self.scene, shares[k], self._uncertainty(k, last))
             for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
         )
-        balance = self.ledger.balance
+        balance, (force, moment) = self.ledger.balance, self.laws.largest
+        moment = max(moment, force * self.model.reach)
         warnings = [*self.model.notes, *last.notes]
         if not balance.consistent:
             warnings.append(
@@ -191,7 +192,7 @@ class Pass:
             joints=joints,
             base_wrench=base_loads(gathered),
             effects=effect_reports(whole, explain),
-            checks=Checks(balance, *self.laws.relative, self.laws.samples, *self.laws.largest),
+            checks=Checks(balance, *self.laws.relative, self.laws.samples, force, moment),
             operations=whole.torques().size,
             executor=self.choice.executor,
             reason=self.choice.reason,

@@ -156,7 +156,8 @@ class Checks:
         second_law: the same for moments about the base's origin.
         power: |tau . qd - losses - dE/dt| of the largest power, at the same samples.
         samples: how many samples the laws were checked at.
-        largest_force, largest_moment: the largest that balance in the laws there [N, N m].
+        largest_force, largest_moment: the largest that balance in the laws there [N, N m]; the moment is at least that
+            of the force at the robot's reach.
     """
 
     energy_balance: EnergyBalance

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.history import Curves, Floats, History
+from robodyn.model import Model
 from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.table import number, printable
@@ -17,8 +18,6 @@ from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
-
-    from robodyn.urdf.parts import Description
 
 _WIDE = 380
 _TALL = 660
@@ -139,15 +138,16 @@ def share_figure(joints: Sequence[JointLoad]) -> Figure:
     return Figure("What makes the peaks", _share_words(shown), plot(_WIDE, height, draw, "shares"))
 
 
-def pose_figure(description: Description, moving_base: bool, q: Floats, joint: str, when: str) -> tuple[Figure, str]:
+def pose_figure(robot: Model | tuple[str, bool], q: Floats, joint: str, when: str) -> tuple[Figure, str]:
     """A robot in one pose, and what is said of shapes that are not there; see `robot_figure`.
 
-    A description goes to a process beside this one; a model does not.
+    Args:
+        robot: or its file, and whether its base moves, for a process beside this one.
     """
-    from robodyn.assemble import assemble
+    from robodyn.assemble import load
     from robodyn.report.robot_picture import robot_figure, shapes_of
 
-    model = assemble(description, moving_base=moving_base)
+    model = load(robot[0], moving_base=robot[1]) if isinstance(robot, tuple) else robot
     shapes, why = shapes_of(model)
     return robot_figure(model, q, joint, when, shapes), why
 

@@ -20,7 +20,8 @@ from robodyn.report.document import (
     downloads,
 )
 from robodyn.report.json_simulation import simulation_json
-from robodyn.report.table import number, printable
+from robodyn.report.sizes import simulation_sizes
+from robodyn.report.table import drift_text, number, printable, relative_text
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
@@ -53,11 +54,11 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
 
 
 def _verdict(result: Simulation) -> Verdict:
-    kinetic = float(result.figures.kinetic.max())
+    kinetic, size = float(result.figures.kinetic.max()), simulation_sizes(result).energy
     relative = result.energy_drift / kinetic if kinetic else 0.0
     energy = (
-        f"The energy drifts by {result.energy_drift:.1e} J, {relative:.0e} of the largest kinetic energy of "
-        f"{number(kinetic)} J."
+        f"The energy drifts by {drift_text(result.energy_drift, size)} J, {relative_text(relative)} of the largest "
+        f"kinetic energy of {number(kinetic, size)} J."
     )
     if result.ended:
         return Verdict("bad", f"The motion ended early, at {result.time[-1]:.6g} s", (result.ended, energy))
@@ -150,7 +151,8 @@ def _energies(result: Simulation) -> list[Figure]:
         style(axes)
 
     largest = f"the largest kinetic energy is {number(figures.kinetic.max())} J"
-    off = f"Stored energy less work done against time, at most {result.energy_drift:.1e} J from zero"
+    size = simulation_sizes(result).energy
+    off = f"Stored energy less work done against time, at most {drift_text(result.energy_drift, size)} J from zero"
     return [
         Figure(
             "Energies, and work done by drives and wrenches",

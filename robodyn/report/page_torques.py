@@ -25,6 +25,7 @@ from robodyn.report.limits_words import effort_use, limits_verdict, speed_use
 from robodyn.report.page_trust import trust
 from robodyn.report.page_worst import heaviest_load
 from robodyn.report.plots_torques import Plots
+from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
 from robodyn.report.text_joints import share_table
 from robodyn.report.text_torques import base_table, count, load_table
@@ -58,7 +59,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
     if result.joints:
         blocks += [_facts(result), *heaviest_load(result, model, scene, plots)]
-        blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result.joints))]
+        blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
             from robodyn.report.page_sizing import sizing_blocks
@@ -71,16 +72,16 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
 
 def _facts(result: Result) -> Facts:
     """The figures that are looked for first."""
-    joints = result.joints
+    joints, size = result.joints, result_sizes(result)
     powerful = max(joints, key=lambda joint: joint.peak_power)
-    items = [("Largest power of a joint", f"{number(powerful.peak_power)} W", printable(powerful.name))]
+    items = [("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name))]
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
         joint = max(joints, key=use)
         if use(joint):
             items.insert(0, (f"Largest use of a limit of {what}", f"{100 * use(joint):.0f} %", printable(joint.name)))
     work = sum(joint.work_positive for joint in joints)
     back = -sum(joint.work_negative for joint in joints)
-    items.append(("Work of all joints", f"{number(work)} J", f"{number(back)} J returned"))
+    items.append(("Work of all joints", f"{number(work, size['J'])} J", f"{number(back, size['J'])} J returned"))
     return Facts(tuple(items))
 
 
@@ -128,7 +129,7 @@ def _momentum(result: Result) -> Iterator[Block]:
 
 
 def _files(result: Result, history: History | None) -> Iterator[Block]:
-    head, rows = load_table(result.joints)
+    head, rows = load_table(result)
     files = [
         Download("result.json", "application/json", torques_json(result)),
         Download("joints.csv", "text/csv", csv_text(head, rows)),

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph, Table, Verdict
 from robodyn.report.plots_torques import Plots
-from robodyn.report.table import Content, number
+from robodyn.report.sizes import result_sizes
+from robodyn.report.table import Content, number, relative_text
 from robodyn.report.text_joints import derivation_table
 from robodyn.report.text_torques import count, effect_table
 from robodyn.result import Result
@@ -21,13 +22,18 @@ def trust(result: Result, plots: Plots | None) -> Iterator[Block]:
 def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
     checks, balance = result.checks, result.checks.energy_balance
     yield Heading("Self-checks")
-    figures = (number(value, balance.turnover) for value in (balance.work, balance.energy_change, balance.residual))
-    work, stored, rest = figures
-    laws = [f"{value:.0e}" if value else "0" for value in (checks.first_law, checks.second_law, checks.power)]
+    size = result_sizes(result)["J"]
+    work, stored, rest, turnover, sampling = (
+        number(value, size)
+        for value in (
+            *(balance.work, balance.energy_change, balance.residual),
+            *(balance.turnover, abs(balance.quadrature)),
+        )
+    )
+    laws = [relative_text(value) for value in (checks.first_law, checks.second_law, checks.power)]
     reasons = [
         f"Work done on the robot, less losses, is {work} J and the change of stored energy {stored} J, with "
-        f"{number(balance.turnover)} J going in and out; the difference is {rest} J, of which sampling explains "
-        f"{number(abs(balance.quadrature), balance.turnover)} J.",
+        f"{turnover} J going in and out; the difference is {rest} J, of which sampling explains {sampling} J.",
         f"Euler's laws and the power balance hold at {count(checks.samples, 'sample')} within {laws[0]}, {laws[1]} and "
         f"{laws[2]} of the largest force, moment and power.",
     ]

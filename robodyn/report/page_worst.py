@@ -29,6 +29,7 @@ def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | Non
 def _free_body(model: Model, scene: Scene, history: History, k: int, name: str, when: str) -> Figure | None:
     from robodyn.free_body.bodies import free_bodies
     from robodyn.report.figures import of_page
+    from robodyn.report.sizes import free_body_sizes
     from robodyn.report.svg_free_body import drawing
 
     number_of = next((i for i, body in enumerate(model.bodies) if body.joint.name == name), None)
@@ -41,7 +42,7 @@ def _free_body(model: Model, scene: Scene, history: History, k: int, name: str, 
     except RobodynError:
         return None
     body = found.bodies[number_of]
-    svg = of_page(drawing(body, f"{printable(model.name)}, at {when}"))
+    svg = of_page(drawing(body, f"{printable(model.name)}, at {when}", free_body_sizes(found)))
     forces = ", ".join(action.what for action in body.actions)
     alt = f"Free-body diagram of {printable(body.name)} with its forces and moments: {printable(forces)}"
     return Figure(f"What acts on {printable(body.name)}, which {printable(name)} carries", alt, svg, wide=True)

@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.free_body.types import FreeBody
+from robodyn.report.sizes import Sizes
 from robodyn.report.svg_labels import Point
+from robodyn.report.table import is_noise
 from robodyn.spatial import Array
 
 RIGHT = np.array([-1.0, 1.0, 0.0]) / sqrt(2)
@@ -54,27 +56,28 @@ def on_paper(vector: Array) -> Point:
     return float(RIGHT @ vector), -float(UP @ vector)
 
 
-def arrows(body: FreeBody, spot: dict[int, Point]) -> list[Arrow]:
-    """The arrows of every force and moment that does not vanish beside the largest on the body.
+def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
+    """The arrows of every force and moment that does not vanish beside the largest on the robot.
 
     Args:
         spot: by action, where on paper it acts.
+        size: of forces and moments, see `free_body_sizes`.
     """
     out: list[Arrow] = []
     for turning, name, unit in ((False, "force", "N"), (True, "moment", "N m")):
-        sizes = [float(np.linalg.norm(getattr(action, name))) for action in body.actions]
-        largest = max(sizes, default=0.0)
-        for k, (action, size) in enumerate(zip(body.actions, sizes, strict=True)):
-            if size <= 1e-9 * largest or not size:
+        amounts = [float(np.linalg.norm(getattr(action, name))) for action in body.actions]
+        largest = max(amounts, default=0.0)
+        for k, (action, amount) in enumerate(zip(body.actions, amounts, strict=True)):
+            if is_noise(amount, size[unit]):
                 continue
-            unit_vector = body.pose.R @ getattr(action, name) / size
-            length = max(SHORTEST, LONGEST * size / largest)
+            unit_vector = body.pose.R @ getattr(action, name) / amount
+            length = max(SHORTEST, LONGEST * amount / largest)
             x, y = (length * sqrt(1.5) * part for part in on_paper(unit_vector))
             start, symbol = spot[k], action.symbols[turning]
             flat = hypot(x, y) >= HEAD_ON
             end = (start[0] + x, start[1] + y) if flat else start
             towards = bool(TOWARDS @ unit_vector > 0)
-            out.append(_aside(Arrow(action.kind, symbol, size, unit, start, end, towards, turning), out))
+            out.append(_aside(Arrow(action.kind, symbol, amount, unit, start, end, towards, turning), out))
     return out
 
 

@@ -8,6 +8,7 @@ from math import hypot
 import numpy as np
 
 from robodyn.free_body.types import Floats, FreeBodies, FreeBody
+from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.svg_arrows import Arrow, arrows, on_paper
 from robodyn.report.svg_labels import Box, Point, Segment, place, text_width
 from robodyn.report.svg_text import COLOURS, component_table, short, signed, svg_text, table_height
@@ -30,16 +31,21 @@ text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; }
 
 def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
     """(name of a file, SVG) for every body."""
+    size = free_body_sizes(found)
     for body in found.bodies:
         safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in body.name)
-        yield f"{body.number:02d}_{safe}.svg", drawing(body, f"{found.robot}, {state}")
+        yield f"{body.number:02d}_{safe}.svg", drawing(body, f"{found.robot}, {state}", size)
 
 
-def drawing(body: FreeBody, title: str) -> str:
-    """The SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright."""
+def drawing(body: FreeBody, title: str, size: Sizes) -> str:
+    """The SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright.
+
+    Args:
+        size: of forces and moments on the robot, beside which noise vanishes.
+    """
     height = BOTTOM + table_height(body)
     points, spots = _layout(body)
-    vectors, marks = arrows(body, spots), _apart(points)
+    vectors, marks = arrows(body, spots, size), _apart(points)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}">',
         STYLE,
@@ -52,7 +58,7 @@ def drawing(body: FreeBody, title: str) -> str:
         *_labels(marks, vectors),
         *_triad(70.0, BOTTOM - 58.0, np.eye(3), "ground"),
         *_triad(190.0, BOTTOM - 58.0, body.pose.R, "body"),
-        *component_table(body, BOTTOM, WIDTH),
+        *component_table(body, BOTTOM, WIDTH, size),
         "</svg>\n",
     ]
     return "\n".join(parts)

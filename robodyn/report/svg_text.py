@@ -9,6 +9,8 @@ from math import floor, log10
 import numpy as np
 
 from robodyn.free_body.types import Action, Floats, FreeBody
+from robodyn.report.sizes import Sizes
+from robodyn.report.table import is_noise
 
 COLOURS = {
     "weight": "#2b8a3e",
@@ -39,7 +41,7 @@ def table_height(body: FreeBody) -> int:
     return _ROW * (len(body.actions) + len(_NOTES)) + 56
 
 
-def component_table(body: FreeBody, top: float, width: float) -> Iterator[str]:
+def component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
     """Every action with its components, and what the marks mean, below a line at `top`."""
     y = top + 34
     yield f'<line class="line" x1="24" x2="{width - 24}" y1="{top + 12}" y2="{top + 12}" stroke-width="1"/>'
@@ -48,7 +50,7 @@ def component_table(body: FreeBody, top: float, width: float) -> Iterator[str]:
     scales = [max((float(np.abs(getattr(a, name)).max()) for a in body.actions), default=0.0) for name in _PARTS]
     for action in body.actions:
         y += _ROW
-        cells = _cells(action, scales)
+        cells = _cells(action, scales, size)
         yield svg_text(24, y, cells[0], 12, None, bold=True, fill=COLOURS[action.kind])
         for (x, _), cell in zip(_HEADS[1:], cells[1:], strict=True):
             yield svg_text(x, y, cell, 12, "ink")
@@ -57,12 +59,12 @@ def component_table(body: FreeBody, top: float, width: float) -> Iterator[str]:
         yield svg_text(24, y, note, 12, "soft")
 
 
-def _cells(action: Action, scales: list[float]) -> tuple[str, str, str, str]:
+def _cells(action: Action, scales: list[float], size: Sizes) -> tuple[str, str, str, str]:
     vectors = []
     symbols = []
-    for name, scale, symbol in zip(_PARTS, scales, action.symbols, strict=True):
+    for name, unit, scale, symbol in zip(_PARTS, ("N", "N m"), scales, action.symbols, strict=True):
         vector = getattr(action, name)
-        shown = bool(np.linalg.norm(vector) > 1e-9 * scale)
+        shown = not is_noise(float(np.linalg.norm(vector)), size[unit])
         vectors.append(_components(vector, scale) if shown else "0")
         if shown and symbol and signed(symbol) not in symbols:
             symbols.append(signed(symbol))

@@ -11,6 +11,8 @@ _NUMBER = re.compile(r"((?:\+- )?[-+<>]?\d+)(\.\d+)?(e[-+]\d+)?")
 _GAP = 2
 NOTHING = ("", "-")
 """Cells that may stand among numbers."""
+NOISE = 1e-12
+"""What is smaller beside the largest of its case is rounding noise: other on another processor, and shown as 0."""
 
 Content = tuple[Sequence[str], Sequence[Sequence[str]]]
 """Titles of columns, and rows."""
@@ -30,13 +32,34 @@ PLAIN = Page()
 
 
 def number(x: float, scale: float = 0.0) -> str:
-    """Four digits; 0 for what vanishes beside `scale`."""
-    size = abs(x)
-    if size <= 1e-12 * abs(scale):
+    """Return four digits, of small numbers those that are no noise beside `scale`, and 0 for what is all noise."""
+    size, scale = abs(x), abs(scale)
+    if is_noise(size, scale):
         return "0"
     if 999.95 <= size < 1e7:
         return f"{x:.0f}"
-    return f"{x:#.4g}" if size >= 1e-3 else f"{x:.3e}"
+    digits = 2 if is_noise(size, 10 * scale) else 3 if is_noise(size, 100 * scale) else 4
+    return f"{x:#.{digits}g}" if size >= 1e-3 else f"{x:.{digits - 1}e}"
+
+
+def is_noise(size: float, scale: float) -> bool:
+    """Whether a magnitude vanishes beside the largest of its case."""
+    return size <= NOISE * scale
+
+
+def moment(when: float, value: float, scale: float) -> str:
+    """Return the time or the row at which a value is at its largest; - for noise, which may be so anywhere."""
+    return "-" if is_noise(abs(value), scale) else f"{when:.6g}" if isinstance(when, float) else str(when)
+
+
+def drift_text(drift: float, scale: float) -> str:
+    """Return two digits of what should be zero; 0 for rounding noise."""
+    return "0" if is_noise(drift, scale) else f"{drift:.1e}"
+
+
+def relative_text(error: float) -> str:
+    """Return a relative error with one digit; of one that is rounding noise only that it is."""
+    return f"{error:.0e}" if error > NOISE else f"<{NOISE:.0e}"
 
 
 def printable(text: str) -> str:

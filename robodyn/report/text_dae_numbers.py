@@ -6,7 +6,8 @@ import numpy as np
 
 from robodyn.maximal.dae import Dae
 from robodyn.maximal.equations import Across
-from robodyn.report.table import Content, Page, number, printable
+from robodyn.report.sizes import sizes
+from robodyn.report.table import Content, Page, number, printable, relative_text
 
 MOST = 16
 """Rows of a table."""
@@ -15,11 +16,6 @@ MOST = 16
 def cut(rows: int, what: str) -> str:
     """What is said below a table that has been cut."""
     return f"... and {rows - MOST} more {what}; --format json has them all\n" if rows > MOST else ""
-
-
-def error(x: float) -> str:
-    """A relative difference."""
-    return f"{x:.0e}" if x else "0"
 
 
 def numbers_text(found: Dae, page: Page) -> str:
@@ -65,8 +61,8 @@ def _consistent(found: Dae) -> str:
     points = float(np.abs(off[~turns]).max(initial=0.0))
     angles = float(np.abs(off[turns]).max(initial=0.0))
     return (
-        f"consistent: g = 0 within {error(points)} m and {error(angles)} rad, "
-        f"G v = 0 within {error(float(np.abs(rate).max()))} per s\n"
+        f"consistent: g = 0 within {relative_text(points)} m and {relative_text(angles)} rad, "
+        f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s\n"
     )
 
 
@@ -89,10 +85,8 @@ def _reactions(found: Dae) -> Content:
         for connection in found.robot.system.connections
     ]
     names = sorted({name for _, part in own for name in part}, key=_place)
-    scales = {
-        kind: max((abs(x) for _, part in own for name, x in part.items() if name[0] == kind), default=0.0)
-        for kind in "FM"
-    }
+    kinds = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
+    scales = dict(zip("FM", sizes(next(kinds), next(kinds), found.robot.model.reach).values(), strict=True))
     rows = [
         (connection.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
         for connection, part in own
@@ -111,7 +105,7 @@ def elimination_text(found: Dae) -> str:
     n = found.robot.model.n
     lines = [f"Elimination of the reactions, to the ODE form with {n} velocities qd\n"]
     for k, step in enumerate(found.steps, 1):
-        lines.append(f"{k}  {step.title}\n   {step.formula}\n   {step.checks}: within {error(step.error)}\n")
+        lines.append(f"{k}  {step.title}\n   {step.formula}\n   {step.checks}: within {relative_text(step.error)}\n")
     lines.append("errors are parts of the sum of magnitudes that add up to the largest number\n")
     return "".join(lines)
 
@@ -124,8 +118,8 @@ def both_text(found: Dae) -> str:
     loops = bool(found.robot.scene.loops)
     other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
     return (
-        f"Both forms: against {other} accelerations qdd differ by {error(both.accelerations)} of the largest,\n"
-        f"forces at joints by {error(both.forces)} and moments by {error(both.moments)}\n"
+        f"Both forms: against {other} accelerations qdd differ by {relative_text(both.accelerations)} of the largest,\n"
+        f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}\n"
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from robodyn.equations.closed import STATES, Closed
 from robodyn.equations.decimals import decimal
 from robodyn.equations.ode import Ode
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
 
 DIGITS = 15
 
@@ -52,7 +52,7 @@ def checked(closed: Closed) -> str:
     plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
     return (
         f"Checked against the recursion in numbers at {STATES} random states: "
-        f"largest difference {closed.error:.0e} of the largest entry of its unit{plain}.\n"
+        f"largest difference {relative_text(closed.error)} of the largest entry of its unit{plain}.\n"
     )
 
 

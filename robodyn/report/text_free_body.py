@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from robodyn.free_body.types import Action, Floats, FreeBodies, FreeBody, JointRow
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.sizes import Sizes, free_body_sizes
+from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
 from robodyn.report.text_body import point_text
 
 AXES = ("x", "y", "z")
@@ -17,31 +16,21 @@ def free_bodies_text(found: FreeBodies, state: str, page: Page = PLAIN) -> str:
     """The report of one state."""
     x, y, z = found.gravity
     head = f"{printable(found.robot)}: {len(found.bodies)} bodies, {state}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
-    scales = _scales(found)
-    parts = [head, f"Joints\n{page.table(_joints(found, scales))}{_count(found.joints)}"]
-    parts += [_body(body, scales, page) for body in found.bodies]
+    size = free_body_sizes(found)
+    parts = [head, f"Joints\n{page.table(_joints(found, size))}{_count(found.joints)}"]
+    parts += [_body(body, size, page) for body in found.bodies]
     parts.append(
         "Balance: forces, and moments about each body's origin, add up to zero within "
-        f"{_error(found.residual_force)} and {_error(found.residual_moment)} of the largest\n"
+        f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest\n"
     )
     parts.append("".join(f"warning: {printable(line)}\n" for line in found.warnings))
     return "\n".join(part for part in parts if part)
 
 
-def _scales(found: FreeBodies) -> tuple[float, float]:
-    actions = [action for body in found.bodies for action in body.actions]
-    forces, moments = ([np.abs(getattr(action, name)).max() for action in actions] for name in ("force", "at_origin"))
-    return float(max(forces)), float(max(moments))
-
-
-def _error(x: float) -> str:
-    return f"{x:.0e}" if x else "0"
-
-
-def _joints(found: FreeBodies, scales: tuple[float, float]) -> Content:
+def _joints(found: FreeBodies, size: Sizes) -> Content:
     rows = []
     for row in found.joints:
-        along = "" if row.drive is None else _amount(row, scales)
+        along = "" if row.drive is None else _amount(row, size)
         rows.append(
             (
                 f"{row.number} {row.name}",
@@ -50,7 +39,7 @@ def _joints(found: FreeBodies, scales: tuple[float, float]) -> Content:
                 _axis(row),
                 str(row.freedom),
                 str(row.reactions),
-                *_components(row, scales),
+                *_components(row, size),
                 along,
             )
         )
@@ -67,14 +56,14 @@ def _axis(row: JointRow) -> str:
     return "({})".format(", ".join(f"{x:.4g}" for x in row.axis))
 
 
-def _amount(row: JointRow, scales: tuple[float, float]) -> str:
-    turning = row.kind == "revolute"
-    return f"{number(row.drive or 0.0, scales[turning])} {'N m' if turning else 'N'}"
+def _amount(row: JointRow, size: Sizes) -> str:
+    unit = "N m" if row.kind == "revolute" else "N"
+    return f"{number(row.drive or 0.0, size[unit])} {unit}"
 
 
-def _components(row: JointRow, scales: tuple[float, float]) -> list[str]:
+def _components(row: JointRow, size: Sizes) -> list[str]:
     """The six components that a joint transmits; a dash where it is free."""
-    cells = [number(x, scales[0]) for x in row.force] + [number(x, scales[1]) for x in row.moment]
+    cells = [number(x, size["N"]) for x in row.force] + [number(x, size["N m"]) for x in row.moment]
     if row.kind == "floating":
         return ["-"] * 6
     for k in range(3):
@@ -91,26 +80,26 @@ def _count(joints: Sequence[JointRow]) -> str:
     )
 
 
-def _body(body: FreeBody, scales: tuple[float, float], page: Page) -> str:
+def _body(body: FreeBody, size: Sizes, page: Page) -> str:
     others = [name for name in body.links if name != body.name]
     fixed = f" with {', '.join(map(printable, others))}" if others else ""
     mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
-    rows = [_row(action, scales) for action in body.actions]
-    rows.append(("sum", "", "", *_vector(body.force, scales[0]), *_vector(body.moment, scales[1])))
+    rows = [_row(action, size) for action in body.actions]
+    rows.append(("sum", "", "", *_vector(body.force, size["N"]), *_vector(body.moment, size["N m"])))
     head = ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
     title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
     where = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
     return f"{title}\n{where}\n{page.table((head, rows))}"
 
 
-def _row(action: Action, scales: tuple[float, float]) -> tuple[str, ...]:
+def _row(action: Action, size: Sizes) -> tuple[str, ...]:
     moment = action.moment
     return (
         action.what,
         action.by,
         point_text(action.point, 1.0),
-        *_vector(action.force, scales[0]),
-        *_vector(moment, scales[1]),
+        *_vector(action.force, size["N"]),
+        *_vector(moment, size["N m"]),
     )
 
 

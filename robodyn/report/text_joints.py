@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from robodyn.report.table import Content, number
+from robodyn.report.sizes import result_sizes
+from robodyn.report.table import Content, is_noise, number
 from robodyn.result import Result
 from robodyn.trajectory.motion import Derivation
 
 
 def share_table(result: Result) -> Content:
     """For every joint what each effect adds to its peak; effects that add nothing are left out."""
-    joints = result.joints
-    present = [effect.name for effect in result.effects if any(joint.shares.get(effect.name) for joint in joints)]
+    joints, size = result.joints, result_sizes(result)
+    names = [effect.name for effect in result.effects]
+    present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
     head = ["joint", *present, "sum"]
-    rows = [[joint.name, *(number(joint.shares[name], joint.peak) for name in present)] for joint in joints]
+    rows = [[joint.name, *(number(joint.shares[name], size[joint.unit]) for name in present)] for joint in joints]
     for joint, row in zip(joints, rows, strict=True):
-        row.append(f"{number(joint.peak)} {joint.unit}")
+        row.append(f"{number(joint.peak, size[joint.unit])} {joint.unit}")
     for title, values in (
         ("error (95 %)", [f"{joint.error_bar:.2g}" for joint in joints]),
         ("friction holds", [number(joint.hold) for joint in joints]),

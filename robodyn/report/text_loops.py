@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.report.table import Page, number, printable
+from robodyn.report.sizes import sizes
+from robodyn.report.table import Page, drift_text, number, printable
 from robodyn.simulation.loop_figures import LoopFigures
 
 
-def loops_text(loops: LoopFigures, page: Page) -> str:
-    """How many equations there are, what each loop carries at most, and how far it comes apart."""
+def loops_text(loops: LoopFigures, page: Page, reach: float) -> str:
+    """How many equations there are, what each loop carries at most, and how far it comes apart.
+
+    Args:
+        reach: of the robot [m].
+    """
     force, moment = (np.sqrt(np.square(loops.wrenches[:, :, part]).sum(axis=2)) for part in (slice(3), slice(3, 6)))
+    size = sizes(force.ravel().tolist(), moment.ravel().tolist(), reach)
+    apart = max(reach, 1.0)
     rows = [
-        (printable(name), number(f), number(m), f"{gap:.1e}", f"{slip:.1e}")
+        (
+            printable(name),
+            number(f, size["N"]),
+            number(m, size["N m"]),
+            drift_text(gap, apart),
+            drift_text(slip, apart),
+        )
         for name, f, m, gap, slip in zip(
             loops.names, force.max(axis=0), moment.max(axis=0), loops.gap, loops.slip, strict=True
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.momentum import GROUND
-from robodyn.report.table import Content, number, printable
+from robodyn.report.table import Content, moment, number, printable
 from robodyn.result import MomentumReport
 
 _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
@@ -15,16 +15,26 @@ def momentum_table(report: MomentumReport) -> tuple[str, Content]:
     about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
         *report.about
     )
+    scales = _scales(report)
+    rows = []
+    for row in report.ranges:
+        kind = row.name.partition("_")[0]
+        name = f"{row.name} [{_UNITS[kind]}]"
+        least, greatest = (
+            (number(value, scales[kind]), moment(time, value, scales[kind]))
+            for value, time in ((row.least, row.least_time), (row.greatest, row.greatest_time))
+        )
+        rows.append((name, *least, *greatest))
+    title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
+    return title, (("", "least", "at [s]", "greatest", "at [s]"), rows)
+
+
+def _scales(report: MomentumReport) -> dict[str, float]:
+    """Return what is noise beside: L also beside p at the mass centre's distance, energies beside their largest."""
     scales: dict[str, float] = {}
     for row in report.ranges:
         kind = row.name.partition("_")[0]
         scales[kind] = max(scales.get(kind, 0.0), abs(row.least), abs(row.greatest))
-    rows = []
-    for row in report.ranges:
-        kind = row.name.partition("_")[0]
-        least, greatest = (number(x, scales[kind]) for x in (row.least, row.greatest))
-        rows.append(
-            (f"{row.name} [{_UNITS[kind]}]", least, f"{row.least_time:.6g}", greatest, f"{row.greatest_time:.6g}")
-        )
-    title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
-    return title, (("", "least", "at [s]", "greatest", "at [s]"), rows)
+    scales["L"] = max(scales["L"], scales["p"] * scales["com"])
+    scales["T"] = scales["V"] = max(scales["T"], scales["V"])
+    return scales

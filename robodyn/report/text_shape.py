@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.part import Part
-from robodyn.report.table import Page, number
+from robodyn.report.table import Page, is_noise, number
 from robodyn.report.text_body import point_text
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _zeros(part: Part) -> str:
 
 def _short(value: float, scale: float) -> str:
     """One digit; 0 for what vanishes beside `scale`."""
-    return "0" if abs(value) <= 1e-12 * scale else f"{value:.0e}"
+    return "0" if is_noise(abs(value), scale) else f"{value:.0e}"
 
 
 def _percent(share: float) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.sizes import MotionSizes, simulation_sizes
+from robodyn.report.table import PLAIN, Content, Page, drift_text, number, printable, relative_text
 from robodyn.report.text_loops import loops_text
 from robodyn.simulation.result import Simulation
 
@@ -18,9 +19,11 @@ def simulation_text(result: Simulation, explain: bool = False, page: Page = PLAI
     Args:
         explain: add why each effect is on or off.
     """
-    parts = [_head(result), page.table(_coordinates(result)), page.table(_rates(result)), _drift(result)]
+    size = simulation_sizes(result)
+    tables = page.table(_coordinates(result, size)), page.table(_rates(result, size))
+    parts = [_head(result), *tables, _drift(result, size)]
     if result.loops:
-        parts.append(loops_text(result.loops, page))
+        parts.append(loops_text(result.loops, page, result.model.reach))
     if explain:
         rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
         parts.append(f"Effects\n{page.table((('effect', '', 'why'), rows))}")
@@ -43,21 +46,22 @@ def _head(result: Simulation) -> str:
     )
 
 
-def _coordinates(result: Simulation) -> Content:
+def _coordinates(result: Simulation, size: MotionSizes) -> Content:
     rows = [
-        (name, *(number(x) for x in (q[0], q[-1], q.min(), q.max())))
-        for name, q in zip(result.model.coordinates, result.q.T, strict=True)
+        (name, *(number(x, scale) for x in (q[0], q[-1], q.min(), q.max())))
+        for name, q, scale in zip(result.model.coordinates, result.q.T, size.q, strict=True)
     ]
     return ("position", "at the start", "at the end", "least", "largest"), rows
 
 
-def _rates(result: Simulation) -> Content:
+def _rates(result: Simulation, size: MotionSizes) -> Content:
     driven = set(result.driven)
     rows = [
         (
             name,
-            *(number(x) for x in (qd[0], qd[-1], np.abs(qd).max(), np.abs(qdd).max())),
-            number(tau[np.abs(tau).argmax()]) if k in driven else "-",
+            *(number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max())),
+            number(np.abs(qdd).max(), size.qdd[k]),
+            number(tau[np.abs(tau).argmax()], size.tau[k]) if k in driven else "-",
         )
         for k, (name, qd, qdd, tau) in enumerate(
             zip(result.model.rates, result.qd.T, result.qdd.T, result.tau.T, strict=True)
@@ -66,18 +70,21 @@ def _rates(result: Simulation) -> Content:
     return ("speed", "at the start", "at the end", "largest", "acceleration", "drive's peak"), rows
 
 
-def _drift(result: Simulation) -> str:
+def _drift(result: Simulation, size: MotionSizes) -> str:
     energy, kinetic = result.figures.energy, float(result.figures.kinetic.max())
     relative = result.energy_drift / kinetic if kinetic else 0.0
+    start, end, work = (number(x, size.energy) for x in (energy[0], energy[-1], result.work[-1]))
     lines = [
-        f"energy: {number(energy[0])} J at the start, {number(energy[-1])} J at the end, work "
-        f"{number(result.work[-1], kinetic)} J; drift {result.energy_drift:.1e} J, "
-        f"{relative:.0e} of the largest kinetic energy\n"
+        f"energy: {start} J at the start, {end} J at the end, work {work} J; "
+        f"drift {drift_text(result.energy_drift, size.energy)} J, {relative_text(relative)} of "
+        "the largest kinetic energy\n"
     ]
     if result.free:
         linear, angular = result.momentum_drift
+        most = float(np.abs(result.figures.linear).max())
+        turning = max(float(np.abs(result.figures.angular).max()), most * result.model.reach)
         lines.append(
-            f"momentum: drift {linear:.1e} N s linear, less the weight's, and {angular:.1e} N m s angular, "
-            "about the centre of mass\n"
+            f"momentum: drift {drift_text(linear, most)} N s linear, less the weight's, and "
+            f"{drift_text(angular, turning)} N m s angular, about the centre of mass\n"
         )
     return "".join(lines)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from robodyn.report.table import Content, Page, number, printable
+from robodyn.report.sizes import Sizes, result_sizes, speed_unit
+from robodyn.report.table import Content, Page, is_noise, moment, number, printable
 from robodyn.result import JointLoad, Result
 from robodyn.sizing_result import BearingLoad, Exceeded, JointSizing, MotorLoad, Sizing
 
@@ -35,12 +36,12 @@ def sizing_parts(result: Result, page: Page) -> Iterator[str]:
         return
     if sizing.joints:
         yield f"How joints are used\n{page.table(_use(result, sizing))}"
-    driven = [(joint.name, joint.motor) for joint in sizing.joints if joint.motor is not None]
-    if driven:
-        yield f"Motors, torque and speed at their shafts\n{page.table(_motors(driven))}"
+    size = result_sizes(result)
+    if any(joint.motor for joint in sizing.joints):
+        yield f"Motors, torque and speed at their shafts\n{page.table(_motors(sizing, size))}"
     if sizing.bearings:
-        yield f"Bearings: largest loads, parent on child, at the joint's origin\n{page.table(_bearings(sizing))}"
-    yield f"Foundation: ground on robot, in the base's axes\n{page.table(_foundation(result, sizing))}"
+        yield f"Bearings: largest loads, parent on child, at the joint's origin\n{page.table(_bearings(sizing, size))}"
+    yield f"Foundation: ground on robot, in the base's axes\n{page.table(_foundation(sizing, size))}"
     if sizing.joints:
         yield "".join(["Verdicts\n", *(f"{line}\n" for line in verdicts(result.joints, sizing))])
 
@@ -96,64 +97,71 @@ def _percent(value: float, limit: float) -> str:
 
 
 def _use(result: Result, sizing: Sizing) -> Content:
-    rows = [
-        (
-            joint.name,
-            f"{100 * joint.duty_cycle:.3g} %",
-            f"{number(joint.mean_speed, load.max_speed)} {'rad/s' if joint.unit == 'N m' else 'm/s'}",
-            str(load.peak_row),
-            number(load.peak_speed, load.max_speed),
-            f"{load.max_speed_time:.6g}",
-            number(load.torque_at_max_speed, load.peak),
-            number(load.least_power, max(load.peak_power, -load.least_power)),
-            f"{number(joint.static_peak, load.peak)} {joint.unit}",
-            number(joint.static_rms, load.peak),
-            f"{number(100 * joint.static_share, 100.0)} %",
+    size = result_sizes(result)
+    rows = []
+    for joint, load in zip(sizing.joints, result.joints, strict=True):
+        torque, unit = size[joint.unit], speed_unit(joint.unit)
+        speed = size[unit]
+        rows.append(
+            (
+                joint.name,
+                f"{100 * joint.duty_cycle:.3g} %",
+                f"{number(joint.mean_speed, speed)} {unit}",
+                moment(load.peak_row, load.peak, torque),
+                number(load.peak_speed, speed),
+                moment(load.max_speed_time, load.max_speed, speed),
+                number(load.torque_at_max_speed, torque),
+                number(load.least_power, size["W"]),
+                f"{number(joint.static_peak, torque)} {joint.unit}",
+                number(joint.static_rms, torque),
+                "-" if is_noise(load.rms, torque) else f"{number(100 * joint.static_share, 100.0)} %",
+            )
         )
-        for joint, load in zip(sizing.joints, result.joints, strict=True)
-    ]
     head = ("joint", "duty", "mean speed", "peak in row", "speed then", "max speed at [s]", "torque then")
     return (*head, "least power [W]", "static peak", "static RMS", "hold share"), rows
 
 
-def _motors(driven: list[tuple[str, MotorLoad]]) -> Content:
-    rows = [
-        (
-            name,
-            f"{motor.gear:.6g}",
-            f"{motor.efficiency:g}",
-            f"{number(motor.peak)} {motor.unit}",
-            f"{motor.peak_time:.6g}",
-            number(motor.peak_speed, motor.max_speed),
-            number(motor.rms),
-            f"{number(motor.max_speed)} {motor.speed_unit}",
-            number(motor.torque_at_max_speed, motor.peak),
-            number(motor.mean_speed, motor.max_speed),
-            number(motor.peak_power, max(motor.peak_power, -motor.least_power)),
-            number(motor.least_power, max(motor.peak_power, -motor.least_power)),
-            number(motor.work_positive),
-            number(motor.work_negative),
-            "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}",
+def _motors(sizing: Sizing, size: Sizes) -> Content:
+    rows = []
+    for joint in sizing.joints:
+        motor = joint.motor
+        if motor is None:
+            continue
+        torque = max(size[joint.unit] / motor.gear, abs(motor.peak))
+        speed = max(size[speed_unit(joint.unit)] * motor.gear, abs(motor.max_speed))
+        rows.append(
+            (
+                joint.name,
+                f"{motor.gear:.6g}",
+                f"{motor.efficiency:g}",
+                f"{number(motor.peak, torque)} {motor.unit}",
+                moment(motor.peak_time, motor.peak, torque),
+                number(motor.peak_speed, speed),
+                number(motor.rms, torque),
+                f"{number(motor.max_speed, speed)} {motor.speed_unit}",
+                number(motor.torque_at_max_speed, torque),
+                number(motor.mean_speed, speed),
+                number(motor.peak_power, size["W"]),
+                number(motor.least_power, size["W"]),
+                number(motor.work_positive, size["J"]),
+                number(motor.work_negative, size["J"]),
+                "-" if motor.inertia_ratio is None else f"{motor.inertia_ratio:.3g}",
+            )
         )
-        for name, motor in driven
-    ]
     head = ("joint", "gear", "efficiency", "peak", "at [s]", "speed then", "RMS", "max speed", "torque then")
     return (*head, "mean speed", "peak power [W]", "least", "work [J]", "returned [J]", "inertia ratio"), rows
 
 
-def _bearings(sizing: Sizing) -> Content:
+def _bearings(sizing: Sizing, size: Sizes) -> Content:
     rows = []
     for bearing in sizing.bearings:
         found = {part.name: part for part in (*bearing.components, bearing.radial, bearing.tilting)}
-        scale = {"N": 0.0, "N m": 0.0}
-        for other in sizing.bearings:
-            for part in other.components:
-                scale[part.unit] = max(scale[part.unit], abs(part.peak))
         cells = [
-            number(found[name].peak, scale[found[name].unit]) if name in found else "-"
+            number(found[name].peak, size[found[name].unit]) if name in found else "-"
             for name in ("fu", "fv", "fa", "mu", "mv", "ma", "radial", "tilting")
         ]
-        when = [f"{found[name].peak_time:.6g}" for name in ("radial", "tilting")]
+        most = (found[name] for name in ("radial", "tilting"))
+        when = [moment(part.peak_time, part.peak, size[part.unit]) for part in most]
         rows.append((bearing.joint, *_axes(bearing), *cells[:6], cells[6], when[0], cells[7], when[1]))
     head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
     return (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows
@@ -170,12 +178,14 @@ def _axes(bearing: BearingLoad) -> list[str]:
     return names
 
 
-def _foundation(result: Result, sizing: Sizing) -> Content:
-    scale = {"N": result.checks.largest_force, "N m": result.checks.largest_moment}
+def _foundation(sizing: Sizing, size: Sizes) -> Content:
     rows = []
     for load in sizing.foundation:
-        least, greatest, mean = (number(x, scale[load.unit]) for x in (load.least, load.greatest, load.mean))
+        scale = size[load.unit]
         name = f"{load.name[0].upper()}{load.name[1:]}"
-        row = (name, f"{greatest} {load.unit}", f"{load.greatest_time:.6g}", least, f"{load.least_time:.6g}", mean)
-        rows.append(row)
+        greatest, least = (
+            (number(value, scale), moment(time, value, scale))
+            for value, time in ((load.greatest, load.greatest_time), (load.least, load.least_time))
+        )
+        rows.append((name, f"{greatest[0]} {load.unit}", greatest[1], *least, number(load.mean, scale)))
     return ("", "greatest", "at [s]", "least", "at [s]", "mean"), rows

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from robodyn.limits import Excess
 from robodyn.report.limits_words import limits_verdict, unchecked_words
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.sizes import result_sizes, speed_unit
+from robodyn.report.table import PLAIN, Content, Page, is_noise, moment, number, printable, relative_text
 from robodyn.report.text_joints import derivation_table, share_table
-from robodyn.result import JointLoad, Result
+from robodyn.result import Result
 
 
 def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:
@@ -19,7 +18,7 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
     """
     parts = [_head(result)]
     if result.joints:
-        parts += [page.table(load_table(result.joints)), f"What makes the peaks\n{page.table(share_table(result))}"]
+        parts += [page.table(load_table(result)), f"What makes the peaks\n{page.table(share_table(result))}"]
     if result.derivation:
         methods, rows = derivation_table(result.derivation)
         parts.append(f"{methods}\n{page.table(rows) if rows else ''}")
@@ -57,24 +56,27 @@ def count(amount: int, noun: str) -> str:
     return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
 
 
-def load_table(joints: Sequence[JointLoad]) -> Content:
+def load_table(result: Result) -> Content:
     """What each joint carries."""
-    rows = [
-        (
-            joint.name,
-            f"{number(joint.peak)} {joint.unit}",
-            f"{joint.peak_time:.6g}",
-            number(joint.rms),
-            number(joint.cubic_mean),
-            f"{number(joint.max_speed)} {'m/s' if joint.unit == 'N' else 'rad/s'}",
-            number(joint.peak_power),
-            number(joint.work_positive),
-            number(joint.work_negative),
-            use(joint.peak, joint.effort_limit),
-            use(joint.max_speed, joint.velocity_limit),
+    size = result_sizes(result)
+    rows = []
+    for joint in result.joints:
+        load, speed = size[joint.unit], speed_unit(joint.unit)
+        rows.append(
+            (
+                joint.name,
+                f"{number(joint.peak, load)} {joint.unit}",
+                moment(joint.peak_time, joint.peak, load),
+                number(joint.rms, load),
+                number(joint.cubic_mean, load),
+                f"{number(joint.max_speed, size[speed])} {speed}",
+                number(joint.peak_power, size["W"]),
+                number(joint.work_positive, size["J"]),
+                number(joint.work_negative, size["J"]),
+                use(joint.peak, joint.effort_limit),
+                use(joint.max_speed, joint.velocity_limit),
+            )
         )
-        for joint in joints
-    ]
     head = ("joint", "peak", "at [s]", "RMS", "cubic mean", "max speed", "peak power [W]", "work [J]", "returned [J]")
     return (*head, "of effort limit", "of velocity limit"), rows
 
@@ -83,18 +85,18 @@ def use(value: float, limit: float | None) -> str:
     """How much of a limit a value takes, in percent."""
     if limit is None:
         return "-"
-    percent = 100.0 * abs(value) / limit
+    percent = 0.0 if is_noise(abs(value), limit) else 100.0 * abs(value) / limit
     return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"
 
 
 def base_table(result: Result) -> Content:
     """Peaks of the base wrench."""
-    scale = {"f": result.checks.largest_force, "m": result.checks.largest_moment}
+    size = result_sizes(result)
     rows = []
     for part in result.base_wrench:
-        kind = part.name[0]
-        peak, rms = number(part.peak, scale[kind]), number(part.rms, scale[kind])
-        rows.append((part.name, f"{peak} {'N' if kind == 'f' else 'N m'}", f"{part.peak_time:.6g}", rms))
+        unit = "N" if part.name[0] == "f" else "N m"
+        peak, rms = number(part.peak, size[unit]), number(part.rms, size[unit])
+        rows.append((part.name, f"{peak} {unit}", moment(part.peak_time, part.peak, size[unit]), rms))
     return ("", "peak", "at [s]", "RMS"), rows
 
 
@@ -123,11 +125,11 @@ def effect_table(result: Result) -> Content:
 
 def _checks(result: Result) -> str:
     checks, balance = result.checks, result.checks.energy_balance
+    size = result_sizes(result)["J"]
     work, stored, residual, sampling = (
-        number(x, balance.turnover)
-        for x in (balance.work, balance.energy_change, balance.residual, abs(balance.quadrature))
+        number(x, size) for x in (balance.work, balance.energy_change, balance.residual, abs(balance.quadrature))
     )
-    laws = [f"{x:.0e}" if x else "0" for x in (checks.first_law, checks.second_law, checks.power)]
+    laws = [relative_text(x) for x in (checks.first_law, checks.second_law, checks.power)]
     return (
         "Self-checks, from momenta and energy\n"
         f"energy: work {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)\n"

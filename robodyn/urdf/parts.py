@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
-
-if TYPE_CHECKING:
-    from robodyn.urdf.packages import Search
+from typing import Literal
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -108,12 +105,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`.
-
-    Attributes:
-        search: where the files are that it names.
-        data: the bytes that it was read from.
-    """
+    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`."""
 
     name: str
     file: str
@@ -122,5 +114,3 @@ class Description:
     transmissions: tuple[Transmission, ...]
     root: str
     notes: tuple[Note, ...]
-    search: Search
-    data: bytes = b""

@@ -12,6 +12,7 @@ from oracles import random_state, robot
 
 import robodyn
 from robodyn.effects.catalogue import EFFECTS
+from robodyn.report.sizes import free_body_sizes
 from robodyn.report.svg_arrows import LONGEST, SHORTEST, arrows
 from robodyn.report.svg_free_body import BOTTOM, PAPERS, STYLE, TOP, WIDTH, _apart, drawing, drawings
 from robodyn.report.svg_labels import Box, place, text_width
@@ -70,18 +71,19 @@ def test_arrows_are_to_scale():
     spots = {k: (100.0 * k, 0.0) for k in range(len(body.actions))}
     for turning, part in enumerate(("force", "moment")):
         largest = max(np.linalg.norm(getattr(action, part)) for action in body.actions)
-        for arrow in arrows(body, spots):
+        for arrow in arrows(body, spots, free_body_sizes(found("scara"))):
             if arrow.turning == bool(turning):
                 length = np.hypot(arrow.end[0] - arrow.start[0], arrow.end[1] - arrow.start[1])
                 assert length <= max(SHORTEST, LONGEST * arrow.value / largest) * np.sqrt(1.5) * (1 + 1e-12)
 
 
 def test_a_vector_towards_the_reader_is_a_ring():
-    body = robodyn.free_bodies(robot("scara"), [0.0] * 3, scene=robodyn.Scene(gravity=(9.0, 9.0, 9.0))).bodies[1]
-    (weight,) = (arrow for arrow in arrows(body, dict.fromkeys(range(9), (0.0, 0.0))) if arrow.symbol == "W")
+    found = robodyn.free_bodies(robot("scara"), [0.0] * 3, scene=robodyn.Scene(gravity=(9.0, 9.0, 9.0)))
+    body, size = found.bodies[1], free_body_sizes(found)
+    (weight,) = (arrow for arrow in arrows(body, dict.fromkeys(range(9), (0.0, 0.0)), size) if arrow.symbol == "W")
     assert weight.start == weight.end
     assert weight.towards
-    assert 'r="3.5"' in drawing(body, "")
+    assert 'r="3.5"' in drawing(body, "", size)
 
 
 def _contrast(one, other):

@@ -1,0 +1,111 @@
+"""The largest of each kind that a case has, by unit: what is smaller by `NOISE` beside it is shown as 0.
+
+A moment is told beside the largest moment, and beside the largest force at the robot's reach: rounding of a force makes
+that of its moment. A power is told beside the largest torque at the largest speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.free_body.types import FreeBodies
+from robodyn.model import Model
+from robodyn.result import Result
+from robodyn.simulation.result import Simulation
+
+Floats = NDArray[np.float64]
+
+Sizes = Mapping[str, float]
+
+
+def sizes(forces: Iterable[float], moments: Iterable[float], reach: float) -> dict[str, float]:
+    """Return the sizes of forces and moments.
+
+    Args:
+        forces, moments: all of the case, of either sign [N, N m].
+        reach: of the robot [m].
+    """
+    force = max(map(abs, forces), default=0.0)
+    return {"N": force, "N m": max(max(map(abs, moments), default=0.0), force * reach)}
+
+
+def speed_unit(unit: str) -> str:
+    """Return the unit of a joint's speed by that of its load."""
+    return "m/s" if unit == "N" else "rad/s"
+
+
+def result_sizes(result: Result) -> Sizes:
+    """Return those of loads, speeds, powers and energies along a motion."""
+    joints, checks = result.joints, result.checks
+    peaks = {unit: [joint.peak for joint in joints if joint.unit == unit] for unit in ("N", "N m")}
+    base = {kind: [part.peak for part in result.base_wrench if part.name[0] == kind] for kind in "fm"}
+    found = sizes(
+        [*peaks["N"], *base["f"], checks.largest_force], [*peaks["N m"], *base["m"], checks.largest_moment], 0.0
+    )
+    for unit in ("N", "N m"):
+        found[speed_unit(unit)] = max((abs(joint.max_speed) for joint in joints if joint.unit == unit), default=0.0)
+    balance = checks.energy_balance
+    found["W"] = max(found["N"] * found["m/s"], found["N m"] * found["rad/s"])
+    found["J"] = max(found["W"] * result.duration, balance.turnover, balance.stored_most)
+    return found
+
+
+def free_body_sizes(found: FreeBodies) -> Sizes:
+    """Return those of the forces and moments on every body of a robot."""
+    actions = [action for body in found.bodies for action in body.actions]
+    places = [body.pose.p for body in found.bodies] + [body.pose.p + body.pose.R @ body.com for body in found.bodies]
+    return sizes(
+        (float(np.abs(action.force).max()) for action in actions),
+        (float(np.abs(each).max()) for action in actions for each in (action.moment, action.at_origin)),
+        max((float(np.linalg.norm(place - places[0])) for place in places), default=0.0),
+    )
+
+
+class MotionSizes(NamedTuple):
+    """The sizes of a simulated motion: (nq,) of positions, (n,) of speeds, accelerations and loads; of energies [J]."""
+
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    tau: Floats
+    energy: float
+
+
+def simulation_sizes(result: Simulation) -> MotionSizes:
+    """Return those along a simulated motion.
+
+    An angle is told beside 1 rad, a length beside the robot's reach; an acceleration also beside the square of the
+    speed, and beside gravity; a load also beside the robot's weight.
+    """
+    model, figures, reach = result.model, result.figures, result.model.reach
+    lengths, sliding = _linear(model)
+    gravity = float(np.linalg.norm(result.scene.gravity))
+    place = [1.0, max(reach, _largest(result.q[:, lengths]))]
+    turns, slides = _largest(result.qd[:, ~sliding]), _largest(result.qd[:, sliding])
+    speed = [turns, max(slides, turns * reach)]
+    spins = max(_largest(figures.qdd[:, ~sliding]), turns**2)
+    acceleration = [spins, max(_largest(figures.qdd[:, sliding]), spins * reach, gravity)]
+    weight = model.total_mass * gravity
+    force = max(_largest(figures.tau[:, sliding]), weight)
+    load = [max(_largest(figures.tau[:, ~sliding]), force * reach), force]
+    energy = max(_largest(figures.energy), _largest(figures.kinetic), _largest(result.work))
+    rates = (np.choose(sliding, each) for each in (speed, acceleration, load))
+    return MotionSizes(np.choose(lengths, place), next(rates), next(rates), next(rates), energy)
+
+
+def _linear(model: Model) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which coordinates are lengths, and which rates those of lengths."""
+    q, qd = [], []
+    for joint in model.independent:
+        floats = joint.kind == "floating"
+        q += [True] * 3 + [False] * 4 if floats else [joint.kind == "prismatic"]
+        qd += [False] * 3 + [True] * 3 if floats else [joint.kind == "prismatic"]
+    return np.array(q, dtype=bool), np.array(qd, dtype=bool)
+
+
+def _largest(values: Floats) -> float:
+    return float(np.abs(values).max(initial=0.0))

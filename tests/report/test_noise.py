@@ -1,0 +1,146 @@
+"""Rounding noise is shown as 0 wherever numbers are shown, and no text depends on the last digit of a sum."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import fields, replace
+from functools import cache
+
+import numpy as np
+import pytest
+from example_robots import real
+from oracles import ROBOTS, robot
+
+import robodyn
+from robodyn.report.json_torques import torques_json
+from robodyn.report.page_torques import torques_page
+from robodyn.report.sizes import free_body_sizes, result_sizes
+from robodyn.report.svg_free_body import drawings
+from robodyn.report.table import NOISE, number, relative_text
+from robodyn.report.text_free_body import free_bodies_text
+from robodyn.report.text_simulation import simulation_text
+from robodyn.report.text_torques import torques_text
+from robodyn.result import JointLoad, Result
+from robodyn.scene_file import load_scene
+from robodyn.simulation.run import simulate
+
+TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")
+"""A number that only rounding makes, in cases of newtons and metres."""
+
+
+@cache
+def falling() -> Result:
+    """The arm in a pose that it keeps while its base falls freely: nothing carries anything."""
+    model = robot("puma560", moving_base=True)
+    time = np.linspace(0.0, 1.0, 60)
+    q, qd, qdd = np.zeros((60, model.nq)), np.zeros((60, model.n)), np.zeros((60, model.n))
+    q[:, 3:7] = np.array((0.1, -0.5, 0.3, 0.8)) / math.sqrt(0.99)
+    q[:, 7:] = np.linspace(0.3, 1.9, model.nq - 7)
+    qdd[:, 3:6] = (0.0, 0.0, -9.81 * (1.0 + np.finfo(float).eps))
+    q[:, 2], qd[:, 5] = -9.81 / 2 * time**2, -9.81 * time
+    scene = robodyn.Scene(moving_base=True)
+    return robodyn.torques(model, robodyn.motion(model, time, q, qd, qdd), scene, sizing=True, history=True)
+
+
+def test_free_fall_carries_nothing_in_text_and_page() -> None:
+    found = falling()
+    peaks = [abs(joint.peak) for joint in found.joints]
+    assert 0.0 < max(peaks) < 1e-12, "rounding leaves something, or this tests nothing"
+    for words in (torques_text(found), *_tables(found)):
+        assert not TINY.search(words.replace("<1e-12", "")), words
+    assert any(f'"peak": {joint.peak!r}' in torques_json(found) for joint in found.joints if joint.peak), "all digits"
+    assert "zero throughout" in torques_text(found)
+
+
+def _tables(found: Result) -> list[str]:
+    page = torques_page(found, robot("puma560", moving_base=True), robodyn.Scene(moving_base=True), pictures=False)
+    return [str(block) for block in page.blocks if type(block).__name__ != "Downloads"]
+
+
+def test_a_moment_that_is_noise_has_no_moment_of_its_own() -> None:
+    """Where nothing is carried, the time of the largest is anything."""
+    rows = [line.split() for line in torques_text(falling()).splitlines() if line.startswith(("waist", "elbow"))]
+    assert [row[1:5] for row in rows[:2]] == [["0", "N", "m", "-"]] * 2
+
+
+def test_noise_is_no_arrow_of_a_drawing() -> None:
+    """A wrist at rest whose moments are the rounding of forces at the end of an arm."""
+    model = real("ur5_robot")
+    found = robodyn.free_bodies(model, [0.0] * model.n)
+    moments = [float(np.linalg.norm(a.moment)) for body in found.bodies for a in body.actions]
+    assert any(0.0 < x < 1e-11 for x in moments), "rounding leaves something, or this tests nothing"
+    for _, svg in drawings(found, "at rest"):
+        assert not TINY.search(svg)
+    assert not TINY.search(free_bodies_text(found, "at rest").replace("<1e-12", ""))
+
+
+def test_a_moment_is_told_beside_the_largest_force_at_the_reach() -> None:
+    model = real("ur5_robot")
+    found = robodyn.free_bodies(model, [0.0, -math.pi / 2, 0.0, 0.0, 0.0, 0.0])
+    size = free_body_sizes(found)
+    assert size["N"] == pytest.approx(9.81 * model.total_mass, rel=0.2)
+    assert size["N m"] >= 0.5 * size["N"]
+    assert 1.0 < model.reach < 1.5
+
+
+def test_simulations_show_no_noise() -> None:
+    model = robot("heavy_top")
+    scene = load_scene(ROBOTS / "heavy_top_steady.toml")
+    found = simulate(model, scene, duration=0.2)
+    assert 0.0 < np.abs(found.qdd).max() < 1e-10
+    text = simulation_text(found)
+    assert not TINY.search(text.replace("<1e-12", "")), text
+
+
+@pytest.mark.parametrize("sizing", [False, True])
+def test_no_text_depends_on_the_last_digit(sizing: bool) -> None:
+    """All figures of a motion moved by some units of rounding of the largest of their kind: the same text."""
+    model = robot("puma560")
+    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", sizing=sizing)
+    rng, size = np.random.default_rng(1), result_sizes(found)
+    shown = torques_text(found, explain=True)
+    for _ in range(5):
+        joints = tuple(_moved(joint, size, rng) for joint in found.joints)
+        base = tuple(
+            replace(part, peak=_by_noise(part.peak, size["N" if part.name[0] == "f" else "N m"], rng))
+            for part in found.base_wrench
+        )
+        checks = replace(found.checks, first_law=rng.uniform(0, 1e-14), second_law=0.0, power=rng.uniform(0, 1e-14))
+        assert torques_text(replace(found, joints=joints, base_wrench=base, checks=checks), explain=True) == shown
+
+
+def _moved(joint: JointLoad, size, rng) -> JointLoad:
+    kinds = {"peak_power": "W", "work_positive": "J", "work_negative": "J", "max_speed": "rad/s"}
+    kinds |= dict.fromkeys(("peak", "rms", "cubic_mean"), "N m")
+    names = {field.name for field in fields(joint)}
+    assert kinds.keys() <= names
+    moved = {name: _by_noise(getattr(joint, name), size[kind], rng) for name, kind in kinds.items()}
+    shares = {name: _by_noise(share, size["N m"], rng) for name, share in joint.shares.items()}
+    return replace(joint, **moved, shares=shares)
+
+
+def _by_noise(x: float, scale: float, rng) -> float:
+    return x + rng.uniform(-4.0, 4.0) * np.finfo(float).eps * scale
+
+
+@pytest.mark.parametrize(
+    ("x", "text"),
+    [
+        (0.9e-12, "0"),
+        (-0.9e-12, "0"),
+        (1.23456e-12, "1.2e-12"),
+        (-1.23456e-11, "-1.23e-11"),
+        (1.23456e-10, "1.235e-10"),
+        (3.345e-10, "3.345e-10"),
+        (0.5, "0.5000"),
+    ],
+)
+def test_digits_end_where_noise_begins(x: float, text: str) -> None:
+    assert number(x, 1.0) == text
+    assert number(1e6 * x, 1e6) == ("0" if text == "0" else number(1e6 * float(text), 1e6))
+
+
+def test_errors_of_rounding_are_only_said_to_be_small() -> None:
+    assert (relative_text(0.0), relative_text(3e-16), relative_text(NOISE)) == ("<1e-12",) * 3
+    assert relative_text(3.2e-9) == "3e-09"
