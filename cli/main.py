@@ -11,6 +11,7 @@ from io import TextIOWrapper
 import click
 
 from robodyn.cli.failures import reported
+from robodyn.errors import RobodynWarning
 from robodyn.wording import alternatives
 
 COMMANDS = (
@@ -57,7 +58,7 @@ def main() -> None:
         signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
         if not sys.warnoptions:
             warnings.simplefilter("ignore")
-            warnings.filterwarnings("default", module=r"robodyn\.execute\.runner")
+            warnings.simplefilter("default", RobodynWarning)
             warnings.showwarning = lambda message, *_, **__: click.echo(f"warning: {message}", err=True)
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(errors="backslashreplace")

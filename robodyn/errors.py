@@ -1,4 +1,4 @@
-"""The errors that robodyn raises on purpose, each of which prints as one line."""
+"""The errors that robodyn raises on purpose, each of which prints as one line, and the category of its warnings."""
 
 from __future__ import annotations
 
@@ -53,3 +53,7 @@ class SceneError(InputError):
 
 class MeshError(InputError):
     """A mesh cannot be read, or what is asked of it is not defined."""
+
+
+class RobodynWarning(RuntimeWarning):
+    """What users are told that is no error; the command line prints it as one line."""

@@ -13,7 +13,7 @@ from robodyn.arrays import still
 from robodyn.effects.effect import Still
 from robodyn.energy_ledger import EnergyLedger
 from robodyn.execute.choice import Choice
-from robodyn.execute.runner import Runner
+from robodyn.execute.runner import Run, Runner
 from robodyn.inverse import mass_matrix, runner_of
 from robodyn.limits import binding, coverage
 from robodyn.model import Model
@@ -131,31 +131,30 @@ class Pass:
         self.whole = max(self.whole, self.statistics.samples + left)
         self.checked = self.checked or -(-self.whole * len(rows) // samples)
 
-        def run(runner: Runner, given: dict[str, Floats], expected: int) -> Floats:
+        def run(runner: Runner, given: dict[str, Floats], expected: int) -> Run:
             how = self.options
-            return runner(given, len(given["q"]), executor=how.executor, threads=how.threads, expected=expected)
+            return runner.run(given, len(given["q"]), executor=how.executor, threads=how.threads, expected=expected)
 
-        loads = run(programs.wrenches, sources, self.whole)
-        self.choice = programs.wrenches.choice
+        loads, self.choice = run(programs.wrenches, sources, self.whole)
         check_loads(loads, self.names, block.first_row, self.file)
         tau, base = loads[:, :n], loads[:, n : n + 6]
-        net = np.einsum("ij,ij->i", tau, block.qd) - run(programs.losses, sources, self.whole)[:, 0]
+        net = np.einsum("ij,ij->i", tau, block.qd) - run(programs.losses, sources, self.whole).values[:, 0]
         checked = {name: values[rows] for name, values in sources.items()}
-        expected = run(programs.laws, checked, self.checked)
+        expected = run(programs.laws, checked, self.checked).values
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
-        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked, self.checked)[:, 0])
+        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked, self.checked).values[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
-            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources, self.whole))
+            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources, self.whole).values)
         columns = loads if self.options.reactions else tau
         if self.momentum is None:
             return columns
         return np.hstack(
-            (columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources, self.whole)))
+            (columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources, self.whole).values))
         )
 
     @np.errstate(all="ignore")

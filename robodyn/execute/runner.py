@@ -6,12 +6,13 @@ import os
 import warnings
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from threading import Lock
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.errors import InputError
+from robodyn.errors import InputError, RobodynWarning
 from robodyn.execute.choice import EXECUTORS, Choice, Work, choice
 from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.numpy_blocks import NumpyBlocks
@@ -25,27 +26,40 @@ PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
 
 
+class Run(NamedTuple):
+    """What a call of a runner yields.
+
+    Attributes:
+        values: (samples, outputs).
+        choice: the executor that computed them, and why it was chosen.
+    """
+
+    values: NDArray[Any]
+    choice: Choice
+
+
 class Runner:
-    """Runs a program on arrays of samples.
+    """Runs a program on arrays of samples, for any number of threads at a time.
 
     Results of the executors differ by rounding. `auto` takes the one that suits the samples that are `expected`, which
     is always the same one for the same work. Where none are, it begins with NumPy and turns to machine code as soon as
     that would have been quicker for all samples so far: name an executor where such runs must agree to the bit.
-
-    Attributes:
-        choice: the executor of the last run, and why.
     """
 
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
         """Args: widths: how many columns the array of each source will have."""
         self.program, self.widths = program, dict(widths)
-        self.choice = Choice("numpy", "nothing has run yet")
         self._numpy: dict[type, NumpyBlocks] = {}
         self._compiled: dict[type, CompiledBlocks] = {}
         self._problem: str | None = None
         self._samples = self._runs = self._blocks = 0
+        self._counting, self._making = Lock(), Lock()
 
-    def __call__(
+    def __call__(self, sources: Mapping[str, NDArray[Any]], samples: int, *given: Any, **options: Any) -> NDArray[Any]:
+        """Return the values of `run` with the same arguments."""
+        return self.run(sources, samples, *given, **options).values
+
+    def run(
         self,
         sources: Mapping[str, NDArray[Any]],
         samples: int,
@@ -55,8 +69,8 @@ class Runner:
         threads: int | None = None,
         expected: int = 0,
         dtype: Any = np.float64,
-    ) -> NDArray[Any]:
-        """The outputs of the program for every sample.
+    ) -> Run:
+        """Return the outputs of the program for every sample, and what computed them.
 
         Args:
             sources: for each source an array (samples, columns), in any layout.
@@ -68,7 +82,7 @@ class Runner:
             dtype: float64 or float32: of inputs, results and all operations.
 
         Returns:
-            (samples, outputs); where `out` is not given each column is contiguous.
+            Of the values each column is contiguous where `out` is not given.
 
         Raises:
             InputError: no such executor, or the compiled one cannot run here.
@@ -77,41 +91,41 @@ class Runner:
         """
         kind, workers = np.dtype(dtype).type, cores(threads)
         if executor == PAIRS:
-            return self._in_pairs(sources, samples, out)
-        if self._chosen(executor, kind, samples, expected) == "compiled":
-            return self._compiled[kind](sources, samples, out, workers)
-        run = self._by_numpy(kind)
-        self._samples += samples
-        self._runs += 1
-        self._blocks += -(-samples // run.block)
-        return run(sources, samples, out)
+            return Run(self._in_pairs(sources, samples, out), Choice(PAIRS, "as asked"))
+        chosen = self._chosen(executor, kind, samples, expected)
+        if chosen.executor == "compiled":
+            return Run(self._compiled[kind](sources, samples, out, workers), chosen)
+        by_numpy = self._by_numpy(kind)
+        with self._counting:
+            self._samples += samples
+            self._runs += 1
+            self._blocks += -(-samples // by_numpy.block)
+        return Run(by_numpy(sources, samples, out), chosen)
 
     def _in_pairs(self, sources: Mapping[str, NDArray[Any]], samples: int, out: NDArray[Any] | None) -> NDArray[Any]:
         """The high parts of the results, which are the results rounded once."""
         from robodyn.execute.double_double import DoubleDouble
 
-        self.choice = Choice(PAIRS, "as asked")
         high: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high
         if out is None:
             return high
         out[...] = high
         return out
 
-    def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> str:
+    def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> Choice:
         """The executor to use, which is ready."""
-        if executor == "auto":
-            self.choice = self._choice(kind, samples, expected)
-        elif executor in EXECUTORS:
-            self.choice = Choice(executor, "as asked")
-        else:
+        if executor not in EXECUTORS:
             remedy = alternatives(str(executor), EXECUTORS, "executors")
             raise InputError(f"there is no executor {executor!r}", remedy=remedy)
-        if self.choice.executor == "compiled" and (problem := self._made(kind)):
+        asked = Choice(executor, "as asked")
+        found = self._choice(kind, samples, expected) if executor == "auto" else asked
+        if found.executor == "compiled" and (problem := self._made(kind)):
             if executor == "compiled":
                 raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
-            self._problem, self.choice = problem, Choice("numpy", problem)
+            self._problem = problem
             _say(f"large work goes without machine code, tens of times slower: {problem}")
-        return self.choice.executor
+            return Choice("numpy", problem)
+        return found
 
     def _choice(self, kind: type, samples: int, expected: int) -> Choice:
         """The executor that suits the work: all that is expected, or all so far."""
@@ -121,9 +135,10 @@ class Runner:
         if expected:
             return choice(Work(size, expected, 1, -(-expected // block)))
         if kind in self._compiled:
-            ready = Choice("compiled", "its machine code is ready")
-            return self.choice if self.choice.executor == "compiled" else ready
-        return choice(Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block)))
+            return Choice("compiled", "its machine code is ready")
+        with self._counting:
+            work = Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block))
+        return choice(work)
 
     def _by_numpy(self, kind: type) -> NumpyBlocks:
         if kind not in self._numpy:
@@ -138,17 +153,19 @@ class Runner:
             return problem
         from robodyn.execute.compiled_blocks import CompiledBlocks
 
-        try:
-            self._compiled[kind] = CompiledBlocks(self.program, self.widths, kind)
-        except (OSError, RuntimeError) as error:
-            return f"LLVM fails on this program ({one_line(error)})"
+        with self._making:
+            if kind not in self._compiled:
+                try:
+                    self._compiled[kind] = CompiledBlocks(self.program, self.widths, kind)
+                except (OSError, RuntimeError) as error:
+                    return f"LLVM fails on this program ({one_line(error)})"
         return None
 
 
 @cache
 def _say(what: str) -> None:
     """A warning, once."""
-    warnings.warn(what, RuntimeWarning, stacklevel=2)
+    warnings.warn(what, RobodynWarning, stacklevel=2)
 
 
 def cores(asked: int | None = None) -> int:

@@ -44,14 +44,18 @@ def adaptive_motion(
 
     equations = Equations(plan)
     runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+    used = ""
 
     def rates(time: float, y: Any) -> Any:
+        nonlocal used
         columns = y.reshape(len(y), -1)
         samples = columns.shape[1]
         sources = {STATE: np.vstack((columns, np.zeros(samples))).T}
         if signal.curves:
             sources[COLUMNS] = np.repeat(signal.at(np.array([time])), samples, axis=0)
-        return runner(sources, samples, executor=executor, expected=EXPECTED).T.reshape(y.shape)
+        found = runner.run(sources, samples, executor=executor, expected=EXPECTED)
+        used = found.choice.executor
+        return found.values.T.reshape(y.shape)
 
     def room(_: float, y: Any) -> float:
         return float(limits.room(y[: plan.model.nq]).min())
@@ -71,4 +75,4 @@ def adaptive_motion(
             h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
             h /= np.linalg.norm(h, axis=1)[:, None]
     ended = limits.nearest(states[-1]).reached(float(found.t[-1])) if found.status == 1 else ""
-    return Motion(found.t, states, len(found.t) - 1, 1, runner.choice.executor, ended, int(found.nfev))
+    return Motion(found.t, states, len(found.t) - 1, 1, used, ended, int(found.nfev))

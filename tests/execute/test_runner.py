@@ -40,24 +40,23 @@ def made(program=PROGRAM):
 
 
 def run(a_runner, **options):
-    return a_runner({"x": X.astype(options.get("dtype", np.float64))}, len(X), **options)
+    return a_runner.run({"x": X.astype(options.get("dtype", np.float64))}, len(X), **options)
 
 
 BY_NUMPY = NumpyBlocks(PROGRAM, {"x": 2})({"x": X}, len(X))
 
 
 def test_little_work_is_done_by_numpy():
-    a_runner = made()
-    np.testing.assert_array_equal(run(a_runner), BY_NUMPY)
-    assert a_runner.choice == ("numpy", "little work, and it starts at once")
+    found = run(made())
+    np.testing.assert_array_equal(found.values, BY_NUMPY)
+    assert found.choice == ("numpy", "little work, and it starts at once")
 
 
 @needs_compiler
 def test_much_work_is_done_by_machine_code():
-    a_runner = made()
-    found = run(a_runner, expected=HUGE)
-    np.testing.assert_array_equal(found, CompiledBlocks(PROGRAM, {"x": 2})({"x": X}, len(X)))
-    assert a_runner.choice == ("compiled", "1000000000 samples of 301 operations are worth machine code")
+    found = run(made(), expected=HUGE)
+    np.testing.assert_array_equal(found.values, CompiledBlocks(PROGRAM, {"x": 2})({"x": X}, len(X)))
+    assert found.choice == ("compiled", "1000000000 samples of 301 operations are worth machine code")
 
 
 @needs_compiler
@@ -65,35 +64,30 @@ def test_machine_code_is_used_once_it_is_there():
     a_runner = made()
     run(a_runner, executor="compiled")
     run(a_runner, executor="numpy")
-    run(a_runner)
-    assert a_runner.choice == ("compiled", "its machine code is ready")
+    assert run(a_runner).choice == ("compiled", "its machine code is ready")
 
 
 @needs_compiler
 def test_later_blocks_keep_the_reason_of_the_first():
     a_runner = made()
-    run(a_runner, expected=HUGE)
-    first = a_runner.choice
-    run(a_runner)
-    assert a_runner.choice == first
+    first = run(a_runner, expected=HUGE).choice
+    assert run(a_runner, expected=HUGE).choice == first
 
 
 @needs_compiler
 def test_explicit_executors_do_not_decide_for_the_others():
     a_runner = made()
     for executor, expected in (("compiled", "compiled"), ("numpy", "numpy"), ("auto", "compiled")):
-        run(a_runner, executor=executor)
-        assert a_runner.choice.executor == expected
-    run(a_runner, dtype=np.float32)
-    assert a_runner.choice.executor == "numpy", "there is no machine code for this format yet"
-    run(a_runner)
-    assert a_runner.choice.executor == "compiled"
+        assert run(a_runner, executor=executor).choice.executor == expected
+    found = run(a_runner, dtype=np.float32)
+    assert found.choice.executor == "numpy", "there is no machine code for this format yet"
+    assert run(a_runner).choice.executor == "compiled"
 
 
 def test_explicit_numpy_runs_any_amount():
-    a_runner = made()
-    np.testing.assert_array_equal(run(a_runner, executor="numpy", expected=HUGE), BY_NUMPY)
-    assert a_runner.choice == ("numpy", "as asked")
+    found = run(made(), executor="numpy", expected=HUGE)
+    np.testing.assert_array_equal(found.values, BY_NUMPY)
+    assert found.choice == ("numpy", "as asked")
 
 
 @needs_compiler
@@ -101,11 +95,8 @@ def test_small_calls_turn_to_machine_code_once_it_would_have_paid():
     """As `choice` has it for all samples so far."""
     executors = [choice(Work(PROGRAM.size, 50 * k, k, k)).executor for k in range(1, 1000)]
     turn = executors.index("compiled")
-    a_runner, found = made(), []
-    for _ in executors[: turn + 3]:
-        run(a_runner)
-        found.append(a_runner.choice.executor)
-    assert found == executors[: turn + 3]
+    a_runner = made()
+    assert [run(a_runner).choice.executor for _ in executors[: turn + 3]] == executors[: turn + 3]
 
 
 @needs_compiler
@@ -117,19 +108,17 @@ def test_announced_work_is_done_the_same_way_whatever_came_before(expected):
     for _ in range(3):
         run(warm, executor="compiled")
         run(warm)
-    np.testing.assert_array_equal(run(warm, expected=expected), first)
-    assert warm.choice == cold.choice
-    assert warm.choice.executor == ("compiled" if expected == HUGE else "numpy")
+    found = run(warm, expected=expected)
+    np.testing.assert_array_equal(found.values, first.values)
+    assert found.choice == first.choice
+    assert found.choice.executor == ("compiled" if expected == HUGE else "numpy")
 
 
 def test_announced_work_is_done_the_same_way_in_every_block():
     """The last block may be of one sample, which as the size of all blocks would be worth machine code."""
     a_runner = made()
-    executors = []
-    for rows in (50, 50, 1):
-        a_runner({"x": X[:rows]}, rows, expected=20_000)
-        executors.append(a_runner.choice.executor)
-    assert executors == ["numpy"] * 3
+    choices = [a_runner.run({"x": X[:rows]}, rows, expected=20_000).choice for rows in (50, 50, 1)]
+    assert [choice.executor for choice in choices] == ["numpy"] * 3
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def test_everything_works_and_large_work_says_so_once(lack, tmp_path):
     problem = PROBLEMS[lack]
     assert told["errors"] == [f"the compiled executor cannot run: {problem} (choose auto or numpy)"] * 2
     assert done.stderr.count("Warning") == 1
-    assert f"RuntimeWarning: large work goes without machine code, tens of times slower: {problem}\n" in done.stderr
+    assert f"RobodynWarning: large work goes without machine code, tens of times slower: {problem}\n" in done.stderr
 
 
 def test_the_command_works(lack, tmp_path):
@@ -85,6 +85,25 @@ def test_the_command_works(lack, tmp_path):
     done = python(f"{LACKING[lack]}\nsys.argv = {call!r}\nfrom robodyn.cli.main import main; main()")
     assert "shoulder" in done.stdout
     assert done.stderr == ""
+
+
+def test_the_command_shows_robodyns_warnings_wherever_they_come_from(tmp_path):
+    """And nobody else's: by their category, not by the module that warns."""
+    write_arm(tmp_path)
+    call = ["robodyn", "torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv")]
+    done = python(f"""
+import sys, warnings
+import robodyn.execute.runner as runner
+from robodyn.errors import RobodynWarning
+before = runner.choice
+def elsewhere(work):
+    warnings.warn("this goes slowly", RobodynWarning)
+    warnings.warn("not for users", RuntimeWarning)
+    return before(work)
+runner.choice = elsewhere
+sys.argv = {call!r}
+from robodyn.cli.main import main; main()""")
+    assert set(done.stderr.splitlines()) == {"warning: this goes slowly"}
 
 
 def test_little_work_loads_no_compiler_and_looks_at_no_cache(tmp_path):
@@ -98,9 +117,7 @@ def test_little_work_loads_no_compiler_and_looks_at_no_cache(tmp_path):
 def test_a_compiler_that_would_not_pay_is_not_loaded(tmp_path):
     """Not even where machine code is kept: the same work gives the same digits in a warm and a cold process."""
     code = """
-run = runner()
-run(sources, 50, expected=10_000)
-told(executor=run.choice.executor)
+told(executor=runner().run(sources, 50, expected=10_000).choice.executor)
 """
     make = 'told(same=runner()(sources, 50, executor="compiled").shape)'
     first = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
@@ -114,9 +131,7 @@ told(executor=run.choice.executor)
 @needs_compiler
 def test_large_work_compiles(tmp_path):
     code = """
-run = runner()
-run(sources, 50, expected=10**9)
-told(executor=run.choice.executor)
+told(executor=runner().run(sources, 50, expected=10**9).choice.executor)
 """
     first, second = (_told(python(WORK + code, ROBODYN_CACHE=tmp_path)) for _ in range(2))
     assert first == second
