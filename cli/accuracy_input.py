@@ -8,7 +8,7 @@ import click
 
 from robodyn.accuracy.ladder import Accuracy
 from robodyn.cli.files import check_table, robot_in_scene
-from robodyn.cli.options import Vector
+from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup
 
 
 def accuracy_of(
@@ -17,14 +17,14 @@ def accuracy_of(
     """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml or that
     is given alone."""
     ctx = click.get_current_context()
-    robot = len(files) == 2 or files[0].lower().endswith(".urdf")
+    robot = len(files) == 2 or files[0].lower().endswith(ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
     if robot and alone:
         files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
-    if not robot and (scene_file or gravity):
-        raise click.UsageError("--scene and --gravity are for robots, not for a mesh", ctx)
+    if not robot and (scene_file or gravity or any(lookup().values())):
+        raise click.UsageError("--scene, --gravity, --package-path and --xacro-arg are for robots, not for a mesh", ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
         raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)

@@ -8,7 +8,7 @@ import click
 
 from robodyn.bench.run import bench
 from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.report.json_bench import bench_json
 from robodyn.report.text_bench import bench_text
@@ -16,6 +16,7 @@ from robodyn.report.text_bench import bench_text
 
 @click.command("bench", short_help="How fast each executor is on a robot.")
 @click.argument("urdf", type=PATH)
+@DESCRIPTION
 @SCENE
 @GRAVITY
 @click.option("--samples", type=click.IntRange(min=1), default=100_000, metavar="N", help="Default 100000.")

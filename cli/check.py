@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Any
 
 import click
@@ -15,8 +14,8 @@ from robodyn.checks.run import Checked, Options
 from robodyn.cli.check_fix import fix_files
 from robodyn.cli.check_options import OPTIONS, check_flags
 from robodyn.cli.check_report import report
-from robodyn.cli.files import STANDARD_INPUT, check_names
-from robodyn.cli.options import PATH
+from robodyn.cli.files import check_names, source_of
+from robodyn.cli.options import PATH, lookup
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reports import REPORT, write_report
 from robodyn.cli.screen import show
@@ -37,10 +36,17 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
       robodyn check robots/puma.urdf --report findings.html
     """
     check_names([*urdfs], flags["report"])
-    check_flags(flags, STANDARD_INPUT in urdfs)
+    check_flags(flags, urdfs)
     asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"])
-    given = Options(flags["select"] or (), flags["ignore"] or (), package_path=flags["packages"], asked=asked)
-    sources = [sys.stdin.buffer.read() if urdf == STANDARD_INPUT else urdf for urdf in urdfs]
+    how = lookup()
+    given = Options(
+        flags["select"] or (),
+        flags["ignore"] or (),
+        package_path=how["package_paths"],
+        xacro_args=tuple(how["xacro_args"].items()),
+        asked=asked,
+    )
+    sources = [source_of(urdf) for urdf in urdfs]
     tasks = tasks_for(sources, given, flags["config"])
     if (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"]):
         return 1

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import click
 
-from robodyn.cli.options import FOLDER, PATH
+from robodyn.cli.files import STANDARD_INPUT
+from robodyn.cli.options import DESCRIPTION, PATH, lookup
+from robodyn.urdf.sources import is_xacro
 
 
 class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -36,9 +38,7 @@ _OPTIONS = (
     click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
     click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
     click.option("--statistics", is_flag=True, help="Count findings by rule in place of listing them."),
-    click.option(
-        "--package-path", "packages", multiple=True, type=FOLDER, metavar="DIR", help="Where package:// is; repeatable."
-    ),
+    DESCRIPTION,
     click.option("--target", "targets", type=PROGRAMS, metavar="NAMES", help="What mujoco, drake, gz, kdl, isaac do."),
     click.option("--against", metavar="REF", help="Compare the dynamics with the file's version at a git revision."),
     click.option("--trajectory", type=PATH, metavar="FILE", help="Hold the limits against the loads along a motion."),
@@ -60,9 +60,11 @@ def OPTIONS(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-def check_flags(flags: dict[str, Any], stdin: bool) -> None:
+def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:
     """Raise if options do not go together."""
+    stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
     wrong = [
+        (plain and lookup()["xacro_args"], "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
         (flags["write_baseline"] and not flags["baseline"], "--write-baseline needs --baseline FILE"),
         (flags["unsafe_fixes"] and not (flags["fix"] or flags["diff"]), "--unsafe-fixes needs --fix or --diff"),
         (flags["fix"] and stdin and not flags["diff"], "--fix cannot edit standard input; --diff shows the edit"),

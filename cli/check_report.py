@@ -9,7 +9,6 @@ import click
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.project import Task
 from robodyn.checks.run import Checked
-from robodyn.checks.xacro import EXPANDED
 from robodyn.cli.screen import page
 from robodyn.report.github_check import check_github
 from robodyn.report.json_check import check_json
@@ -17,6 +16,7 @@ from robodyn.report.junit_check import check_junit
 from robodyn.report.sarif_check import check_sarif
 from robodyn.report.statistics_check import check_statistics
 from robodyn.report.text_check import check_text
+from robodyn.urdf.sources import EXPANDED
 
 
 def report(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:

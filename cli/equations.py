@@ -9,7 +9,7 @@ import click
 from robodyn.cli.equations_dae import dae_report
 from robodyn.cli.equations_options import ASKED, check_asked
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.options import DESCRIPTION, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
@@ -22,6 +22,7 @@ from robodyn.report.text_equations import closed_text, ode_text
 @click.command("equations", short_help="Equations of motion in numbers, letters, LaTeX or C.")
 @click.argument("urdf", type=PATH)
 @ASKED
+@DESCRIPTION
 @SCENE
 @GRAVITY
 def command(

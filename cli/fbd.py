@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli.fbd_state import STATE, state_of
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FOLDER, FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.options import DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.free_body.bodies import free_bodies
 from robodyn.report.json_free_body import free_bodies_json
@@ -18,6 +18,7 @@ from robodyn.report.text_free_body import free_bodies_text
 @click.command("fbd", short_help="Free-body diagrams: all forces and moments on each body.")
 @click.argument("urdf", type=PATH)
 @STATE
+@DESCRIPTION
 @SCENE
 @GRAVITY
 @click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there.")

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robodyn.cli.options import Vector
+from robodyn.cli.options import Vector, lookup
 from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ STANDARD_INPUT = "-"
 def robot_in_scene(
     urdf: str, scene_file: str | None, gravity: Vector | None, *, loops: bool = False
 ) -> tuple[Model, Scene]:
-    """The robot of a URDF file and the scene it is in; without a file the default scene, and `gravity` wins over it.
+    """The robot of a URDF or xacro file, and the scene it is in; `gravity` wins over that of the scene's file.
 
     Args:
         loops: whether the scene may close some.
@@ -33,7 +33,7 @@ def robot_in_scene(
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene if gravity is None else replace(scene, gravity=gravity)
-    model = load(_bytes() if urdf == STANDARD_INPUT else urdf, moving_base=scene.moving_base)
+    model = load(source_of(urdf), moving_base=scene.moving_base, **lookup())
     check_scene(scene, model, scene_file)
     if not loops:
         refuse_loops(scene, scene_file)
@@ -52,10 +52,15 @@ def check_table(table: str | None, scene: Scene, scene_file: str | None) -> None
 
 
 def described(urdf: str) -> Description:
-    """The description in a URDF file."""
+    """The description in a URDF or xacro file."""
     from robodyn.urdf.description import load_description
 
-    return load_description(_bytes() if urdf == STANDARD_INPUT else urdf)
+    return load_description(source_of(urdf), **lookup())
+
+
+def source_of(urdf: str) -> str | bytes:
+    """The name of a file, or what is on standard input."""
+    return _bytes() if urdf == STANDARD_INPUT else urdf
 
 
 def check_names(inputs: list[str | None], output: str | None) -> None:

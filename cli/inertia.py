@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli.files import check_names
 from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
-from robodyn.cli.options import PATH, Vector
+from robodyn.cli.options import PATH, ROBOT_SUFFIXES, Vector
 from robodyn.cli.reports import REPORT
 from robodyn.inertia.view import View
 
@@ -37,7 +37,7 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: 
     """
     check_names([*files], report)
     view, ctx = View(about, rpy), click.get_current_context()
-    if how["file_type"] == "urdf" or any(name.lower().endswith(".urdf") for name in files):
+    if how["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import robot
 
         robot(files, view, form, report, ctx)

@@ -10,7 +10,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import POSITIVE, VECTOR, AtType, PointType, finite_numbers
+from robodyn.cli.options import DESCRIPTION, POSITIVE, VECTOR, AtType, PointType, finite_numbers
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
 from robodyn.spatial import rotation_from_rpy
@@ -88,23 +88,18 @@ ROBOT = _both(
     click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
     click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
     click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
-    click.option(
-        "--package-path",
-        type=click.Path(exists=True, file_okay=False),
-        multiple=True,
-        metavar="DIR",
-        help="Where package:// meshes are; repeatable.",
-    ),
+    DESCRIPTION,
 )
 
-OF_ROBOTS = {"link", "at", "compare", "geometry", "package_path"}
-_VIEW = {"about", "rpy", "form", "file_type", "report"}
-_READING = {"geometry", "package_path", "exact", "strict", "repair"}
+_LOOKUP = {"package_paths", "xacro_args"}
+OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
+_VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
+_READING = {"geometry", "exact", "strict", "repair"}
 _ALLOWED = {
     "a whole robot": {*_VIEW, "at"},
     "a link as declared": {*_VIEW, "link"},
     "a link's shapes": {*_VIEW, *_READING, "link", "density", "mass"},
-    "--compare": {*_READING, "compare", "form", "file_type", "report"},
+    "--compare": {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"},
 }
 
 
@@ -132,4 +127,4 @@ def _of_meshes(use: str, name: str) -> bool:
 
 
 def _written(option: click.Parameter, ctx: click.Context) -> str:
-    return (option.secondary_opts if ctx.params[option.name or ""] is False else option.opts)[0]
+    return (option.secondary_opts if ctx.params.get(option.name or "") is False else option.opts)[0]

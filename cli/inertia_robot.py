@@ -54,7 +54,7 @@ def _reading(ctx: click.Context) -> Reading:
 
 def _compared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     kind: Kind = ctx.params["geometry"] or "visual"
-    found = compare(description, kind, ctx.params["package_path"], _reading(ctx))
+    found = compare(description, kind, _reading(ctx))
     written = _written(report, "differences_page", found)
     show(comparison_json(found) if form == "json" else comparison_text(found, page()) + written)
 
@@ -97,7 +97,6 @@ def _from_shapes(description: Description, view: View, form: str, report: str | 
         given["geometry"],
         density=one_each(given["density"], [description.file], "--density")[0],
         mass=one_each(given["mass"], [description.file], "--mass")[0],
-        package_paths=given["package_path"],
         reading=_reading(ctx),
     )
     written = _written(report, "link_shapes_page", found, description, view)

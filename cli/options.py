@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,60 @@ class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 
 PATH, FOLDER = PlaceType("file"), PlaceType("dir")
+
+
+class PackagesType(PlaceType):
+    """A folder that is there."""
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        folder = str(value)
+        if not os.path.isdir(folder):
+            what = "is a file, not a folder" if os.path.isfile(folder) else "there is no such folder"
+            self.fail(f"{folder!r}: {what}", param, ctx)
+        return folder
+
+
+class ArgumentType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """NAME:=VALUE, as the command xacro takes it."""
+
+    name = "argument"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
+        if isinstance(value, tuple):
+            return value
+        name, sign, text = str(value).partition(":=")
+        if not sign or not name.strip():
+            self.fail(f"{value!r} is not NAME:=VALUE, such as prefix:=left_", param, ctx)
+        return name.strip(), text
+
+
+ROBOT_SUFFIXES = (".urdf", ".xacro")
+_LOOKUP = "robodyn.lookup"
+
+
+def DESCRIPTION(command: Callback) -> Callback:
+    """The options --package-path and --xacro-arg, whose values are those of `lookup`."""
+
+    def kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+        ctx.meta.setdefault(_LOOKUP, {})[param.name] = value
+
+    how: dict[str, Any] = {"multiple": True, "expose_value": False, "callback": kept}
+    path = "Where package:// names and xacro's packages are looked for first; repeatable."
+    argument = "Of a .xacro file, which is expanded first; repeatable."
+    packages = click.option(
+        "--package-path", "package_paths", type=PackagesType("dir"), metavar="DIR", help=path, **how
+    )
+    arguments = click.option(
+        "--xacro-arg", "xacro_args", type=ArgumentType(), metavar="NAME:=VALUE", help=argument, **how
+    )
+    return packages(arguments(command))
+
+
+def lookup() -> dict[str, Any]:
+    """What the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
+    ctx = click.get_current_context(silent=True)
+    given = {} if ctx is None else ctx.meta.get(_LOOKUP, {})
+    return {"package_paths": given.get("package_paths", ()), "xacro_args": dict(given.get("xacro_args", ()))}
 
 
 class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
+from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, POSITIVE, SCENE
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
@@ -18,6 +18,7 @@ from robodyn.trajectory.write import open_writer
 
 @click.command("simulate", short_help="How a robot moves by itself, driven or pushed.")
 @click.argument("urdf", type=PATH)
+@DESCRIPTION
 @SCENE
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")

@@ -61,13 +61,14 @@ def run_batch(
 def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, Any]) -> tuple[Setup, str]:
     """What all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(urdf, scene_file, gravity)
+    assert model.description is not None, "it is read from a file"
     view, executor, threads = options["momentum"], options.pop("executor"), options.pop("threads")
     if view is not None:
         view.check(model, scene)
     if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
         executor = "numpy" if compiler().problem else "compiled"
     setup = Setup(
-        robot=_packed(urdf),
+        robot=zlib.compress(model.description.data),
         scene=None if scene_file is None else _packed(scene_file),
         gravity=gravity,
         executor=executor,

@@ -9,11 +9,12 @@ import click
 
 from robodyn.cli.batch_options import BATCH
 from robodyn.cli.momentum_options import MOMENTUM
-from robodyn.cli.options import EXECUTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE
+from robodyn.cli.options import DESCRIPTION, EXECUTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE
 from robodyn.cli.reports import REPORT
 from robodyn.trajectory.reader import MODES
 
 _OPTIONS = (
+    DESCRIPTION,
     SCENE,
     GRAVITY,
     click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,17 +16,27 @@ from robodyn.urdf.description import Description, Inertial, load_description
 from robodyn.urdf.description import Joint as DescribedJoint
 
 
-def load(source: str | os.PathLike[str] | bytes, *, moving_base: bool = False) -> Model:
-    """The Model of a URDF file.
+def load(
+    source: str | os.PathLike[str] | bytes,
+    *,
+    moving_base: bool = False,
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> Model:
+    """The Model of a URDF or xacro file.
 
     Args:
-        source: its path, or its bytes.
+        source: its path, or the bytes of a URDF.
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
+        package_paths: packages, or folders of packages, that are looked at first for what xacro includes and meshes.
+        xacro_args: values of the arguments of a xacro file; defaults hold for the others.
 
     Raises:
         DescriptionError: the file cannot be read, is malformed or contradicts itself; with the line.
+        InputError: a xacro file cannot be expanded, or xacrodoc is not installed.
     """
-    return assemble(load_description(source), moving_base=moving_base)
+    description = load_description(source, package_paths=package_paths, xacro_args=xacro_args)
+    return assemble(description, moving_base=moving_base)
 
 
 def assemble(description: Description, *, moving_base: bool = False) -> Model:
@@ -71,7 +82,7 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
     joints = numbered(joints, description)
     inertias = [combined(some) for some in parts]
     bodies = tuple(Body(*row) for row in zip(names, parents, joints, inertias, strict=True))
-    return Model(description.name, description.file, bodies, frames, _notes(description))
+    return Model(description.name, description.file, bodies, frames, _notes(description), description)
 
 
 def _base(description: Description, carried: dict[str, list[DescribedJoint]], moving: bool) -> tuple[str, Joint]:

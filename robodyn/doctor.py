@@ -14,6 +14,7 @@ from robodyn.execute.llvm.machine import compiler, host
 from robodyn.execute.object_cache import Key, ObjectCache, cache_folder
 from robodyn.execute.trial import Trial, trial
 from robodyn.installed import Installed, Library, installed, version_of
+from robodyn.urdf.packages import VARIABLES, listed
 
 Verdict = Literal["ok", "note", "missing", "broken"]
 NEEDED = (
@@ -184,14 +185,14 @@ def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
     unset = {
         "ROBODYN_CACHE": "not set: the user's cache folder",
         "ROBODYN_CPU": "not set: machine code is for this processor",
-        "ROS_PACKAGE_PATH": "not set: package:// by --package-path, or above the file",
+        **dict.fromkeys(VARIABLES, "not set: package:// by --package-path, or above the file"),
         "NO_COLOR": "not set: bold headers on terminals",
     }
     for name, meaning in unset.items():
         value = variables.get(name)
         lost = []
-        if name == "ROS_PACKAGE_PATH":
-            lost = [entry for entry in (value or "").split(os.pathsep) if entry and not os.path.isdir(entry)]
+        if name in VARIABLES:
+            lost = [entry for entry in listed(name) if not os.path.isdir(entry)]
         verdict: Verdict = "note" if lost else "ok"
         remark = f"no such folder: {', '.join(lost)}" if lost else ""
         yield Line("environment", name, meaning if value is None else value or "empty", verdict, remark)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.frozen import Frozen
 from robodyn.inertia.moments import Inertia
+
+if TYPE_CHECKING:
+    from robodyn.urdf.parts import Description
 
 Floats = NDArray[np.float64]
 
@@ -81,6 +84,7 @@ class Model(Frozen):
         bodies: one per moving link, with the links fixed to it merged in exactly.
         links: where every link of the description is.
         notes: what was assumed or looks wrong, a line each.
+        description: what it was made of.
     """
 
     name: str
@@ -88,6 +92,7 @@ class Model(Frozen):
     bodies: tuple[Body, ...]
     links: Mapping[str, Frame]
     notes: tuple[str, ...] = ()
+    description: Description | None = None
 
     @cached_property
     def parents(self) -> tuple[int, ...]:

@@ -6,16 +6,13 @@ import os
 import re
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from math import inf
-from pathlib import Path
 
 from robodyn.assemble import assemble
 from robodyn.checks.project import tasks_for
 from robodyn.checks.run import Checked, Options, check_one
-from robodyn.checks.xacro import EXPANDED, expanded, is_xacro
 from robodyn.errors import InputError
 from robodyn.model import Joint as ModelJoint
 from robodyn.model import Model
@@ -23,8 +20,6 @@ from robodyn.robot_inertia.configuration import beyond_limits, configuration
 from robodyn.robot_inertia.declared import robot_inertia
 from robodyn.spatial import Array
 from robodyn.urdf.description import Description, Geometry, Joint, load_description
-from robodyn.urdf.geometry import Paths, resolve
-from robodyn.urdf.sources import read_source
 
 _PACKAGE = re.compile("(package|model)://[^/]")
 
@@ -91,7 +86,11 @@ class Overview:
         return {name: value for name, value in self.at.items() if value}
 
 
-def overview(source: str | os.PathLike[str] | bytes, package_paths: Paths = ()) -> Overview:
+def overview(
+    source: str | os.PathLike[str] | bytes,
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> Overview:
     """What a URDF or xacro file holds.
 
     The file is read once. The findings are those of `robodyn check` with the settings of the file's project.
@@ -99,6 +98,7 @@ def overview(source: str | os.PathLike[str] | bytes, package_paths: Paths = ()) 
     Args:
         source: path of the file, or its bytes.
         package_paths: folders in which `package://` names are looked up first.
+        xacro_args: values of the arguments of a xacro file.
 
     Raises:
         DescriptionError: the file cannot be read, or is no robot; with the line.
@@ -107,14 +107,14 @@ def overview(source: str | os.PathLike[str] | bytes, package_paths: Paths = ()) 
     """
     path = source if isinstance(source, bytes) else os.fspath(source)
     folders = tuple(os.fspath(folder) for folder in package_paths)
-    file, data = _content(path, folders)
-    description = load_description(data, file)
     options = tasks_for([path], Options(package_path=folders))[0].options
+    description = load_description(path, package_paths=options.package_path, xacro_args=xacro_args)
+    file = description.file
     model = assemble(description)
     at = _near_zero(model)
     mass, com, notes = _centre(description, model, at)
-    meshes = _meshes(description, package_paths)
-    checked = Checked((file,), check_one(data, options, file))
+    meshes = _meshes(description)
+    checked = Checked((file,), check_one(description.data, options, file))
     return Overview(
         name=description.name,
         file=file,
@@ -132,12 +132,6 @@ def overview(source: str | os.PathLike[str] | bytes, package_paths: Paths = ()) 
         checked=checked,
         next=_next("-" if isinstance(path, bytes) else path, model, checked, meshes, description),
     )
-
-
-def _content(path: str | bytes, folders: tuple[str, ...]) -> tuple[str, bytes]:
-    if isinstance(path, str) and is_xacro(path):
-        return path + EXPANDED, expanded(path, folders)
-    return read_source(path, None)
 
 
 def _centre(
@@ -180,23 +174,20 @@ def _branches(description: Description) -> Iterator[Branch]:
         waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]
 
 
-def _meshes(description: Description, package_paths: Paths) -> Meshes:
-    folder = Path(description.file).parent
-    found = cache(lambda name: resolve(name, folder, package_paths))
+def _meshes(description: Description) -> Meshes:
     named = [(link.name, each, each.filename) for link in description.links for each in link.geometries]
     meshes = [(link, each, name) for link, each, name in named if name is not None]
     first: dict[str, tuple[str, Geometry]] = {}
     for link, each, name in meshes:
         first.setdefault(name, (link, each))
-    return Meshes(len(meshes), len(first), tuple(place for name, place in first.items() if found(name) is None))
+    missing = tuple(place for name, place in first.items() if description.search.find(name) is None)
+    return Meshes(len(meshes), len(first), missing)
 
 
 def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:
     """Commands that are worth running now, the most urgent first."""
     file = shlex.quote(source)
     commands = [f"robodyn check {file}"] if checked.findings else []
-    if is_xacro(source):
-        return (*commands, f"xacro {file} > robot.urdf")
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):
         commands.append(f"robodyn info {file} --package-path DIR")
     if _has_mass(description) and model.n:

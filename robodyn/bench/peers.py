@@ -6,7 +6,6 @@ joint of its own to them, is moved as it must, and its torque is reflected onto 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from functools import partial
 
@@ -76,7 +75,7 @@ def library_tasks(name: str, model: Model, gravity: Gravity, sources: Mapping[st
     names = tuple(joint.name for joint in _moving(model))
     moving = sources["q"] @ S.T + offset, sources["qd"] @ S.T, sources["qdd"] @ S.T
     states = States(model.bodies[0].name, names, *moving)
-    tasks = list(LIBRARIES[name][1](bare_description(model.file), gravity, states))
+    tasks = list(LIBRARIES[name][1](bare_description(model), gravity, states))
     for task in tasks:
         task.run()
     return tasks
@@ -96,11 +95,12 @@ def bare_scene(model: Model, gravity: Gravity = DEFAULT.gravity) -> Scene:
     return Scene(gravity, dict.fromkeys(names, Friction()), dict.fromkeys(names, Rotor(0.0)))
 
 
-def bare_description(file: str | os.PathLike[str]) -> str:
-    """The links of a URDF file with their inertias, and its joints, and nothing else."""
+def bare_description(model: Model) -> str:
+    """The links of a robot's description with their inertias, and its joints, and nothing else."""
     from xml.etree import ElementTree
 
-    root = ElementTree.parse(file).getroot()
+    assert model.description is not None, "it is not a model of bodies alone"
+    root = ElementTree.fromstring(model.description.data)
     for part in list(root):
         if part.tag not in KEPT:
             root.remove(part)

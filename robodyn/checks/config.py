@@ -43,6 +43,7 @@ class Config:
             select=given.select or own.select,
             ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
             package_path=(*given.package_path, *own.package_path),
+            xacro_args=given.xacro_args,
             asked=given.asked,
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -14,6 +14,7 @@ from robodyn.checks.view import View
 from robodyn.errors import DescriptionError
 from robodyn.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.urdf.description import Description, read_description
+from robodyn.urdf.packages import Search
 
 if TYPE_CHECKING:
     from robodyn.model import Model
@@ -80,6 +81,11 @@ class Context:
         return value
 
     @cached_property
+    def search(self) -> Search:
+        """Where the files are that the description names."""
+        return Search(self.reading.file, self.package_path)
+
+    @cached_property
     def view(self) -> View:
         """Links, joints and numbers, as far as they can be read. From stage DOCUMENT on."""
         return View.of(self.reading.root)
@@ -108,7 +114,8 @@ class Context:
         if self.reading.document is None:
             return None
         try:
-            return read_description(self.reading.document)
+            description = read_description(self.reading.document)
+            return replace(description, search=self.search, data=self.reading.data)
         except DescriptionError:
             return None
 

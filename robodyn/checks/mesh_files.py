@@ -14,15 +14,11 @@ from robodyn.checks.mesh_store import facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
 from robodyn.checks.view import GeometryView, LinkView, value_span
 from robodyn.checks.xml_reader import unexpanded
-from robodyn.urdf.geometry import resolve
-from robodyn.urdf.packages import package_folders
+from robodyn.urdf.packages import package_of
 from robodyn.urdf.places import Span
 from robodyn.wording import shown_path
 
 STDIN = "<stdin>"
-_MANIFEST = "package.xml"
-_PACKAGES = ("package://", "model://")
-_ENVIRONMENT = "ROS_PACKAGE_PATH"
 
 
 class State(Enum):
@@ -110,31 +106,23 @@ def all_facts(context: Context) -> Mapping[str, MeshFacts]:
     return {name.uri: known[name.path] for name in names if name.path is not None}
 
 
-def package_of(uri: str) -> tuple[str, str] | None:
-    """Name of the package, perhaps empty, and the path in it; None of other names."""
-    for scheme in _PACKAGES:
-        if uri.startswith(scheme):
-            name, _, rest = uri[len(scheme) :].partition("/")
-            return name, rest.lstrip("/")
-    return None
-
-
 class _Look:
     """How names are looked up; folders are listed once."""
 
     def __init__(self, context: Context) -> None:
         self._bytes = context.reading.file == STDIN
-        self._folder = Path(context.reading.file).parent
-        self._paths = context.package_path
+        self._search = context.search
         self._listed: dict[Path, frozenset[str]] = {}
 
     def up(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
-        path = resolve(uri, self._folder, self._paths)
+        path = self._search.find(uri)
         scheme, separator, _ = uri.partition("://")
         for root, prefix, rest in self._roots(uri):
             name = self._true_name(root, rest)
             if name is not None and name != rest and (path is None or path == root / rest):
                 return MeshName(uri, uses, State.OTHER_CASE, root / name, prefix + name)
+            if path == root / rest:
+                break
         if path is not None:
             return MeshName(uri, uses, State.FOUND, path)
         if separator and scheme not in ("file", "package", "model"):
@@ -146,21 +134,18 @@ class _Look:
         package = package_of(uri)
         if package is not None and package[0]:
             rest = package[1]
-            for root in dict.fromkeys(package_folders(package[0], self._folder, self._paths)):
+            for root in dict.fromkeys(self._search.packages(package[0])):
                 if root.is_dir():
                     yield root, uri[: len(uri) - len(rest)], rest
         elif "://" not in uri and not os.path.isabs(uri):
-            yield self._folder, "", uri
+            yield from ((folder, "", uri) for folder in self._search.folders)
 
     def _known(self, uri: str) -> bool:
         """Whether it is known where the file ought to be."""
         package = package_of(uri)
         if package is None:
             return not (self._bytes and not os.path.isabs(uri) and "://" not in uri)
-        if not package[0] or any(True for _ in self._roots(uri)):
-            return True
-        above = (self._folder.absolute(), *self._folder.absolute().parents)
-        return bool(self._paths or os.environ.get(_ENVIRONMENT)) or any((path / _MANIFEST).is_file() for path in above)
+        return not package[0] or any(True for _ in self._roots(uri)) or self._search.knows_packages
 
     def _true_name(self, root: Path, rest: str) -> str | None:
         """The path in a folder as its folders spell it, if it is there in any case."""

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.fix import Fixed, fixed
-from robodyn.checks.reading import Reading, read
+from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import EVERYTHING, Checked, Options, check_one, rules_for
+from robodyn.checks.run import EVERYTHING, Checked, Options, check_one, read_one, rules_for
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
-from robodyn.checks.xacro import EXPANDED, expanded, is_xacro
-from robodyn.urdf.sources import read_source
+from robodyn.urdf.sources import EXPANDED, is_xacro, read_source
 
 STDIN = "<stdin>"
 
@@ -32,14 +31,8 @@ class Task:
             return STDIN
         return self.source + EXPANDED if is_xacro(self.source) else self.source
 
-    def content(self) -> str | bytes:
-        """What `read` and `check_one` take."""
-        if isinstance(self.source, str) and is_xacro(self.source):
-            return expanded(self.source, self.options.package_path)
-        return self.source
-
     def reading(self) -> Reading:
-        return read(self.content(), self.name)
+        return read_one(self.source, self.options)
 
 
 def tasks_for(
@@ -84,7 +77,7 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
 
 
 def check_task(task: Task) -> tuple[Finding, ...]:
-    return check_one(task.content(), task.options, task.name)
+    return check_one(task.source, task.options)
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:

@@ -16,6 +16,7 @@ from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
+from robodyn.urdf.sources import content_of, is_xacro
 from robodyn.wording import alternatives, shown
 
 Source = str | os.PathLike[str] | bytes
@@ -30,6 +31,7 @@ class Options:
         ignore: codes or beginnings of the rules not to run.
         thresholds: what the rules measure against.
         package_path: folders in which `package://` names are looked up first.
+        xacro_args: names and values of the arguments of xacro files.
         asked: what is asked beyond the files themselves.
     """
 
@@ -37,6 +39,7 @@ class Options:
     ignore: tuple[str, ...] = ()
     thresholds: Thresholds = DEFAULT
     package_path: tuple[str, ...] = ()
+    xacro_args: tuple[tuple[str, str], ...] = ()
     asked: Asked = NOTHING
 
 
@@ -83,9 +86,16 @@ def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING)
     return Checked(names, tuple(finding for findings in found for finding in findings))
 
 
+def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Reading:
+    """The reading of one file or its bytes; a xacro file is expanded first."""
+    arguments = dict(options.xacro_args) if is_xacro(source) else {}
+    file, data = content_of(source, name, options.package_path, arguments)
+    return read(data, file)
+
+
 def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
     """The findings in one file or its bytes, in the order of the text."""
-    context = Context(read(source, name), options.thresholds, options.package_path, options.asked)
+    context = Context(read_one(source, options, name), options.thresholds, options.package_path, options.asked)
     rules = [rule for rule in rules_for(options) if _runs(rule, context)]
     findings = [_finding(context.reading, rule, fault) for rule in rules for fault in rule.check(context)]
     left = _without_waived(context, rules, findings)

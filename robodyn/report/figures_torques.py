@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.history import Curves, Floats, History
-from robodyn.model import Model
 from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.table import number, printable
@@ -18,6 +17,8 @@ from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
+
+    from robodyn.urdf.parts import Description
 
 _WIDE = 380
 _TALL = 660
@@ -138,16 +139,15 @@ def share_figure(joints: Sequence[JointLoad]) -> Figure:
     return Figure("What makes the peaks", _share_words(shown), plot(_WIDE, height, draw, "shares"))
 
 
-def pose_figure(robot: Model | tuple[str, bool], q: Floats, joint: str, when: str) -> tuple[Figure, str]:
+def pose_figure(description: Description, moving_base: bool, q: Floats, joint: str, when: str) -> tuple[Figure, str]:
     """A robot in one pose, and what is said of shapes that are not there; see `robot_figure`.
 
-    Args:
-        robot: or its file, and whether its base moves, for a process beside this one.
+    A description goes to a process beside this one; a model does not.
     """
-    from robodyn.assemble import load
+    from robodyn.assemble import assemble
     from robodyn.report.robot_picture import robot_figure, shapes_of
 
-    model = load(robot[0], moving_base=robot[1]) if isinstance(robot, tuple) else robot
+    model = assemble(description, moving_base=moving_base)
     shapes, why = shapes_of(model)
     return robot_figure(model, q, joint, when, shapes), why
 

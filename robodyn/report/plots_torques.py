@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from functools import partial
 
 from robodyn.history import History
 from robodyn.model import Model
 from robodyn.report.document import Figure
-from robodyn.report.drawing import PROCESSES, Draw, Task, at_once
+from robodyn.report.drawing import PROCESSES, Draw, Task
 from robodyn.report.limits_words import effort_use, worst_joint
 from robodyn.report.table import printable
 from robodyn.result import Result
@@ -33,7 +32,6 @@ class Plots:
         self.history, self.shown = history, sorted(order[:PLOTTED])
         self.worst = worst_joint(result)
         tasks: dict[str, Task] = {}
-        here: dict[str, Task] = {}
         if history.joints is not None:
             for part in range(PROCESSES):
                 chunk = self.shown[part::PROCESSES]
@@ -41,16 +39,15 @@ class Plots:
         if self.worst is not None:
             joint = joints[self.worst]
             self.when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
-            again = draw is not at_once and os.path.isfile(model.file)
-            robot = (model.file, model.floating) if again else model
-            pose = partial(figures.pose_figure, robot, history.states[self.worst]["q"], joint.name, self.when)
-            (tasks if again else here)["picture"] = pose
+            assert model.description is not None, "it is not a model of bodies alone"
+            pose = history.states[self.worst]["q"], joint.name, self.when
+            tasks["picture"] = partial(figures.pose_figure, model.description, model.floating, *pose)
         loaded = [joints[k] for k in sorted(order[: 2 * PLOTTED]) if joints[k].peak]
         if loaded:
             tasks["shares"] = partial(figures.share_figure, loaded)
         tasks["base"] = partial(figures.base_figures, result.base_wrench, history)
         tasks["energy"] = partial(figures.energy_figure, result.checks.energy_balance, history)
-        self._drawn = here | dict(zip(tasks, draw(list(tasks.values())), strict=True))
+        self._drawn = dict(zip(tasks, draw(list(tasks.values())), strict=True))
 
     def picture(self) -> tuple[Figure, str]:
         """The robot where its most loaded joint is loaded most, and what is said of shapes that are not there."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -68,10 +67,9 @@ def shapes_of(model: Model) -> tuple[Visuals | None, str]:
     """The visual shapes of a robot's description, and what is said of those that are not there."""
     from robodyn.urdf.visuals import visuals
 
-    if not os.path.isfile(model.file):
-        return None, "The description did not come from a file, so the files of its meshes are not known."
+    assert model.description is not None, "it is not a model of bodies alone"
     try:
-        found = visuals(model.file)
+        found = visuals(model.description)
     except Exception as error:
         first = str(error).partition("\n")[0][:200] or type(error).__name__
         return None, f"Its visual shapes cannot be read: {printable(first)}."
@@ -79,8 +77,7 @@ def shapes_of(model: Model) -> tuple[Visuals | None, str]:
         return found, ""
     some = ", ".join(map(printable, found.missing[:3])) + (" ..." if len(found.missing) > 3 else "")
     return found, (
-        f"{len(found.missing)} mesh files are not found and not drawn: {some}. "
-        "The variable ROS_PACKAGE_PATH says where packages are."
+        f"{len(found.missing)} mesh files are not found and not drawn: {some}. --package-path says where packages are."
     )
 
 

@@ -19,7 +19,7 @@ from robodyn.robot_inertia.shapes import ShapesInertia, mesh_file, shapes_inerti
 from robodyn.robot_inertia.slips import relative, slip
 from robodyn.ties import ranked
 from robodyn.urdf.description import Description, Link
-from robodyn.urdf.geometry import Kind, Paths, Shape, link_shapes
+from robodyn.urdf.geometry import Kind, Shape, link_shapes
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""
@@ -97,17 +97,14 @@ class Comparison:
     links: tuple[LinkComparison, ...]
 
 
-def compare(
-    description: Description, kind: Kind = "visual", package_paths: Paths = (), reading: Reading | None = None
-) -> Comparison:
+def compare(description: Description, kind: Kind = "visual", reading: Reading | None = None) -> Comparison:
     """Declared against shape-derived mass properties, link by link; shapes have one density per link, by the mass.
 
     Args:
         kind: which shapes, "visual" or "collision".
-        package_paths: where packages of meshes are; see `robodyn.urdf.geometry.resolve`.
         reading: how the meshes are read.
     """
-    shapes = {link.name: link_shapes(description, link.name, kind, package_paths) for link in description.links}
+    shapes = {link.name: link_shapes(description, link.name, kind) for link in description.links}
     wanted = [link for link in description.links if link.inertial or shapes[link.name]]
     files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
     meshes = (reading or Reading({})).parts(files)

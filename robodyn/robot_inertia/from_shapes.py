@@ -10,7 +10,7 @@ from robodyn.part import WATER
 from robodyn.robot_inertia.measured import Reading
 from robodyn.robot_inertia.shapes import ShapesInertia, mesh_file, shapes_inertia
 from robodyn.urdf.description import Description
-from robodyn.urdf.geometry import Kind, Paths, link_named, link_shapes
+from robodyn.urdf.geometry import Kind, link_named, link_shapes
 from robodyn.wording import shown
 
 
@@ -40,7 +40,6 @@ def link_from_shapes(
     *,
     density: float | None = None,
     mass: float | None = None,
-    package_paths: Paths = (),
     reading: Reading | None = None,
 ) -> LinkShapes:
     """The composite body of a link's shapes in the link's frame, all of one density.
@@ -48,7 +47,7 @@ def link_from_shapes(
     Args:
         density: kg/m^3; mass: of the link [kg]; by default the mass that the description declares, if it is positive,
             otherwise the density 1000 kg/m^3.
-        package_paths: where packages of meshes are; reading: how meshes are read.
+        reading: how meshes are read.
 
     Raises:
         InputError: there is no such link, it has no such shape, or density and mass are both given or not positive.
@@ -56,7 +55,7 @@ def link_from_shapes(
         DescriptionError: the file of a mesh is not found.
     """
     link = link_named(description, name)
-    shapes = link_shapes(description, name, kind, package_paths)
+    shapes = link_shapes(description, name, kind)
     if not shapes:
         what = f"link {shown(name)} has no <{kind}> shape"
         raise InputError(what, remedy="choose another --geometry", file=description.file, line=link.line)

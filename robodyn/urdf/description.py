@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from robodyn.urdf.document import Document, read_document
 from robodyn.urdf.fields import Fields
 from robodyn.urdf.joints import read_joint
 from robodyn.urdf.links import read_link
+from robodyn.urdf.packages import Search
 from robodyn.urdf.parts import (
     Description,
     Geometry,
@@ -21,6 +24,7 @@ from robodyn.urdf.parts import (
     Transmission,
     Vector,
 )
+from robodyn.urdf.sources import content_of
 from robodyn.urdf.structure import by_name, check_mimics, root_link
 from robodyn.urdf.transmissions import read_transmission
 
@@ -41,9 +45,22 @@ __all__ = [
 ]
 
 
-def load_description(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Description:
-    """`read_description` of `read_document`, with the arguments and errors of both."""
-    return read_description(read_document(source, name))
+def load_description(
+    source: str | os.PathLike[str] | bytes,
+    name: str | None = None,
+    *,
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> Description:
+    """`read_description` of `read_document`, with the arguments and errors of both; a xacro file is expanded first.
+
+    Args:
+        package_paths: packages, or folders of packages, that are looked at before others; see `Search.packages`.
+        xacro_args: values of the arguments of a xacro file.
+    """
+    folders = tuple(os.fspath(path) for path in package_paths)
+    file, data = content_of(source, name, folders, xacro_args)
+    return replace(read_description(read_document(data, file)), search=Search(file, folders), data=data)
 
 
 def read_description(document: Document) -> Description:
@@ -72,4 +89,5 @@ def read_description(document: Document) -> Description:
     transmissions = (read_transmission(element, joints, fields) for element in robot.findall("transmission"))
     driven = tuple(transmission for transmission in transmissions if transmission is not None)
     notes = tuple(sorted(fields.notes, key=lambda note: note.line))
-    return Description(name, document.file, tuple(links.values()), tuple(joints.values()), driven, root, notes)
+    parts = tuple(links.values()), tuple(joints.values()), driven
+    return Description(name, document.file, *parts, root, notes, Search(document.file))

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from robodyn.urdf.packages import Search
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
@@ -105,7 +108,12 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Description:
-    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`."""
+    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`.
+
+    Attributes:
+        search: where the files are that it names.
+        data: the bytes that it was read from.
+    """
 
     name: str
     file: str
@@ -114,3 +122,5 @@ class Description:
     transmissions: tuple[Transmission, ...]
     root: str
     notes: tuple[Note, ...]
+    search: Search
+    data: bytes = b""

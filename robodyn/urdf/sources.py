@@ -1,11 +1,44 @@
-"""The bytes of a description, from a file or from memory."""
+"""The bytes of a description, from a file or from memory, xacro files expanded."""
 
 from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Mapping, Sequence
 
-from robodyn.errors import DescriptionError
+from robodyn.errors import DescriptionError, InputError
+from robodyn.wording import shown
+
+EXPANDED = " (expanded)"
+"""What stands after the name of a xacro file whose lines are those of its expansion."""
+
+
+def is_xacro(source: object) -> bool:
+    """Whether this is the path of a xacro file."""
+    return isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".xacro")
+
+
+def content_of(
+    source: str | os.PathLike[str] | bytes,
+    name: str | None = None,
+    package_paths: Sequence[str] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> tuple[str, bytes]:
+    """The name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
+
+    Raises:
+        InputError: the file cannot be read or expanded, or arguments are given to a file that is no xacro file.
+    """
+    if not isinstance(source, bytes) and is_xacro(source):
+        from robodyn.urdf.xacro import expanded
+
+        path = os.fspath(source)
+        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args)
+    file, data = read_source(source, name)
+    if xacro_args:
+        what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
+        raise InputError(what, remedy="xacro files end in .xacro", file=file)
+    return file, data
 
 
 def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tuple[str, bytes]:

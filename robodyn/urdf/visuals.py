@@ -6,14 +6,13 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.urdf.description import load_description
-from robodyn.urdf.geometry import Paths, resolve
+from robodyn.urdf.parts import Description
 from robodyn.urdf.primitives import primitive
 
 Floats = NDArray[np.float64]
@@ -32,37 +31,37 @@ class Visuals:
     missing: tuple[str, ...]
 
 
-def visuals(file: str, package_paths: Paths = ()) -> Visuals:
-    """The visual shapes of a URDF file; nothing is fetched from a network.
+def visuals(description: Description) -> Visuals:
+    """The visual shapes of a robot; nothing is fetched from a network.
 
     yourdfpy and trimesh, which take half a second to be imported, are not needed where no mesh is named.
 
     Raises:
         Exception: whatever yourdfpy and trimesh raise on what they cannot read.
     """
-    named = [(link.name, each) for link in load_description(file).links for each in link.geometries]
+    named = [(link.name, each) for link in description.links for each in link.geometries]
     shapes = [(link, each) for link, each in named if each.kind == "visual"]
     if all(each.filename is None for _, each in shapes):
         found: dict[str, list[Floats]] = {}
         for link, each in shapes:
             found.setdefault(link, []).append(primitive(each))
         return Visuals({link: np.concatenate(parts) for link, parts in found.items()}, ())
-    return _of_meshes(file, package_paths)
+    return _of_meshes(description)
 
 
-def _of_meshes(file: str, package_paths: Paths) -> Visuals:
+def _of_meshes(description: Description) -> Visuals:
     import yourdfpy
 
-    folder, missing = Path(file).parent, list[str]()
+    missing = list[str]()
 
     def path_of(fname: str) -> str:
-        path = resolve(fname, folder, package_paths)
+        path = description.search.find(fname)
         if path is None:
             missing.append(fname)
         return "" if path is None else str(path)
 
     with _silent():
-        scene: Any = yourdfpy.URDF.load(file, filename_handler=path_of).scene
+        scene: Any = yourdfpy.URDF.load(BytesIO(description.data), filename_handler=path_of).scene
         placed: dict[str, list[Floats]] = {}
         for node in scene.graph.nodes_geometry:
             matrix, name = scene.graph.get(node)

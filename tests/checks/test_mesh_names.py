@@ -11,7 +11,7 @@ from mesh_samples import binary_stl, box
 from robodyn.checks import mesh_files
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import check_one
-from robodyn.urdf.geometry import resolve
+from robodyn.urdf.packages import Search
 
 E, W = Severity.E, Severity.W
 COMPOSED, DECOMPOSED = "Gerät.stl", "Gera\u0308t.stl"
@@ -30,17 +30,20 @@ def folder(tmp_path: Path) -> Path:
 def one_case(monkeypatch: pytest.MonkeyPatch) -> None:
     """A disk that opens a file by its name in any case, as those of Windows and macOS do; listings keep the case."""
 
-    def found(uri: str, folder: Path, paths: tuple[str, ...] = ()) -> Path | None:
-        opened = Path(folder)
+    find = Search.find
+
+    def found(search: Search, uri: str) -> Path | None:
+        (folder,) = search.folders
+        opened = folder
         for part in uri.replace("\\", "/").split("/"):
             names = [part] if part in ("", ".", "..") else os.listdir(opened)
             same = [name for name in names if name.casefold() == part.casefold()]
             if not same:
                 return None
             opened /= same[0]
-        return resolve(str(opened), folder, paths) and Path(folder) / uri
+        return find(search, str(opened)) and folder / uri
 
-    monkeypatch.setattr(mesh_files, "resolve", found)
+    monkeypatch.setattr(Search, "find", found)
     monkeypatch.setattr(mesh_files, "facts_of", lambda paths: dict.fromkeys(paths, SOUND))
 
 

@@ -12,8 +12,8 @@ from clean_arm import IDENTITY, arm
 from robodyn.checks.project import check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options
-from robodyn.checks.xacro import expanded
 from robodyn.errors import InputError
+from robodyn.urdf.xacro import expanded
 
 HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 MACRO = f"""{HEAD}
@@ -101,7 +101,7 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError) as error:
         expanded(str(robot))
     assert str(error.value).startswith(
-        f"{robot}: to check a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
+        f"{robot}: to read a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
     )
 
 

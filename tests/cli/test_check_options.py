@@ -70,6 +70,8 @@ def test_settings(folder: Path) -> None:
 
 
 def test_package_path_is_handed_on(folder: Path) -> None:
+    for name in ("a", "b"):
+        (folder / name).mkdir()
     assert run("check", "clean.urdf", "--package-path", "a", "--package-path", "b").status == 0
 
 

@@ -14,6 +14,7 @@ from robodyn.doctor import Line, healthy
 from robodyn.execute.trial import TOLERANCE, Trial, trial
 from robodyn.installed import Installed, Library, installed, loading
 from robodyn.report.text_doctor import doctor_text
+from robodyn.urdf.packages import VARIABLES
 
 LIBRARIES = (*doctor.NEEDED, doctor.COMPILER, doctor.SCENES, *doctor.OPTIONAL)
 WORKS = Trial(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
@@ -109,10 +110,11 @@ def test_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, place: str, stat
         assert line.endswith("in 1 file")
 
 
-def test_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}:/nowhere/at/all")
+@pytest.mark.parametrize("name", VARIABLES)
+def test_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
+    monkeypatch.setenv(name, f"{tmp_path}:/nowhere/at/all")
     outcome = diagnosed(monkeypatch)
-    line = next(line for line in outcome.out.splitlines() if "ROS_PACKAGE_PATH" in line)
+    line = next(line for line in outcome.out.splitlines() if name in line)
     assert (outcome.status, line.split()[1]) == (0, "note")
     assert line.endswith("no such folder: /nowhere/at/all")
 

@@ -236,7 +236,7 @@ WRONG = [
     ((ARM, "--link", "turret", "--geometry", "visual", "--strict"), "5 faces turned to agree with neighbours"),
     (
         (ARM, "--compare", "--package-path", "nowhere"),
-        "invalid value for '--package-path': Directory 'nowhere'",
+        "invalid value for '--package-path': 'nowhere': there is no such folder",
     ),
     (("no.urdf",), "no.urdf: there is no such file"),
     (("a.stl", "--place", "0,0,0"), "--place is not for meshes one by one"),

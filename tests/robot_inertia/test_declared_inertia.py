@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -143,11 +145,7 @@ def test_the_base_is_still_where_it_floats():
 
 def test_order_of_links_and_joints_does_not_matter():
     description = boxes()
-    turned = description.__class__(
-        **{name: getattr(description, name) for name in ("name", "file", "transmissions", "root", "notes")},
-        links=description.links[::-1],
-        joints=description.joints[::-1],
-    )
+    turned = replace(description, links=description.links[::-1], joints=description.joints[::-1])
     one, other = robot_inertia(description, {"turn": 0.3}), robot_inertia(turned, {"turn": 0.3})
     np.testing.assert_array_equal(one.body.S_c, other.body.S_c)
 

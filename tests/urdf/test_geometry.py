@@ -12,7 +12,8 @@ from example_robots import path_of
 
 from robodyn.errors import InputError
 from robodyn.urdf.description import load_description
-from robodyn.urdf.geometry import link_shapes, missing_mesh, resolve
+from robodyn.urdf.geometry import link_shapes, missing_mesh
+from robodyn.urdf.packages import VARIABLES, Search
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 TWO = """<robot name="r"><link name="a">
@@ -24,7 +25,12 @@ TWO = """<robot name="r"><link name="a">
 
 @pytest.fixture(autouse=True)
 def _no_ros(monkeypatch):
-    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    for variable in VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
+
+
+def resolve(uri, folder, package_paths=()):
+    return Search(str(Path(folder) / "r.urdf"), tuple(map(str, package_paths))).find(uri)
 
 
 def touched(path):

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from command_line import ROBOTS
 
+from robodyn.urdf.description import load_description
 from robodyn.urdf.parts import Geometry, Origin
 from robodyn.urdf.primitives import primitive
 from robodyn.urdf.visuals import _of_meshes, visuals
@@ -38,8 +39,8 @@ def test_primitives_are_closed_and_as_large_as_they_should_be(shape: str) -> Non
 
 @pytest.mark.parametrize("name", ["puma560", "scara", "two_link_planar"])
 def test_both_ways_fill_the_same_boxes(name: str) -> None:
-    file = str(ROBOTS / f"{name}.urdf")
-    ours, theirs = visuals(file), _of_meshes(file, ())
+    description = load_description(ROBOTS / f"{name}.urdf")
+    ours, theirs = visuals(description), _of_meshes(description)
     assert ours.triangles.keys() == theirs.triangles.keys()
     for link, triangles in ours.triangles.items():
         other = theirs.triangles[link]
@@ -48,12 +49,12 @@ def test_both_ways_fill_the_same_boxes(name: str) -> None:
 
 
 def test_meshes_are_found_and_missing_ones_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    found = visuals(str(ROBOTS / "meshed_arm.urdf"))
+    found = visuals(load_description(ROBOTS / "meshed_arm.urdf"))
     assert found.missing == ()
     assert set(found.triangles) >= {"hand", "upper_arm", "forearm"}
     (tmp_path / "arm.urdf").write_text((ROBOTS / "meshed_arm.urdf").read_text())
     with caplog.at_level(logging.WARNING):
-        alone = visuals(str(tmp_path / "arm.urdf"))
+        alone = visuals(load_description(tmp_path / "arm.urdf"))
     assert any(name.endswith("bracket.stl") for name in alone.missing)
     assert "hand" not in alone.triangles
     assert not caplog.records

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
-from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses, package_of
+from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses
 from robodyn.checks.rule import Fault, Fix, Rule, Severity, Stage
-from robodyn.urdf.geometry import resolve
+from robodyn.urdf.packages import package_of
 from robodyn.wording import listed, shown, shown_path
 
 
@@ -54,8 +53,7 @@ def _missing(context: Context, name: MeshName) -> Fault:
 
 def _written(context: Context, name: MeshName, better: str) -> Fix | None:
     """The edit that writes another name, if the mesh is there by that."""
-    there = resolve(better, Path(context.reading.file).parent, context.package_path)
-    return None if there is None else name.renamed(better)
+    return None if context.search.find(better) is None else name.renamed(better)
 
 
 def _unknown(names: list[MeshName]) -> Iterator[Fault]:
@@ -80,9 +78,9 @@ RULE = Rule(
     stage=Stage.DOCUMENT,
     summary="Every mesh is there and can be read.",
     explanation="""A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape,
-and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, and in the folders above the
-file. Where none of them is known, as for a file out of its package, one remark says so for all meshes. Nothing is
-fetched.""",
+and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
+COLCON_PREFIX_PATH, and in the folders above the file, also above the one where a symbolic link leads. Where none of
+them is known, as for a file out of its package, one remark says so for all meshes. Nothing is fetched.""",
     bad=a_shaped_link(shape="<mesh/>"),
     good=a_shaped_link(),
     check=check,

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import a_mesh
-from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names, package_of
+from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.urdf.packages import package_of
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
@@ -31,20 +32,20 @@ def _why(context: Context, name: MeshName) -> str | None:
     package = package_of(uri)
     if package is not None and os.path.normpath(package[1]).startswith(".."):
         return "leads out of its package"
-    if package is None and "://" not in uri and _leaves(context.reading.file, uri):
+    if package is None and "://" not in uri and _leaves(context, uri):
         return "leads out of this file's package"
     if "\\" in uri and name.state is State.FOUND:
         return "has \\ between folders, which Windows alone reads"
     return None
 
 
-def _leaves(file: str, uri: str) -> bool:
-    """Whether a relative name leads out of the folder with the package.xml above the file, if there is one."""
-    if file == STDIN or ".." not in uri:
+def _leaves(context: Context, uri: str) -> bool:
+    """Whether a relative name leads out of the package that the file is in, if there is one."""
+    root = context.search.home
+    if context.reading.file == STDIN or ".." not in uri or root is None:
         return False
-    folder = Path(os.path.abspath(file)).parent
-    root = next((path for path in (folder, *folder.parents) if (path / "package.xml").is_file()), None)
-    return root is not None and root not in Path(os.path.normpath(folder / uri)).parents
+    places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
+    return all(root not in place.parents for place in places)
 
 
 RULE = Rule(

@@ -1,0 +1,195 @@
+"""Every command reads the same descriptions: xacro files, and meshes of packages wherever ROS has them."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import ARM, ROBOTS, Outcome, motion, run
+
+from robodyn.urdf.packages import VARIABLES
+
+SHAPE = '<visual><geometry><mesh filename="package://arm/meshes/m.stl" scale="0.001 0.001 0.001"/></geometry></visual>'
+MESHED = ARM.replace('<link name="upper">', f'<link name="upper">{SHAPE}')
+XACRO = (
+    MESHED.replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    .replace('<link name="base"/>', '<xacro:arg name="kilo" default="3"/><link name="base"/>')
+    .replace('<mass value="2"/>', '<mass value="$(arg kilo)"/>')
+)
+SCENE = "[initial]\nq = { shoulder = 0.3 }\n"
+COMMANDS = {
+    "torques": ("torques", "ROBOT", "arm.csv"),
+    "simulate": ("simulate", "ROBOT", "--scene", "scene.toml", "--duration", "0.02"),
+    "inertia": ("inertia", "ROBOT"),
+    "compare": ("inertia", "ROBOT", "--compare"),
+    "fbd": ("fbd", "ROBOT", "--at", "0.1,0.2"),
+    "equations": ("equations", "ROBOT", "--at", "0.1,0.2"),
+    "info": ("info", "ROBOT"),
+    "check": ("check", "ROBOT", "--statistics"),
+}
+SLOW = {
+    "accuracy": ("accuracy", "ROBOT", "arm.csv"),
+    "bench": ("bench", "ROBOT", "--samples", "2", "--threads", "1"),
+}
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package in src/, its installation as links, and a motion."""
+    for variable in VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.chdir(tmp_path)
+    Path("src/arm/meshes").mkdir(parents=True)
+    Path("src/arm/urdf").mkdir()
+    Path("src/arm/package.xml").write_text("<package><name>arm</name></package>")
+    shutil.copy(ROBOTS / "meshes" / "bracket.stl", "src/arm/meshes/m.stl")
+    Path("src/arm/urdf/arm.urdf").write_text(MESHED)
+    Path("src/arm/urdf/arm.xacro").write_text(XACRO)
+    Path("alone.urdf").write_text(MESHED)
+    Path("link.urdf").symlink_to("src/arm/urdf/arm.urdf")
+    Path("install/arm/share/arm/meshes").mkdir(parents=True)
+    Path("install/arm/share/arm/meshes/m.stl").symlink_to(tmp_path / "src/arm/meshes/m.stl")
+    Path("arm.csv").write_text(motion(5))
+    Path("scene.toml").write_text(SCENE)
+
+
+def called(name: str, robot: str, *more: str) -> Outcome:
+    return run(*(robot if word == "ROBOT" else word for word in {**COMMANDS, **SLOW}[name]), *more)
+
+
+def document(name: str, robot: str, *more: str) -> Any:
+    outcome = called(name, robot, *more, "--format", "json")
+    assert (outcome.status, outcome.err) == (0, ""), outcome.err
+    return json.loads(outcome.out)
+
+
+def found(robot: str, *more: str) -> dict[str, bool]:
+    """Which commands find the mesh."""
+    checked = run("check", robot, *more)
+    compared = {link["link"]: link for link in document("compare", robot, *more)["links"]}
+    drawn = {}
+    for name in ("torques", "simulate", "inertia"):
+        outcome = called(name, robot, *more, "--report", f"{name}.html")
+        assert outcome.status == 0, outcome.err
+        drawn[name] = re.search("as a skeleton|some meshes are not found", Path(f"{name}.html").read_text()) is None
+    return {
+        **drawn,
+        "info": not document("info", robot, *more)["meshes"]["missing"],
+        "check": "RD601" not in checked.out,
+        "compare": compared["upper"]["difference"] is not None,
+    }
+
+
+WAYS = {
+    "package.xml above": ("src/arm/urdf/arm.urdf", (), {}),
+    "symbolic link": ("link.urdf", (), {}),
+    "--package-path": ("alone.urdf", ("--package-path", "src"), {}),
+    "ROS_PACKAGE_PATH": ("alone.urdf", (), {"ROS_PACKAGE_PATH": "src"}),
+    "AMENT_PREFIX_PATH": ("alone.urdf", (), {"AMENT_PREFIX_PATH": "install/arm"}),
+    "COLCON_PREFIX_PATH": ("alone.urdf", (), {"COLCON_PREFIX_PATH": "install"}),
+    "nowhere": ("alone.urdf", (), {}),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_all_commands_find_the_same_meshes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    robot, more, variables = WAYS[way]
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert found(robot, *more) == dict.fromkeys(
+        ("torques", "simulate", "inertia", "info", "check", "compare"), way != "nowhere"
+    )
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("kind", ["none", "file"])
+def test_a_package_path_that_is_not_there_is_an_error(name: str, kind: str) -> None:
+    Path("file").touch()
+    outcome = called(name, "alone.urdf", "--package-path", kind)
+    why = {"none": "there is no such folder", "file": "is a file, not a folder"}[kind]
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: invalid value for '--package-path': '{kind}': {why} (try: robodyn ")
+
+
+def test_a_description_from_standard_input_has_its_meshes_in_the_current_folder() -> None:
+    Path("beside.stl").write_bytes(Path("src/arm/meshes/m.stl").read_bytes())
+    text = MESHED.replace("package://arm/meshes/m.stl", "beside.stl").encode()
+    outcome = run("torques", "-", "arm.csv", "--report", "r.html", stdin=text)
+    assert outcome.status == 0
+    assert "as a skeleton" not in Path("r.html").read_text()
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
+def test_xacro_files_are_read_by_every_command(name: str) -> None:
+    """What is found is that of the expanded file, with the arguments of the call."""
+    Path("src/arm/urdf/heavy.urdf").write_text(MESHED.replace('<mass value="2"/>', '<mass value="7"/>'))
+    plain = called(name, "src/arm/urdf/heavy.urdf")
+    given = called(name, "src/arm/urdf/arm.xacro", "--xacro-arg", "kilo:=7")
+    assert (plain.status, given.status) == ((1, 1) if name == "check" else (0, 0)), given.err
+    if name in SLOW:
+        return
+    assert lines(given.out.replace("arm.xacro (expanded)", "heavy.urdf")) == lines(plain.out)
+    assert lines(called(name, "src/arm/urdf/arm.xacro").out.replace("arm.xacro (expanded)", "heavy.urdf")) != lines(
+        plain.out
+    ) or name in ("check", "compare")
+
+
+def lines(text: str) -> list[str]:
+    """Without places in the file, commands to type, and times."""
+    kept = [re.sub(r":\d+:\d+:|\(line \d+\)| +", " ", line) for line in text.splitlines()]
+    return [line for line in kept if not re.search("robodyn |xacro|µs|us per|executor", line)]
+
+
+@pytest.mark.parametrize(
+    ("more", "line"),
+    [
+        (("kilo:=7", "mass:=3"), "src/arm/urdf/arm.xacro: the file has no argument 'mass' (arguments: 'kilo')"),
+        (("kil:=7",), "src/arm/urdf/arm.xacro: the file has no argument 'kil' (did you mean 'kilo'?)"),
+        (("kilo=7",), "invalid value for '--xacro-arg': 'kilo=7' is not NAME:=VALUE, such as prefix:=left_"),
+        ((":=7",), "invalid value for '--xacro-arg': ':=7' is not NAME:=VALUE"),
+    ],
+)
+def test_arguments_of_xacro_that_are_wrong(more: tuple[str, ...], line: str) -> None:
+    outcome = called("torques", "src/arm/urdf/arm.xacro", *(word for each in more for word in ("--xacro-arg", each)))
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_arguments_of_xacro_are_for_xacro_files(name: str) -> None:
+    outcome = called(name, "alone.urdf", "--xacro-arg", "kilo:=7")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert "xacro (xacro files end in .xacro)" in outcome.err
+
+
+def test_an_argument_without_a_value_says_which_option_gives_one() -> None:
+    Path("need.xacro").write_text(XACRO.replace('<xacro:arg name="kilo" default="3"/>', ""))
+    outcome = called("torques", "need.xacro")
+    assert outcome.status == 2
+    assert "kilo" in outcome.err
+    assert outcome.err.endswith("(--xacro-arg NAME:=VALUE gives it a value)\n")
+    assert called("torques", "need.xacro", "--xacro-arg", "kilo:=2").status == 0
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, *SLOW])
+def test_without_xacrodoc_every_command_names_the_extra(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    outcome = called(name, "src/arm/urdf/arm.xacro")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(
+        "error: src/arm/urdf/arm.xacro: to read a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
+    )
+
+
+def test_a_batch_computes_with_the_expanded_file() -> None:
+    Path("more.csv").write_text(motion(6))
+    for robot, out in (("src/arm/urdf/arm.xacro", "a"), ("src/arm/urdf/heavy.urdf", "b")):
+        Path("src/arm/urdf/heavy.urdf").write_text(MESHED.replace('<mass value="2"/>', '<mass value="3"/>'))
+        outcome = run("torques", robot, "arm.csv", "more.csv", "--out", f"{out}/", "--jobs", "1")
+        assert outcome.status == 0, outcome.err
+    assert Path("a/more.csv").read_bytes() == Path("b/more.csv").read_bytes()
