@@ -24,7 +24,7 @@ def accuracy_of(
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
     if not robot and (scene_file or gravity or any(lookup().values())):
-        raise click.UsageError("--scene, --gravity, --package-path and --xacro-arg are for robots, not for a mesh", ctx)
+        raise click.UsageError("--scene, --gravity, --package-path and --xacro-arg are for robots", ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
         raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -14,6 +15,7 @@ from robodyn.checks.run import Checked, Options
 from robodyn.cli.check_fix import fix_files
 from robodyn.cli.check_options import OPTIONS, check_flags
 from robodyn.cli.check_report import report
+from robodyn.cli.failures import complain
 from robodyn.cli.files import check_names, source_of
 from robodyn.cli.options import PATH, lookup
 from robodyn.cli.progress import robots_done
@@ -28,7 +30,8 @@ from robodyn.cli.screen import show
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
     A file named - is standard input; a folder means every .urdf below it; a .xacro file is expanded first.
-    The exit status is 1 if an error is found. `robodyn rule CODE` explains a finding.
+    The exit status is 1 if an error is found, 2 if a file cannot be read, which stops no other.
+    `robodyn rule CODE` explains a finding.
 
     \b
     Examples:
@@ -48,14 +51,19 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     )
     sources = [source_of(urdf) for urdf in urdfs]
     tasks = tasks_for(sources, given, flags["config"])
-    if (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"]):
-        return 1
+    shown = (flags["fix"] or flags["diff"]) and fix_files(tasks, flags["unsafe_fixes"], flags["diff"])
     with robots_done(len(tasks)) as done:
         checked = check_tasks(tasks, done)
+    for line in dict.fromkeys(str(each.error) for each in checked.unread):
+        complain(line)
+    if checked.unread and len(tasks) == 1:
+        return 2
+    if shown:
+        return 2 if checked.unread else 1
     if flags["write_baseline"]:
         count = write_baseline(checked.findings, flags["baseline"])
         click.echo(f"written: {flags['baseline']}, {count} findings", err=True)
-        return 0
+        return 2 if checked.unread else 0
     if flags["baseline"]:
         checked = _new(checked, flags["baseline"])
     if not flags["diff"]:
@@ -65,7 +73,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
 
         click.echo(write_report(flags["report"], check_page(checked)).strip(), err=True)
     fatal = (Severity.E, Severity.W) if flags["strict"] else (Severity.E,)
-    return int(any(checked.count(severity) for severity in fatal))
+    return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))
 
 
 def _new(checked: Checked, baseline: str) -> Checked:
@@ -73,4 +81,4 @@ def _new(checked: Checked, baseline: str) -> Checked:
     found = compared(checked.findings, baseline)
     gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
     click.echo(f"{baseline}: {found.known} findings passed over{gone}", err=True)
-    return Checked(checked.files, found.new)
+    return replace(checked, findings=found.new)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import click
 
 from robodyn.checks.project import Task, fix_task
 from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
+from robodyn.errors import InputError
 from robodyn.report.fixes_check import check_diff, fix_lines
 from robodyn.whole_file import write_whole
 
@@ -18,7 +20,8 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     files = []
     with robots_done(len(tasks), "fixing") as done:
         for task in tasks:
-            files.append(fix_task(task, unsafe))
+            with suppress(InputError):  # the check says why
+                files.append(fix_task(task, unsafe))
             done()
     changed = [one for one in files if one.after != one.before]
     for one in changed:

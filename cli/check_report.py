@@ -28,9 +28,9 @@ def report(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, sta
         return check_statistics(checked.findings, page())
     if form == "sarif":
         readings = {task.name: task.reading for task in tasks}
-        return check_sarif(checked.findings, RULES, lambda name: readings[name]())
+        return check_sarif(checked.findings, RULES, lambda name: readings[name](), checked.unread)
     if form == "junit":
         return check_junit(checked, strict)
     if form == "github":
-        return check_github(checked.findings)
+        return check_github(checked.findings, checked.unread)
     return check_json(checked) if form == "json" else check_text(checked)

@@ -46,9 +46,14 @@ def reported() -> Iterator[None]:
 
 def fail(message: str) -> NoReturn:
     """Print one line of error and exit with status 2."""
-    if sys.stderr is not None:
-        print(f"error: {printable(' '.join(message.split()))}", file=sys.stderr)
+    complain(message)
     sys.exit(2)
+
+
+def complain(error: object) -> None:
+    """Print one line of error; by `print`, which stands above a progress bar."""
+    if sys.stderr is not None:
+        print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
 
 
 def _sentence(error: click.ClickException) -> str:

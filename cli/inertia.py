@@ -21,9 +21,9 @@ from robodyn.inertia.view import View
 @ROBOT
 @VIEW
 @REPORT
-def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **how: Any) -> None:
+def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **how: Any) -> int:
     """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
-    A file named - is standard input.
+    A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
 
     \b
     Examples:
@@ -41,7 +41,7 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: 
         from robodyn.cli.inertia_robot import robot
 
         robot(files, view, form, report, ctx)
-    else:
-        from robodyn.cli.inertia_meshes import meshes
+        return 0
+    from robodyn.cli.inertia_meshes import meshes
 
-        meshes(files, view, form, report, ctx, **how)
+    return meshes(files, view, form, report, ctx, **how)

@@ -9,12 +9,13 @@ from typing import Any
 import click
 
 from robodyn.accuracy.inertia_within import needs_rationals, with_promise
+from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
 from robodyn.cli.meter import metered
 from robodyn.cli.reports import reported
 from robodyn.cli.screen import page, show
-from robodyn.errors import InputError
+from robodyn.errors import InputError, MeshError
 from robodyn.inertia.composite import Pose
 from robodyn.inertia.urdf_text import inertial_element
 from robodyn.inertia.view import View
@@ -32,34 +33,55 @@ def meshes(
     combine: bool,
     place: Sequence[Pose],
     **how: Any,
-) -> None:
-    """Show what each mesh encloses, or what they make together."""
+) -> int:
+    """Show what each mesh encloses, or what they make together; the exit status, 2 where a mesh failed.
+
+    One that fails stops no other, but for meshes combined.
+    """
     check_use("--combine" if combine else "meshes one by one", ctx)
     if combine or form == "urdf":
         how |= {name: how[name] or False for name in ("symmetry", "tessellation")}
-    parts, whole = _measured(files, combine, **{name: value for name, value in how.items() if name not in OF_ROBOTS})
-    shapes = partial(_shapes, files, how) if report else None
+    outcomes, whole = _measured(files, combine, **{name: each for name, each in how.items() if name not in OF_ROBOTS})
+    parts = [each for each in outcomes if isinstance(each, Part)]
+    failed = [each for each in outcomes if isinstance(each, MeshError)]
+    for error in failed:
+        complain(error)
+    if failed and (combine or len(files) == 1):
+        return 2
+    shapes = partial(_shapes, files, outcomes, how) if report else None
     if combine:
         _combined(parts, place, whole, view, form, report, shapes)
-        return
+        return 0
     written = ""
-    if shapes:
+    if shapes and parts:
         from robodyn.report.page_inertia import parts_page
 
-        written = reported(report, lambda pictures: parts_page(parts, view, shapes(pictures)))
+        written = reported(report, lambda pictures: parts_page(outcomes, view, shapes(pictures)))
     if form == "urdf":
-        show("\n".join(inertial_element(part.body, "") for part in parts) + "\n")
+        show("\n".join(map(_element, outcomes)) + "\n")
     else:
-        show(inertia_json(parts, view) if form == "json" else inertia_text(parts, view, page()) + written)
+        show(inertia_json(outcomes, view) if form == "json" else inertia_text(parts, view, page()) + written)
+    return 2 if failed else 0
 
 
-def _shapes(files: Sequence[str], how: dict[str, Any], pictures: bool) -> list[Floats | None]:
-    """The triangles of each file [m]; None where they are not wanted or cannot be read a second time."""
+def _element(outcome: Part | MeshError) -> str:
+    """The <inertial> of a part; a comment stands for one that there is not."""
+    if isinstance(outcome, Part):
+        return inertial_element(outcome.body, "")
+    return f"<!-- {str(outcome).replace('--', '- -')} -->"
+
+
+def _shapes(
+    files: Sequence[str], outcomes: Sequence[Part | MeshError], how: dict[str, Any], pictures: bool
+) -> list[Floats | None]:
+    """The triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
     from robodyn.mesh.load import load_triangles
 
     units = one_each(how["unit"], files, "--unit")
     found: list[Floats | None] = []
-    for name, unit in zip(files, units, strict=True):
+    for name, unit, outcome in zip(files, units, outcomes, strict=True):
+        if isinstance(outcome, MeshError):
+            continue
         if not pictures or name == STANDARD_INPUT:
             found.append(None)
             continue
@@ -77,8 +99,8 @@ def _measured(
     accuracy: float | None,
     exact: bool,
     **how: Any,
-) -> tuple[list[Part], float | None]:
-    """The parts, and the mass of the whole if it is given."""
+) -> tuple[list[Part | MeshError], float | None]:
+    """The part that each file is, or why it is none; and the mass of the whole if it is given."""
     whole = mass[0] if combine and len(mass) == 1 else None
     if whole is not None and density:
         raise InputError("both a density and a mass are given", remedy="give one of them")
@@ -90,12 +112,16 @@ def _measured(
         strict=True,
     )
     how["exact"] = exact or (accuracy is not None and needs_rationals(accuracy))
-    parts = []
+    outcomes: list[Part | MeshError] = []
     with metered(files) as (heard, done):
         for name, rho, m, units in each:
-            parts.append(mass_properties(name, density=rho, mass=m, unit=units, heard=heard, **how))
+            try:
+                part = mass_properties(name, density=rho, mass=m, unit=units, heard=heard, **how)
+                outcomes.append(part if accuracy is None else with_promise(part, accuracy))
+            except MeshError as error:
+                outcomes.append(error)
             done()
-    return parts if accuracy is None else [with_promise(part, accuracy) for part in parts], whole
+    return outcomes, whole
 
 
 def _combined(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
@@ -16,6 +15,7 @@ from robodyn.batch.processes import worked_here
 from robodyn.batch.setup import Setup
 from robodyn.batch_result import Batch, Outcome
 from robodyn.cli.batch_progress import files_done
+from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
@@ -101,7 +101,7 @@ def _gathered(
         tick(number)
         while (last := found.get(said)) is not None:
             if last.status == "failed":
-                print(f"error: {printable(last.error)}", file=sys.stderr)  # by print, above a progress bar
+                complain(last.error)
             elif lines:
                 print(outcome_line(last), flush=True)
             said += 1

@@ -10,8 +10,9 @@ from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.fix import Fixed, fixed
 from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import EVERYTHING, Checked, Options, check_one, read_one, rules_for
+from robodyn.checks.run import EVERYTHING, Checked, Options, Unread, check_one, read_one, rules_for
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.errors import InputError
 from robodyn.urdf.sources import EXPANDED, is_xacro, read_source
 
 STDIN = "<stdin>"
@@ -58,26 +59,25 @@ def tasks_for(
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
     """The findings in all of them; many files are shared out among processes, one for each core.
 
+    One that cannot be read stops no other.
+
     Args:
         tasks: the files.
         done: called after each.
-
-    Raises:
-        InputError: a file cannot be read.
     """
     shared_out = worth_processes([task.source for task in tasks])
-    each: Iterable[tuple[Finding, ...]] = (
-        each_in_a_process(_check, tasks, None) if shared_out else (check_task(task) for task in tasks)
+    each: Iterable[tuple[Finding, ...] | InputError] = (
+        each_in_a_process(_check, tasks, None) if shared_out else (_check(task, None) for task in tasks)
     )
-    found: list[Finding] = []
-    for findings in each:
-        found += findings
+    files, found, unread = list[str](), list[Finding](), list[Unread]()
+    for task, outcome in zip(tasks, each, strict=True):
+        if isinstance(outcome, InputError):
+            unread.append(Unread(task.name, outcome))
+        else:
+            files.append(task.name)
+            found += outcome
         done()
-    return Checked(tuple(task.name for task in tasks), tuple(found))
-
-
-def check_task(task: Task) -> tuple[Finding, ...]:
-    return check_one(task.source, task.options)
+    return Checked(tuple(files), tuple(found), tuple(unread))
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:
@@ -89,8 +89,11 @@ def fix_task(task: Task, unsafe: bool = False) -> Fixed:
     return fixed(data, name, lambda text: check_one(text, task.options, name), unsafe=unsafe)
 
 
-def _check(task: Task, _: None) -> tuple[Finding, ...]:
-    return check_task(task)
+def _check(task: Task, _: None) -> tuple[Finding, ...] | InputError:
+    try:
+        return check_one(task.source, task.options)
+    except InputError as error:
+        return error
 
 
 def _options(file: str | bytes, given: Options, fixed: Config | None, known: dict[str, Config | None]) -> Options:

@@ -47,11 +47,29 @@ EVERYTHING = Options()
 
 
 @dataclass(frozen=True)
+class Unread:
+    """A file that could not be checked, and why."""
+
+    file: str
+    error: InputError
+
+    @property
+    def why(self) -> str:
+        """Without the name of the file, unless another one is at fault."""
+        return self.error.sentence if self.error.file in (None, self.file) else str(self.error)
+
+
+@dataclass(frozen=True)
 class Checked:
-    """The files that were checked, and what was found, file by file and each in the order of its text."""
+    """The files that were checked, and what was found, file by file and each in the order of its text.
+
+    Attributes:
+        unread: the other files.
+    """
 
     files: tuple[str, ...]
     findings: tuple[Finding, ...]
+    unread: tuple[Unread, ...] = ()
 
     def count(self, severity: Severity) -> int:
         return sum(finding.severity is severity for finding in self.findings)

@@ -6,18 +6,20 @@ import os
 from collections.abc import Sequence
 
 from robodyn.checks.rule import Finding, Severity
+from robodyn.checks.run import Unread
 from robodyn.report.table import printable
 
 COMMANDS = {Severity.E: "error", Severity.W: "warning", Severity.I: "notice"}
 
 
-def check_github(findings: Sequence[Finding]) -> str:
-    """One line for each finding: `::error file=F,line=L,col=C,title=T::message`.
+def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:
+    """One line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
 
     Method: percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the
     runner's own toolkit does (actions/toolkit, packages/core/src/command.ts).
     """
-    return "".join(_line(finding) for finding in findings)
+    faults = [f"::error file={_property(_path(each.file))}::{_escaped(each.why)}\n" for each in unread]
+    return "".join([*map(_line, findings), *faults])
 
 
 def _line(finding: Finding) -> str:

@@ -9,7 +9,10 @@ from robodyn.checks.run import Checked
 
 
 def check_json(checked: Checked) -> str:
-    """The document: {"findings": [...], "summary": {...}}. Places count from 1; edits are byte offsets of the file."""
+    """The document: {"findings": [...], "unread": [...], "summary": {...}}.
+
+    Places count from 1; edits are byte offsets of the file.
+    """
     import json
 
     summary = {
@@ -18,7 +21,11 @@ def check_json(checked: Checked) -> str:
         "warnings": checked.count(Severity.W),
         "notes": checked.count(Severity.I),
     }
-    document = {"findings": [_finding(finding) for finding in checked.findings], "summary": summary}
+    document = {
+        "findings": [_finding(finding) for finding in checked.findings],
+        "unread": [{"file": each.file, "error": each.why} for each in checked.unread],
+        "summary": summary,
+    }
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 

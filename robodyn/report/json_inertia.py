@@ -6,17 +6,26 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from robodyn.errors import MeshError
 from robodyn.inertia.view import View
 from robodyn.part import Part
 from robodyn.report.json_body import COM, body_data, finite
 from robodyn.report.json_shape import symmetry_data, tessellation_data
 
 
-def inertia_json(parts: Sequence[Part], view: View) -> str:
-    """The document: {"meshes": [...]}. Units are SI; matrices are lists of rows; principal axes are rows."""
+def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:
+    """The document: {"meshes": [...]}. Units are SI; matrices are lists of rows; principal axes are rows.
+
+    Of a mesh that failed there are its `name` and, as a text, the `error` alone.
+    """
     import json
 
-    return json.dumps({"meshes": [part_data(part, view) for part in parts]}, indent=2, allow_nan=False) + "\n"
+    meshes = [_failed(each) if isinstance(each, MeshError) else part_data(each, view) for each in outcomes]
+    return json.dumps({"meshes": meshes}, indent=2, allow_nan=False) + "\n"
+
+
+def _failed(error: MeshError) -> dict[str, Any]:
+    return {"name": error.file, "error": error.sentence}
 
 
 def part_data(part: Part, view: View = COM) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from xml.sax.saxutils import escape, quoteattr
 
 from robodyn.checks.rule import Finding, Severity
-from robodyn.checks.run import Checked
+from robodyn.checks.run import Checked, Unread
 from robodyn.report.table import printable
 
 
@@ -21,9 +21,10 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
     """
     fatal = {Severity.E, Severity.W} if strict else {Severity.E}
     suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in checked.files]
+    suites += map(_unread, checked.unread)
     failures = sum(finding.severity in fatal for finding in checked.findings)
     tests = sum(max(suite.count("<testcase "), 1) for suite in suites)
-    head = f'<testsuites name="robodyn check" tests="{tests}" failures="{failures}" errors="0">'
+    head = f'<testsuites name="robodyn check" tests="{tests}" failures="{failures}" errors="{len(checked.unread)}">'
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', head, *suites, "</testsuites>\n"])
 
 
@@ -34,6 +35,16 @@ def _suite(file: str, findings: Sequence[Finding], fatal: set[Severity]) -> str:
     failures = sum(finding.severity in fatal for finding in findings)
     counts = f'tests="{len(cases)}" failures="{failures}" errors="0" time="0"'
     return "\n".join([f"  <testsuite name={_attribute(file)} {counts}>", *cases, "  </testsuite>"])
+
+
+def _unread(unread: Unread) -> str:
+    """The suite of a file that could not be read."""
+    file = _attribute(unread.file)
+    return f"""  <testsuite name={file} tests="1" failures="0" errors="1" time="0">
+    <testcase name="reading" classname={file} time="0">
+      <error message={_attribute(unread.why)}/>
+    </testcase>
+  </testsuite>"""
 
 
 def _case(finding: Finding, fatal: set[Severity]) -> str:

@@ -49,6 +49,8 @@ def _verdict(checked: Checked) -> Verdict:
     errors, warnings, notes = (checked.count(severity) for severity in _LEVELS)
     if errors:
         level, headline = _LEVELS[Severity.E], f"{counted(errors, 'error')}: not fit for use as it is"
+    elif checked.unread:
+        level, headline = "bad", f"{counted(len(checked.unread), 'file')} could not be read"
     elif warnings:
         level, headline = _LEVELS[Severity.W], f"No errors, {counted(warnings, 'warning')}"
     else:
@@ -59,6 +61,7 @@ def _verdict(checked: Checked) -> Verdict:
     if len(worst) > len(reasons):
         reasons.append(f"{len(worst) - len(reasons)} more errors are below.")
     fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
+    reasons += [f"{each.file}: {each.why}." for each in checked.unread]
     if fixes:
         reasons.append(f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are.")
     return Verdict(level, headline, tuple(reasons))

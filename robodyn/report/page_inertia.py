@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robodyn.errors import MeshError
 from robodyn.history import Floats
 from robodyn.inertia.properties import MassProperties
 from robodyn.inertia.validity import validity
@@ -38,16 +39,19 @@ _SIZE = 420
 _HOW = "robodyn inertia --format json prints it"
 
 
-def parts_page(parts: Sequence[Part], view: View, shapes: Sequence[Floats | None]) -> Document:
-    """What each mesh encloses, and how far the numbers hold.
+def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Floats | None]) -> Document:
+    """What each mesh encloses, and how far the numbers hold; and why meshes failed.
 
     Args:
-        shapes: the triangles (m, 3, 3) of each mesh [m], None for those without a picture.
+        shapes: the triangles (m, 3, 3) of each part [m], None for those without a picture.
     """
+    parts = [each for each in outcomes if isinstance(each, Part)]
+    failures = [each for each in outcomes if isinstance(each, MeshError)]
     names = ", ".join(part.name for part in parts)
-    blocks: list[Block] = [_verdict(parts)]
+    blocks: list[Block] = [_failures(failures, len(outcomes))] if failures else []
+    blocks.append(_verdict(parts))
     for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
-        if len(parts) > 1:
+        if len(outcomes) > 1:
             blocks.append(Heading(printable(part.name)))
         blocks.append(_weights(part.body))
         if triangles is not None:
@@ -55,8 +59,8 @@ def parts_page(parts: Sequence[Part], view: View, shapes: Sequence[Floats | None
                 Gallery((body_figure(printable(PurePath(part.name).name), part.body, triangles, f"mesh {k}"),))
             )
         blocks += _numbers(partial(inertia_text, [part], view))
-    blocks += _data("inertia.json", inertia_json(parts, view))
-    title = PurePath(parts[0].name).name if len(parts) == 1 else "Meshes"
+    blocks += _data("inertia.json", inertia_json(outcomes, view))
+    title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
     return Document(title, f"Mass properties: {names}", tuple(blocks))
 
 
@@ -135,6 +139,10 @@ def body_figure(name: str, body: MassProperties, triangles: Floats, key: str) ->
     moments = ", ".join(number(moment) for moment in body.principal.moments)
     alt = f"Picture of {name} with its centre of mass and its principal axes; principal moments {moments} kg m^2"
     return Figure(f"{name}: centre of mass and principal axes", alt, plot(_SIZE, _SIZE, draw, key))
+
+
+def _failures(failures: Sequence[MeshError], count: int) -> Verdict:
+    return Verdict("bad", f"{len(failures)} of {count} meshes failed", tuple(f"{each}." for each in failures))
 
 
 def _verdict(parts: Sequence[Part]) -> Verdict:

@@ -15,6 +15,7 @@ from urllib.parse import quote
 from robodyn.checks.identity import fingerprints
 from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Edit, Finding, Rule
+from robodyn.checks.run import Unread
 from robodyn.urdf.places import Places
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -23,7 +24,12 @@ Region = Callable[[str, int, int], Object]
 """File, and the bytes [start, end) in it, to a SARIF region."""
 
 
-def check_sarif(findings: Sequence[Finding], rules: Sequence[Rule], reading: Callable[[str], Reading]) -> str:
+def check_sarif(
+    findings: Sequence[Finding],
+    rules: Sequence[Rule],
+    reading: Callable[[str], Reading],
+    unread: Sequence[Unread] = (),
+) -> str:
     """One run with the rules' documentation; of each finding the place, the link or joint, the numbers and the fix.
 
     Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
@@ -32,6 +38,7 @@ def check_sarif(findings: Sequence[Finding], rules: Sequence[Rule], reading: Cal
         findings: what was found.
         rules: those that ran.
         reading: from the name of a file to its reading, in whose bytes the findings have their places.
+        unread: files that could not be checked.
     """
     places = cache(lambda file: _places(reading(file)))
     index = {rule.code: k for k, rule in enumerate(rules)}
@@ -45,8 +52,21 @@ def check_sarif(findings: Sequence[Finding], rules: Sequence[Rule], reading: Cal
         "semanticVersion": version("robodyn"),
         "rules": [_rule(rule) for rule in rules],
     }
-    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    invocation: Object = {"executionSuccessful": not unread}
+    if unread:
+        invocation["toolExecutionNotifications"] = list(map(_notification, unread))
+    run = {
+        "tool": {"driver": driver},
+        "invocations": [invocation],
+        "columnKind": "unicodeCodePoints",
+        "results": results,
+    }
     return json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2) + "\n"
+
+
+def _notification(unread: Unread) -> Object:
+    location = {"physicalLocation": {"artifactLocation": _artifact(unread.file)}}
+    return {"level": "error", "message": {"text": unread.why}, "locations": [location]}
 
 
 def _rule(rule: Rule) -> Object:

@@ -37,11 +37,10 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
 
 
 def _summary(checked: Checked) -> str:
-    files = counted(len(checked.files), "file")
-    if not checked.findings:
-        return f"{files} checked: nothing found\n"
     names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
-    return f"{files} checked: {', '.join(counted(checked.count(one), name) for one, name in names.items())}\n"
+    counts = ", ".join(counted(checked.count(one), name) for one, name in names.items())
+    unread = f"; {counted(len(checked.unread), 'file')} could not be read" if checked.unread else ""
+    return f"{counted(len(checked.files), 'file')} checked: {counts if checked.findings else 'nothing found'}{unread}\n"
 
 
 def counted(count: int, noun: str) -> str:

@@ -46,7 +46,10 @@ def written(folder: Path, include: str) -> Path:
 
 
 def findings(path: Path, options: Options = Options()) -> tuple[Finding, ...]:  # noqa: B008
-    return check_tasks(tasks_for([str(path)], options)).findings
+    checked = check_tasks(tasks_for([str(path)], options))
+    for unread in checked.unread:
+        raise unread.error
+    return checked.findings
 
 
 def test_places_are_those_of_the_expanded_text(robot: Path) -> None:

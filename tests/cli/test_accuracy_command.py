@@ -75,7 +75,10 @@ def test_a_target_beyond_reach() -> None:
         ((), "missing argument 'MESH|URDF TRAJECTORY|URDF SCENE.toml' (try: robodyn accuracy --help)"),
         ((SCARA[0],), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
         ((BRACKET, *SCARA), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
-        ((BRACKET, "--gravity", "0,0,1"), "--scene and --gravity are for robots, not for a mesh"),
+        (
+            (BRACKET, "--gravity", "0,0,1"),
+            "--scene, --gravity, --package-path and --xacro-arg are for robots",
+        ),
         ((BRACKET, "--target", "-1"), "invalid value for '--target': -1 is no positive finite number"),
         ((BRACKET, "--target", "nan"), "invalid value for '--target': nan is no positive finite number"),
         (("no.stl",), "no.stl: there is no such file"),
