@@ -58,9 +58,9 @@ def test_a_process_that_dies_is_replaced(deaths: int) -> None:
     """The job is tried again, and given up after the last attempt; the others are not touched."""
     os.mkfifo("runs/stuck.csv")
     jobs = jobs_of(["runs/one.csv", "runs/stuck.csv", "runs/two.csv"], "results")
-    killer = Thread(target=kill_readers, args=("runs/stuck.csv", deaths))
+    killer = Thread(target=kill_readers, args=("runs/stuck.csv", deaths), daemon=True)
     if deaths < ATTEMPTS:
-        killer = Thread(target=lambda: (kill_readers("runs/stuck.csv", deaths), _unstick()))
+        killer = Thread(target=lambda: (kill_readers("runs/stuck.csv", deaths), _unstick()), daemon=True)
     killer.start()
     outcomes = dict(worked_here(setup(), jobs, 1))
     killer.join()
