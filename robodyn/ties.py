@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 Item = TypeVar("Item")
 NEAR = 1e-9
 """Numbers that differ by no more than this part of the larger one are ties."""
+HALF_UP = 1.0 + 1e-12
+"""Times this, a number half-way between two of few digits is printed as the larger one, whatever its last digits."""
 
 
 def tie_margin(largest: float, noise: float = 0.0) -> float:

@@ -9,7 +9,7 @@ MUTATIONS = {
         ("history.py", "columns if len(each) > 1 else 0, rows", "0, rows"),
     ],
     "mesh/test_compiled_kernel.py": [
-        ("mesh/compiled_kernel.py", "for edge in (u, v, w)]", "for edge in (u, v, v)]"),
+        ("mesh/compiled_kernel.py", "for edge in (v, w, u)]", "for edge in (v, w, w)]"),
         ("mesh/compiled_kernel.py", "range(3)] for c in range(3)]", "range(3)] for c in (0, 2, 1)]"),
         ("mesh/compiled_kernel.py", "blocks))[1] < count", "blocks))[0] < count"),
     ],

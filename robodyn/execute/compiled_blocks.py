@@ -42,11 +42,14 @@ class CompiledBlocks:
     with one that is not finite, is left to `NumpyBlocks`.
     """
 
-    def __init__(self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> None:
+    def __init__(
+        self, program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True
+    ) -> None:
         """
         Args:
             widths: how many columns the array of each source will have.
             dtype: float64 or float32, of inputs, results and all operations.
+            fused: round products together with the sums that take them in; False rounds each operation, as NumPy does.
 
         Raises:
             ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
@@ -54,7 +57,8 @@ class CompiledBlocks:
         self.program, self.widths, self.dtype = program, dict(widths), np.dtype(dtype)
         self.sources, first_row = rows_of(program, widths)
         self.rows = first_row[""] + len(program.outputs)
-        self._kernel = built("kernel", content_of(program, widths, dtype), lambda: kernel_of(program, widths, dtype))
+        content = content_of(program, widths, dtype, fused)
+        self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
         self._share = _driver(SCALARS[self.dtype.name])
 
     def __call__(
@@ -147,15 +151,15 @@ def rows_of(program: Program, widths: Mapping[str, int]) -> tuple[list[str], dic
     return sources, {**first_row, "": row}
 
 
-def content_of(program: Program, widths: Mapping[str, int], dtype: Any) -> object:
+def content_of(program: Program, widths: Mapping[str, int], dtype: Any, fused: bool = True) -> object:
     """What the machine code of a program depends on."""
-    return program.operations, program.outputs, rows_of(program, widths)[1], np.dtype(dtype).name
+    return program.operations, program.outputs, rows_of(program, widths)[1], np.dtype(dtype).name, fused
 
 
-def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64) -> str:
+def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True) -> str:
     """The LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
-    return kernel(program, rows_of(program, widths)[1], scalar, LANES[scalar])
+    return kernel(program, rows_of(program, widths)[1], scalar, LANES[scalar], fused)
 
 
 def _fields(given: Numbers, few: bool) -> Fields:

@@ -11,6 +11,7 @@ from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.second import principal_moments, second_moments
 from robodyn.spatial import Array
+from robodyn.ties import HALF_UP
 
 if TYPE_CHECKING:
     from robodyn.inertia.properties import MassProperties
@@ -75,7 +76,7 @@ def _slack(second: Floats, moments: Floats) -> float:
 
 def _fault(second: Floats, moments: Floats, relative: float, unit: float = 1.0) -> str | None:
     """What is wrong with second moments and moments of inertia in units of `unit` kg m^2."""
-    small, middle, large = (f"{moment * unit:.6g}" for moment in moments.tolist())
+    small, middle, large = (f"{moment * unit * HALF_UP:.6g}" for moment in moments.tolist())
     if moments[0] < -relative * moments[2]:
         return f"a principal moment of inertia is negative ({small} kg m^2)"
     if 2 * second[2] < -relative * moments[2]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import ceil, floor, inf, log10
 from sys import float_info
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.inertia.eigen import eigen
 from robodyn.mesh.exact import Moments
 from robodyn.spatial import Array
 
@@ -65,7 +66,7 @@ def volume_bound(moments: Moments, perm: float, eps: float) -> float:
     Accuracy: a bound on closed surfaces, where rounding a corner in all its triangles alike moves V little.
     """
     volume = abs(float(moments.volume))
-    return 8 * eps * perm / volume + ROUNDING if volume else inf
+    return _upwards(8 * eps * perm / volume + ROUNDING) if volume else inf
 
 
 def second_bound(moments: Moments, perm: float, reach: Array, eps: float) -> float:
@@ -85,5 +86,11 @@ def second_bound(moments: Moments, perm: float, reach: Array, eps: float) -> flo
         scaled = S_c.astype(np.float64) / reach / reach[:, None]
     if not np.isfinite(scaled).all():
         return inf
-    least = np.abs(np.linalg.eigvalsh(scaled)).min()
-    return float(eps * perm / least) + ROUNDING if least > float_info.epsilon * np.abs(scaled).max() else inf
+    least = float(np.abs(eigen(scaled)[0]).min())
+    return _upwards(eps * perm / least + ROUNDING) if least > float_info.epsilon * np.abs(scaled).max() else inf
+
+
+def _upwards(bound: float) -> float:
+    """Return the next number of three digits: on every processor the same one, whatever the rounding of sums."""
+    power = floor(log10(bound)) - 2
+    return float(f"{ceil(bound / float(f'1e{power}'))}e{power}")

@@ -8,8 +8,10 @@ constant (Hammer, Marlowe, Stroud 1956). With the edge sums u = a + b, b + c, c 
 
 and for the surface, with twice the area of a triangle |(b - a) x (c - a)| for D, 2 A, 6 first and 24 S.
 
-Operations on rows that follow each other are the fast ones. Dot products of more than 10 000 numbers are not made,
-because OpenBLAS would start threads for them.
+Operations on rows that follow each other are the fast ones. Each triangle is added to the one half a block further on,
+and the sums of NumPy's pairwise summation over these pairs are the results: the same to the bit on every processor and
+in `robodyn.mesh.compiled_kernel`, as dot products by BLAS would not be. Those are left to what is a bound (dots of more
+than 10 000 numbers are not made, because OpenBLAS would start threads for them) and to integers.
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ import numpy as np
 from robodyn.mesh.blocks import CHUNK, Step, workspace
 from robodyn.spatial import Array
 
-PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The entries of a symmetric matrix in the order of its sums."""
+SUMS = 11
+"""Sums that are the same to the bit everywhere, of `volume_kernel`."""
 
 
 class Kernel(NamedTuple):
@@ -35,23 +39,25 @@ class Kernel(NamedTuple):
 
 
 def volume_kernel(space: Array) -> Kernel:
-    """6 V, 24 first (3), 120 S (6: xx, xy, xz, yy, yz, zz), twice the area, and the sums of the squares of the
-    coordinates of b - a (3) and c - a (3).
+    """6 V, 24 first (3), 120 S (6: xx, yy, zz, xy, yz, xz), twice the area, and about the sums of the squares of the
+    coordinates of b - a (3) and c - a (3), for bounds.
 
     Args:
         space: (4, 3, n) of `block_space`, with corners from the point of reference; they are lost.
     """
     X, result, n = space[:3], np.empty(17, space.dtype), space.shape[-1]
-    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (12, 3, 1))
+    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (18, 3, 1))
+    sums = workspace(SUMS, n // 2, space.dtype)
     edges, terms = early[:6], early[6:9]
     steps: list[Step] = [
-        *_cross(X, early, normal),
-        (np.matmul, (edges[:, None, :], edges[..., None], result[11:, None, None])),
+        *_cross(X, early[:12], normal),
+        (np.matmul, (edges[:, None, :], edges[..., None], result[SUMS:, None, None])),
         (np.multiply, (normal, X[0], terms)),
         *_row_sum(terms, weight[0]),
         *_lengths(normal),
-        (np.add.reduce, (normal[0], None, None, result[10, ...])),
-        *_moments(space, weight, early, result[:10]),
+        _halves(normal[0], sums[10]),
+        *_moments(space, weight, early, sums),
+        total(sums, result[:SUMS]),
     ]
     return Kernel(steps, result, normal[0])
 
@@ -59,14 +65,21 @@ def volume_kernel(space: Array) -> Kernel:
 def surface_kernel(space: Array) -> Kernel:
     """2 A, 6 first (3), 24 S (6), for the same space."""
     result, n = np.empty(10, space.dtype), space.shape[-1]
-    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (12, 3, 1))
+    early, normal, weight = (workspace(rows, n, space.dtype) for rows in (18, 3, 1))
+    sums = workspace(10, n // 2, space.dtype)
     steps: list[Step] = [
-        *_cross(space[:3], early, normal),
+        *_cross(space[:3], early[:12], normal),
         *_lengths(normal),
         (np.copyto, (weight[0], normal[0])),
-        *_moments(space, weight, early, result),
+        *_moments(space, weight, early, sums),
+        total(sums, result),
     ]
     return Kernel(steps, result, normal[0])
+
+
+def total(sums: Array, result: Array) -> Step:
+    """Return the step that adds up each row."""
+    return np.add.reduce, (sums, 1, None, result)
 
 
 def symmetric(entries: Array) -> Array:
@@ -121,21 +134,34 @@ def _lengths(normal: Array) -> list[Step]:
     return [(np.multiply, (normal, normal, normal)), *_row_sum(normal, first), (np.sqrt, (first, first))]
 
 
-def _moments(space: Array, weight: Array, early: Array, result: Array) -> list[Step]:
-    """Sums of weight, weight (a + b + c) and weight u u^T, for a row of weights."""
-    (a, b, c, third), sums = space, space[1:]
-    total, weighted = early[9:], early[:9].reshape(3, 3, -1)
-    dots_first, first = dots(total[None], weight[None], [(0, 0)])
-    dots_second, second = dots(weighted.swapaxes(0, 1), sums.swapaxes(0, 1), PAIRS)
-    return [
-        (np.add.reduce, (weight[0], None, None, result[0, ...])),
+def _halves(rows: Array, out: Array) -> Step:
+    """Add each triangle to the one half a block further on."""
+    half = rows.shape[-1] // 2
+    return np.add, (rows[..., :half], rows[..., half:], out)
+
+
+def _moments(space: Array, weight: Array, early: Array, sums: Array) -> list[Step]:
+    """Weight, weight (a + b + c) and weight u u^T for a row of weights, in the first ten rows of sums."""
+    (a, b, c, third), edges = space, space[1:]
+    weighted, terms = early.reshape(2, 3, 3, -1)
+    whole = terms[0]
+    steps: list[Step] = [
+        _halves(weight[0], sums[0]),
         (np.add, (a, b, third)),
-        (np.add, (third, c, total)),
-        *dots_first,
-        (np.add.reduce, (first.reshape(3, -1), 1, None, result[1:4])),
+        (np.add, (third, c, whole)),
+        (np.multiply, (whole, weight, whole)),
+        _halves(whole, sums[1:4]),
         (np.add, (b, c, b)),
         (np.add, (c, a, c)),
-        (np.multiply, (sums, weight, weighted)),
-        *dots_second,
-        (np.add.reduce, (second, 1, None, result[4:10])),
+        (np.multiply, (edges, weight, weighted)),
     ]
+    first = 4
+    for apart in range(3):  # the entries i, i + apart, for which PAIRS is in this order
+        some = terms[:, : 3 - apart]
+        steps += [
+            (np.multiply, (weighted[:, : 3 - apart], edges[:, apart:], some)),
+            *_row_sum(some, some[0]),
+            _halves(some[0], sums[first : first + 3 - apart]),
+        ]
+        first += 3 - apart
+    return steps

@@ -8,6 +8,7 @@ from math import pi
 
 import numpy as np
 
+from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import exact, fraction
 from robodyn.inertia.properties import MassProperties
 from robodyn.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
@@ -17,7 +18,7 @@ from robodyn.mesh.symmetry_search import Search
 from robodyn.spatial import Array, rotation_about
 
 _FIXED = 1e-2
-"""Singular values below this are zero but for the errors of normals and axes."""
+"""How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""
 
 
 def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
@@ -58,7 +59,7 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
     S = body.S_exact + fraction(body.mass) * np.outer(exact(shift), exact(shift))
     rows = found.invariants.reshape(-1, 9)
     flat = S.astype(float).ravel()
-    change = (flat - rows.T @ (rows @ flat)).reshape(3, 3)
+    change = (flat - np.einsum("ki,kj,j->i", rows, rows, flat)).reshape(3, 3)
     S = S - exact((change + change.T) / 2)
     for product in found.products:
         if product.zero:
@@ -75,9 +76,10 @@ def _shift(com: Array, found: Symmetry) -> Floats:
     if not normals:
         return np.zeros(3)
     N = np.array([normal for normal, _ in normals])
-    off = N @ com - [offset for _, offset in normals]
-    shift: Floats = np.linalg.pinv(N, rcond=_FIXED) @ off
-    return shift
+    off = np.einsum("ki,i->k", N, com) - [offset for _, offset in normals]
+    values, rows = eigen(np.einsum("ki,kj->ij", N, N))
+    there = rows[values > _FIXED**2 * values[0]]
+    return np.asarray(np.einsum("mi,mj,kj,k->i", there / values[: len(there), None], there, N, off))
 
 
 def _turn(axis: Axis) -> Array:
@@ -89,9 +91,10 @@ def _invariants(maps: list[Array]) -> Floats:
     """(k, 3, 3) an orthonormal basis of the matrices S = Q S Q^T, for the maps Q of the body to itself."""
     if not maps:
         return np.eye(9).reshape(-1, 3, 3)
-    defects = np.concatenate([np.kron(Q, Q) - np.eye(9) for Q in maps])
-    _, values, rows = np.linalg.svd(defects, full_matrices=False)
-    return np.asarray(rows[values < _FIXED]).reshape(-1, 3, 3)
+    mean = sum(np.kron(Q, Q) + np.kron(Q, Q).T for Q in maps) / (2 * len(maps))
+    values, rows = eigen(mean + 2 * np.eye(9))  # what all leave as it is has 3, and all others less
+    moved = 2 * len(maps) * (3.0 - values)  # the sum over the maps of |Q S Q^T - S|^2 for |S| = 1
+    return np.asarray(rows[moved < _FIXED**2]).reshape(-1, 3, 3)
 
 
 def _products(S: Array, invariants: Floats, slack: float) -> tuple[Product, ...]:

@@ -67,3 +67,15 @@ def test_numbers_at_the_ends_of_the_range():
     assert np.isfinite(eigen(huge)[1]).all()
     assert eigen(tiny)[0].tolist() == [3e-310, 2e-310, 1e-310]
     assert np.isfinite(eigen(np.array([[1.0, 1e-320, 0], [1e-320, 0.0, 0], [0, 0, 1.0]]))[0]).all()
+
+
+@pytest.mark.parametrize("n", [1, 2, 4, 9])
+def test_matrices_of_other_sizes(n):
+    """Against LAPACK; and V S V^T is diagonal."""
+    A = np.random.default_rng(n).normal(size=(n, n))
+    S = A @ A.T
+    values, vectors = eigen(S)
+    largest = np.linalg.eigvalsh(S)[-1]
+    np.testing.assert_allclose(values, np.linalg.eigvalsh(S)[::-1], rtol=0, atol=16 * n * EPS * largest)
+    np.testing.assert_allclose(vectors @ vectors.T, np.eye(n), atol=4 * n * EPS)
+    np.testing.assert_allclose(vectors @ S @ vectors.T, np.diag(values), atol=16 * n * EPS * largest)

@@ -50,7 +50,7 @@ attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"
 """
 
 
-def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int) -> str:
+def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True) -> str:
     """The LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
@@ -61,8 +61,9 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
         scalar: "double" or "float".
         lanes: samples in a group: 8 or 16.
+        fused: form products inside the sums that use them; see `robodyn.execute.llvm.fusion`.
     """
-    writer = _Writer(program, first_row, Code(scalar, lanes))
+    writer = _Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
     return FRAME.format(
         declared="\n".join(sorted(writer.code.declared)),
         lanes=lanes,
@@ -73,9 +74,8 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
 class _Writer:
     """Writes the body of the loop; an operand is the register that holds it, or a constant."""
 
-    def __init__(self, program: Program, first_row: Mapping[str, int], code: Code) -> None:
-        self.program, self.first_row, self.code = program, first_row, code
-        self.fused = fused_products(program)
+    def __init__(self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int]) -> None:
+        self.program, self.first_row, self.code, self.fused = program, first_row, code, fused
         self.values: list[str] = []
         self.angles: dict[int, tuple[str, str]] = {}
         self.quarters: list[str] = []
