@@ -3,34 +3,171 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from glob import escape, glob
+from typing import BinaryIO
 
 from robodyn.errors import InputError
 
+_WINDOWS = os.name == "nt"
+_PART = re.compile(r"\.[0-9a-f]{8}\.part")
+
 
 def write_whole(path: str, data: bytes, remedy: str = "nothing was written") -> None:
-    """Give a file this content, by way of a temporary one beside it; its mode stays, and so does a link to it.
+    """Give a file this content; see `whole_file`."""
+    with whole_file(path, remedy) as stream, cannot_be_written(path, remedy):
+        stream.write(data)
+
+
+@contextmanager
+def whole_file(path: str, remedy: str = "nothing was written") -> Iterator[BinaryIO]:
+    """Open a file that appears under its name, with all its content, when the block ends well.
+
+    It is written under a temporary name beside it; on any error nothing is left, and an older file stays. The new file
+    has the mode of the one that it replaces, and its owner and group where the user may give files away. A symbolic
+    link is written through; another hard link to the old file keeps the old content. A pipe or a device is written to
+    as it is, and so are standard output and standard error, by whatever name.
 
     Raises:
-        InputError: it cannot be written; then it is as it was.
+        InputError: it cannot be written.
     """
-    if "\0" in path:
-        raise InputError("cannot be written: the name has a null character", remedy=remedy, file=path)
-    target = os.path.realpath(path)
-    temporary = f"{target}.{os.urandom(4).hex()}.part"
+    with cannot_be_written(path, remedy):
+        opened = _opened(path)
     try:
-        if os.path.exists(target) and not (stat.S_ISREG(os.stat(target).st_mode) and os.access(target, os.W_OK)):
-            raise PermissionError(0, "it is no file, or read-only")
-        with open(temporary, "xb") as stream:
-            stream.write(data)
-        if os.path.exists(target):
-            shutil.copymode(target, temporary)
-        os.replace(temporary, target)
+        yield opened.stream
+        with cannot_be_written(path, remedy):
+            opened.finish()
+    finally:
+        opened.discard()
+
+
+@contextmanager
+def cannot_be_written(path: str, remedy: str = "nothing was written") -> Iterator[None]:
+    """Turn what the system refuses meanwhile into an InputError of this file."""
+    try:
+        yield
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f"cannot be written: {why}", remedy=remedy, file=path) from None
-    finally:
+
+
+def remove_abandoned(path: str) -> None:
+    """Remove what processes that were killed have left of this file half-written.
+
+    What a living process is writing stays: it holds a lock, or, under Windows, the file cannot be removed. Where files
+    cannot be locked nothing is removed.
+    """
+    target = os.path.realpath(path)
+    for part in glob(f"{escape(target)}.*.part"):
+        if not _PART.fullmatch(part, len(target)):
+            continue
         with suppress(OSError):
-            os.unlink(temporary)
+            if _WINDOWS:
+                os.unlink(part)
+                continue
+            with open(part, "r+b") as stream:
+                if _locked(stream.fileno()):
+                    os.unlink(part)
+
+
+class _Direct:
+    """A pipe, a device or a standard stream, to which there is nothing but writing."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.stream = stream
+
+    def finish(self) -> None:
+        self.stream.close()
+
+    def discard(self) -> None:
+        with suppress(OSError):
+            self.stream.close()
+
+
+class _Part(_Direct):
+    """A file under a temporary name, locked for as long as it has that name, which it gives up in the end."""
+
+    def __init__(self, target: str, old: os.stat_result | None) -> None:
+        self._target, self._old = target, old
+        self._lock = -1
+        while True:  # until nobody took it for abandoned before it was locked
+            self._name = f"{target}.{os.urandom(4).hex()}.part"
+            opener = None if old is None else partial(os.open, mode=0o600)
+            super().__init__(open(self._name, "xb", opener=opener))  # noqa: SIM115
+            if _WINDOWS:
+                return
+            self._lock = os.dup(self.stream.fileno())
+            _locked(self._lock)
+            if os.path.exists(self._name):
+                return
+            self.discard()
+
+    def finish(self) -> None:
+        super().finish()
+        if self._old is not None:
+            _give(self._name, self._old)
+            shutil.copystat(self._target, self._name)
+            os.utime(self._name)
+        os.replace(self._name, self._target)
+
+    def discard(self) -> None:
+        super().discard()
+        with suppress(OSError):
+            os.unlink(self._name)
+        with suppress(OSError):
+            os.close(self._lock)
+
+
+def _opened(path: str) -> _Direct:
+    """Open what is there to be written to, or a temporary file beside it."""
+    if "\0" in path:
+        raise OSError(0, "the name has a null character")
+    old = None
+    with suppress(FileNotFoundError):
+        old = os.stat(path)
+    if old is not None:
+        if stat.S_ISDIR(old.st_mode):
+            raise IsADirectoryError(0, "is a directory")
+        if (own := _standard(old)) is not None:
+            return _Direct(os.fdopen(os.dup(own), "wb"))
+        if not stat.S_ISREG(old.st_mode):
+            return _Direct(open(path, "wb"))
+        if not os.access(path, os.W_OK):
+            raise PermissionError(0, "permission denied")
+    remove_abandoned(path)
+    return _Part(os.path.realpath(path), old)
+
+
+def _standard(status: os.stat_result) -> int | None:
+    """The standard stream of this process that leads there, if one does: opened by its name a file would begin anew."""
+    for number in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(os.fstat(number), status):
+                return number
+    return None
+
+
+def _give(name: str, old: os.stat_result) -> None:
+    """Give a file the owner and the group of another, or the group alone, as far as the user may."""
+    if not hasattr(os, "chown"):
+        return
+    for owner in (old.st_uid, -1):
+        with suppress(OSError):
+            os.chown(name, owner, old.st_gid)
+            return
+
+
+def _locked(number: int) -> bool:
+    """Lock an open file, unless another process has or files cannot be locked."""
+    try:
+        import fcntl
+
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (ImportError, OSError):
+        return False
+    return True

@@ -16,6 +16,7 @@ from robodyn.batch.jobs import Job
 from robodyn.batch.setup import Setup
 from robodyn.batch.work import failed, run_job
 from robodyn.batch_result import Outcome
+from robodyn.whole_file import remove_abandoned
 
 ATTEMPTS = 2
 """Processes that may die of one job before it is given up."""
@@ -40,13 +41,15 @@ class _Worker:
         with suppress(OSError):
             self.connection.send(job)
 
-    def end(self) -> None:
-        """Let the process clear up and end."""
+    def end(self, job: Job) -> None:
+        """Let the process clear up and end, and remove what it has not: killed, or under Windows, it cannot."""
         self.process.join(_PATIENCE)
         if self.process.is_alive():
             self.process.kill()
             self.process.join()
         self.connection.close()
+        for path in (job.table, job.document):
+            remove_abandoned(path)
 
 
 @contextmanager
@@ -98,12 +101,12 @@ def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple
                         continue
                     worker.send(None)
                 del workers[worker.connection]
-                worker.end()
+                worker.end(jobs[number])
     finally:
         for worker in workers.values():
             worker.process.terminate()
         for worker in workers.values():
-            worker.end()
+            worker.end(jobs[worker.number])
 
 
 def _death(job: Job, worker: _Worker) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from contextlib import ExitStack, suppress
-from glob import escape, glob
 from typing import Any
 
 from robodyn.batch.jobs import Job
@@ -81,7 +80,6 @@ def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     with ExitStack() as stack:
         reader = stack.enter_context(read_motion(job.path, model, scene, **how))  # type: ignore[arg-type]
         _make_folder(os.path.dirname(job.table))
-        _clear(job)
         writer = stack.enter_context(open_writer(job.table, names))
         sink = stack.enter_context(behind(writer.write))
         result = torques(
@@ -109,13 +107,6 @@ def _make_folder(path: str) -> None:
     except OSError as error:
         why = (error.strerror or str(error)).lower()
         raise InputError(f"no folder can be made: {why}", remedy="give --out another name", file=path) from None
-
-
-def _clear(job: Job) -> None:
-    """Remove what a killed process left half-written."""
-    for path in (*glob(f"{escape(job.table)}.*.part"), *glob(f"{escape(job.document)}.*.part")):
-        with suppress(FileNotFoundError):
-            os.unlink(path)
 
 
 def _outcome(job: Job, status: Status, document: dict[str, Any]) -> Outcome:

@@ -8,6 +8,7 @@ import subprocess
 import time
 from contextlib import suppress
 from multiprocessing import active_children
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from threading import Thread
 
@@ -112,6 +113,23 @@ def test_interrupted(whole_group: bool) -> None:
     assert len(left) < 12
     for path in Path("results").glob("*.csv"):
         assert path.read_text().count("\n") == 60_001
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_processes_that_are_ended_the_hard_way_leave_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As under Windows, where what ends a process lets it clear nothing up."""
+    monkeypatch.setattr(SpawnProcess, "terminate", SpawnProcess.kill)
+    write_motion(Path("long/a.csv"), rows=60_000)
+    jobs = jobs_of(["runs/one.csv", "long/a.csv"], "results")
+    work = worked_here(setup(), jobs, 2)
+    assert next(work)[1].status == "computed"
+    while not list(Path("results").rglob("*.part")):
+        time.sleep(0.001)
+    work.close()
+    assert sorted(str(path) for path in Path("results").rglob("*.*")) == [
+        "results/runs/one.csv",
+        "results/runs/one.json",
+    ]
 
 
 def test_progress_on_a_terminal() -> None:
