@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,6 +24,9 @@ from robodyn.robot_inertia.from_shapes import link_from_shapes
 from robodyn.robot_inertia.measured import How, Reading
 from robodyn.urdf.description import Description
 from robodyn.urdf.geometry import Kind
+
+if TYPE_CHECKING:
+    from robodyn.checks.run import Checked
 
 
 def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: click.Context) -> None:
@@ -69,24 +72,34 @@ def _written(report: str | None, build: str, *given: Any) -> str:
     return write_report(report, getattr(page_composite, build)(*given, *pictures))
 
 
+def _checked(description: Description) -> Checked:
+    """What `robodyn check` finds in the description."""
+    from robodyn.checks.project import check_description
+    from robodyn.checks.run import Options
+
+    return check_description(description, Options(package_path=description.search.package_paths))
+
+
 def _whole(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = robot_inertia(description, ctx.params["at"] or ())
-    written = _written(report, "robot_page", found, description, view)
+    checked = _checked(description)
+    written = _written(report, "robot_page", found, description, view, checked)
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     else:
-        show(robot_json(found, view) if form == "json" else robot_text(found, view, page()) + written)
+        show(robot_json(found, view, checked) if form == "json" else robot_text(found, view, checked, page()) + written)
 
 
 def _declared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = link_inertia(description, ctx.params["link"])
-    written = _written(report, "link_page", found, description, view)
+    checked = _checked(description).of_link(found.name)
+    written = _written(report, "link_page", found, description, view, checked)
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     elif form == "json":
-        show(link_json(description.name, found, view))
+        show(link_json(description.name, found, view, checked))
     else:
-        show(link_text(description.file, found, view, page()) + written)
+        show(link_text(description.file, found, view, checked, page()) + written)
 
 
 def _from_shapes(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:

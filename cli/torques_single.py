@@ -12,8 +12,6 @@ from robodyn.cli.sinks import sinks
 from robodyn.loads import torques
 from robodyn.motion_input import read_motion
 from robodyn.one_pass import output_names
-from robodyn.report.json_torques import torques_json
-from robodyn.report.text_torques import torques_text
 from robodyn.result import Result
 from robodyn.trajectory.reader import Derivatives
 
@@ -60,5 +58,12 @@ def run_single(
             from robodyn.report.page_torques import torques_page
 
             said += reported(report, lambda pictures: torques_page(result, model, scene, pictures, draw))
-    show(torques_json(result) if form == "json" else torques_text(result, options["explain"], page()) + said)
+    if form == "json":
+        from robodyn.report.json_torques import torques_json
+
+        show(torques_json(result))
+    else:
+        from robodyn.report.text_torques import torques_text
+
+        show(torques_text(result, options["explain"], page()) + said)
     return result

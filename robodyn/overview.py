@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from math import inf
 
 from robodyn.assemble import assemble
-from robodyn.checks.project import tasks_for
-from robodyn.checks.run import Checked, Options, check_one
+from robodyn.checks.project import check_description, tasks_for
+from robodyn.checks.run import Checked, Options
 from robodyn.errors import InputError
 from robodyn.model import Joint as ModelJoint
 from robodyn.model import Model
@@ -55,7 +55,7 @@ class Overview:
 
     Attributes:
         base: the link in whose frame the centre of mass is.
-        branches: the links, depth first and in the order of the file.
+        branches: the links, depth first and in the order of the file; massive: how many of them have mass.
         types: how many joints there are of each type, the most frequent first.
         freedoms: degrees of freedom; `base_freedoms` of them are those of a base that floats.
         mass: of all links [kg]; inf beyond the range of numbers.
@@ -68,6 +68,7 @@ class Overview:
     file: str
     base: str
     branches: tuple[Branch, ...]
+    massive: int
     types: Mapping[str, int]
     mimics: int
     freedoms: int
@@ -114,12 +115,13 @@ def overview(
     at = _near_zero(model)
     mass, com, notes = _centre(description, model, at)
     meshes = _meshes(description)
-    checked = Checked((file,), check_one(description.data, options, file))
+    checked = check_description(description, Options(package_path=folders))
     return Overview(
         name=description.name,
         file=file,
         base=model.bodies[0].name,
         branches=tuple(_branches(description)),
+        massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
         freedoms=model.n,
@@ -144,10 +146,6 @@ def _centre(
         return model.total_mass, None, (f"no centre of mass: {error.what}",)
     q = configuration(model, at)
     return found.body.mass, found.body.com, beyond_limits(model, q)
-
-
-def _has_mass(description: Description) -> bool:
-    return any(link.inertial is not None and link.inertial.mass for link in description.links)
 
 
 def _near_zero(model: Model) -> dict[str, float]:
@@ -190,7 +188,7 @@ def _next(source: str, model: Model, checked: Checked, meshes: Meshes, descripti
     commands = [f"robodyn check {file}"] if checked.findings else []
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):
         commands.append(f"robodyn info {file} --package-path DIR")
-    if _has_mass(description) and model.n:
+    if description.massive and model.n:
         commands += [f"robodyn fbd {file}", f"robodyn torques {file} motion.csv --example --report report.html"]
     elif meshes.names:
         commands.append(f"robodyn inertia {file} --link NAME --geometry visual")

@@ -13,6 +13,7 @@ from robodyn.checks.rule import Finding
 from robodyn.checks.run import EVERYTHING, Checked, Options, Unread, check_one, read_one, rules_for
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.errors import InputError
+from robodyn.urdf.parts import Description
 from robodyn.urdf.sources import EXPANDED, is_xacro, read_source
 
 STDIN = "<stdin>"
@@ -78,6 +79,12 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
             found += outcome
         done()
     return Checked(tuple(files), tuple(found), tuple(unread))
+
+
+def check_description(description: Description, given: Options = EVERYTHING) -> Checked:
+    """The findings in a description that was read, with the settings of its project."""
+    options = _options(description.file.removesuffix(EXPANDED), given, None, {})
+    return Checked((description.file,), check_one(description.data, options, description.file))
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:

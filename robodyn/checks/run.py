@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from robodyn.checks.asked import NOTHING, Asked
 from robodyn.checks.catalogue import RULES
@@ -14,6 +14,7 @@ from robodyn.checks.reading import Reading, read
 from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.view import Subject
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
 from robodyn.urdf.sources import content_of, is_xacro
@@ -73,6 +74,16 @@ class Checked:
 
     def count(self, severity: Severity) -> int:
         return sum(finding.severity is severity for finding in self.findings)
+
+    @property
+    def fit(self) -> bool:
+        """Whether there are no errors."""
+        return not self.count(Severity.E)
+
+    def of_link(self, name: str) -> Checked:
+        """The findings about a link."""
+        subject = Subject("link", name)
+        return replace(self, findings=tuple(finding for finding in self.findings if finding.subject == subject))
 
 
 def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> tuple[Finding, ...]:

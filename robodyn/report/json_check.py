@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.checks.rule import Finding, Fix, Severity
+from robodyn.checks.rule import Finding, Fix
 from robodyn.checks.run import Checked
+from robodyn.report.check_words import check_data
 
 
 def check_json(checked: Checked) -> str:
@@ -15,12 +16,7 @@ def check_json(checked: Checked) -> str:
     """
     import json
 
-    summary = {
-        "files": len(checked.files),
-        "errors": checked.count(Severity.E),
-        "warnings": checked.count(Severity.W),
-        "notes": checked.count(Severity.I),
-    }
+    summary = {"files": len(checked.files), **check_data(checked)}
     document = {
         "findings": [_finding(finding) for finding in checked.findings],
         "unread": [{"file": each.file, "error": each.why} for each in checked.unread],

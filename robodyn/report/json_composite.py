@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robodyn.combination import Combination
 from robodyn.inertia.composite import Pose
 from robodyn.inertia.validity import Validity, validity
 from robodyn.inertia.view import View
+from robodyn.report.check_words import check_data
 from robodyn.report.json_body import body_data
 from robodyn.report.json_inertia import part_data
 from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
 from robodyn.robot_inertia.from_shapes import LinkShapes
+
+if TYPE_CHECKING:
+    from robodyn.checks.run import Checked
 
 
 def combination_json(found: Combination, view: View) -> str:
@@ -23,8 +27,8 @@ def combination_json(found: Combination, view: View) -> str:
     return _document({"meshes": [part_data(part, view) for part in found.parts], "combined": combined})
 
 
-def robot_json(found: RobotInertia, view: View) -> str:
-    """The robot as one body in the frame of its base, and every link with mass, as it is declared."""
+def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
+    """The robot as one body in the frame of its base, every link with an <inertial>, and what a check says."""
     links = [
         {**_declared(link), "pose": _pose(link.pose), "com_in_base": link.placed.com.tolist()} for link in found.links
     ]
@@ -35,15 +39,18 @@ def robot_json(found: RobotInertia, view: View) -> str:
             "at": dict(found.at),
             **body_data(found.body, view),
             "validity": validity_data(validity(found.body)),
+            "check": check_data(checked),
+            "links_with_mass": found.massive,
             "links": links,
             "warnings": list(found.warnings),
         }
     )
 
 
-def link_json(robot: str, found: LinkInertia, view: View) -> str:
-    """What a link declares."""
-    return _document({"robot": robot, **_declared(found, view), "warnings": list(found.warnings)})
+def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> str:
+    """What a link declares, and what a check says of it."""
+    check = check_data(checked)
+    return _document({"robot": robot, **_declared(found, view), "check": check, "warnings": list(found.warnings)})
 
 
 def link_shapes_json(robot: str, found: LinkShapes, view: View) -> str:

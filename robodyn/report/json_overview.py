@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.checks.rule import Severity
 from robodyn.overview import Branch, Overview
+from robodyn.report.check_words import check_data
 from robodyn.report.json_body import finite
 from robodyn.urdf.description import Joint, Limit
 
@@ -19,7 +19,7 @@ def overview_json(found: Overview) -> str:
         "file": found.file,
         "counts": {
             "links": len(found.branches),
-            "links_with_mass": sum(bool(branch.mass) for branch in found.branches),
+            "links_with_mass": found.massive,
             "joints": sum(found.types.values()),
             "joints_by_type": dict(found.types),
             "mimic_joints": found.mimics,
@@ -42,11 +42,7 @@ def overview_json(found: Overview) -> str:
                 for link, each in found.meshes.missing
             ],
         },
-        "check": {
-            "errors": found.checked.count(Severity.E),
-            "warnings": found.checked.count(Severity.W),
-            "notes": found.checked.count(Severity.I),
-        },
+        "check": check_data(found.checked),
         "notes": list(found.notes),
         "next": list(found.next),
     }

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import PurePath
 
-from robodyn.checks.rule import Finding, Severity
+from robodyn.checks.rule import Finding
 from robodyn.checks.run import Checked
+from robodyn.report.check_words import LEVELS, check_verdict
 from robodyn.report.document import (
     Block,
     Document,
@@ -21,10 +23,7 @@ from robodyn.report.document import (
 )
 from robodyn.report.json_check import check_json
 from robodyn.report.table import printable
-from robodyn.report.text_check import counted, marked
-
-_LEVELS: dict[Severity, Level] = {Severity.E: "bad", Severity.W: "doubtful", Severity.I: "neutral"}
-_NAMES = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
+from robodyn.report.text_check import marked
 
 
 def check_page(checked: Checked) -> Document:
@@ -46,38 +45,25 @@ _HOW = "robodyn check --format json prints it"
 
 
 def _verdict(checked: Checked) -> Verdict:
-    errors, warnings, notes = (checked.count(severity) for severity in _LEVELS)
-    if errors:
-        level, headline = _LEVELS[Severity.E], f"{counted(errors, 'error')}: not fit for use as it is"
-    elif checked.unread:
-        level, headline = "bad", f"{counted(len(checked.unread), 'file')} could not be read"
-    elif warnings:
-        level, headline = _LEVELS[Severity.W], f"No errors, {counted(warnings, 'warning')}"
-    else:
-        more = f", {counted(notes, 'note')}" if notes else ""
-        level, headline = "good", f"No errors and no warnings{more}"
-    worst = [finding for finding in checked.findings if finding.severity is Severity.E]
-    reasons = [f"{finding.file}, line {finding.line}: {finding.message}." for finding in worst[:8]]
-    if len(worst) > len(reasons):
-        reasons.append(f"{len(worst) - len(reasons)} more errors are below.")
+    found = check_verdict(checked)
     fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
-    reasons += [f"{each.file}: {each.why}." for each in checked.unread]
-    if fixes:
-        reasons.append(f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are.")
-    return Verdict(level, headline, tuple(reasons))
+    if not fixes:
+        return found
+    correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
+    return replace(found, reasons=(*found.reasons, correct))
 
 
 def _facts(checked: Checked) -> Facts:
     clean = len(set(checked.files) - {finding.file for finding in checked.findings})
-    counts = [(f"{_NAMES[severity]}s".capitalize(), str(checked.count(severity)), "") for severity in _LEVELS]
+    counts = [(f"{severity.value}s".capitalize(), str(checked.count(severity)), "") for severity in LEVELS]
     return Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
 
 
 def _rules(checked: Checked) -> Table:
     counts = Counter((finding.code, finding.name, finding.severity) for finding in checked.findings)
-    order = list(_LEVELS)
+    order = list(LEVELS)
     ranked = sorted(counts.items(), key=lambda item: (order.index(item[0][2]), -item[1], item[0][0]))
-    rows = [(code, name, _NAMES[severity], str(count)) for (code, name, severity), count in ranked]
+    rows = [(code, name, severity.value, str(count)) for (code, name, severity), count in ranked]
     return Table("How often each rule speaks", ("code", "rule", "severity", "findings"), rows, _EXPLAINED)
 
 
@@ -85,11 +71,11 @@ _EXPLAINED = "robodyn rule CODE explains a rule."
 
 
 def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
-    title = f"Line {finding.line}: {finding.message} ({_NAMES[finding.severity]} {finding.code} {finding.name})"
+    title = f"Line {finding.line}: {finding.message} ({finding.severity.value} {finding.code} {finding.name})"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
     if finding.cause is not None:
         lines.append((f"Cause: {finding.cause}.", False))
     lines.append((f"To do: {finding.remedy}.", False))
     if finding.fix is not None:
         lines.append((f"Fix ({'safe' if finding.fix.safe else 'unsafe'}): {finding.fix.what}.", False))
-    return _LEVELS[finding.severity], title, tuple(lines)
+    return LEVELS[finding.severity], title, tuple(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
 from robodyn.robot_inertia.from_shapes import LinkShapes
 from robodyn.urdf.description import Description
 
+if TYPE_CHECKING:
+    from robodyn.checks.run import Checked
+
 
 def combination_page(found: Combination, view: View, shapes: Sequence[Floats | None]) -> Document:
     """Meshes as one rigid body.
@@ -43,7 +47,7 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Floats | N
     return body_page("Meshes as one rigid body", names, found.body, doubts, write, data, figures)
 
 
-def robot_page(found: RobotInertia, description: Description, view: View, pictures: bool) -> Document:
+def robot_page(found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
     """The whole robot, its joints locked."""
     figures: list[Figure] = []
     if pictures:
@@ -52,17 +56,18 @@ def robot_page(found: RobotInertia, description: Description, view: View, pictur
         model = assemble(description)
         q = configuration(model, found.at)
         figures.append(robot_figure(model, q, "", "this configuration", shapes_of(model)[0]))
-    write, data = partial(robot_text, found, view), robot_json(found, view)
-    what = f"Mass properties of the whole robot, {len(found.links)} of {found.count} links with mass"
-    return body_page(found.name, what, found.body, found.warnings, write, data, figures)
+    write, data = partial(robot_text, found, view, checked), robot_json(found, view, checked)
+    what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
+    return body_page(found.name, what, found.body, found.warnings, write, data, figures, checked)
 
 
-def link_page(found: LinkInertia, description: Description, view: View, pictures: bool) -> Document:
+def link_page(found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
     """A link as declared."""
-    write, data = partial(link_text, description.file, found, view), link_json(description.name, found, view)
+    write = partial(link_text, description.file, found, view, checked)
+    data = link_json(description.name, found, view, checked)
     figures = _figures(description, found, pictures)
     what = f"Link {found.name} as declared"
-    return body_page(f"{description.name}: {found.name}", what, found.body, (), write, data, figures)
+    return body_page(f"{description.name}: {found.name}", what, found.body, (), write, data, figures, checked)
 
 
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> Document:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import PurePath
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from robodyn.inertia.properties import MassProperties
 from robodyn.inertia.validity import validity
 from robodyn.inertia.view import View
 from robodyn.part import Part
+from robodyn.report.check_words import check_line, check_verdict
 from robodyn.report.document import (
     Block,
     Document,
@@ -34,6 +36,8 @@ from robodyn.report.text_inertia import inertia_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
+
+    from robodyn.checks.run import Checked
 
 _SIZE = 420
 _HOW = "robodyn inertia --format json prints it"
@@ -72,25 +76,35 @@ def body_page(
     write: Callable[[Page], str],
     data: str,
     figures: Sequence[Figure] = (),
+    checked: Checked | None = None,
 ) -> Document:
     """One rigid body: whether it can exist, what it weighs, and the figures of the text.
 
     Args:
         doubts: what is doubtful about it.
         write: the text report on a page; data: the JSON report.
+        checked: what a check found in the description that it is declared in.
     """
-    faults = validity(body).faults if body.mass or body.S_c.any() else ()
-    level: Level = "bad" if faults else "doubtful" if doubts else "good"
-    headline = {
-        "bad": "No body can have this mass and inertia",
-        "doubtful": "Physically possible, with doubts",
-        "good": "Physically possible",
-    }[level]
-    blocks: list[Block] = [Verdict(level, headline, (*faults, *doubts)), _weights(body)]
+    blocks: list[Block] = [_possible(body, doubts, checked), _weights(body)]
     if figures:
         blocks.append(Gallery(tuple(figures)))
     blocks += [Heading("In numbers"), *_numbers(write), *_data("inertia.json", data)]
     return Document(title, what, tuple(blocks))
+
+
+def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None) -> Verdict:
+    """Whether a body can exist; no better than what the check says of its description."""
+    faults = validity(body).faults if body.mass or body.S_c.any() else ()
+    if checked is not None:
+        if not checked.fit:
+            found = check_verdict(checked)
+            return replace(found, reasons=(*found.reasons, *faults, *doubts))
+        if checked.findings:
+            doubts = (*doubts, f"robodyn check: {check_line(checked)}.")
+    if faults:
+        return Verdict("bad", "No body can have this mass and inertia", (*faults, *doubts))
+    sure = "Physically possible"
+    return Verdict("doubtful", f"{sure}, with doubts", tuple(doubts)) if doubts else Verdict("good", sure)
 
 
 def comparison_page(

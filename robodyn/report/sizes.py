@@ -7,15 +7,16 @@ that of its moment. A power is told beside the largest torque at the largest spe
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.free_body.types import FreeBodies
-from robodyn.model import Model
-from robodyn.result import Result
-from robodyn.simulation.result import Simulation
+if TYPE_CHECKING:
+    from robodyn.free_body.types import FreeBodies
+    from robodyn.model import Model
+    from robodyn.result import Result
+    from robodyn.simulation.result import Simulation
 
 Floats = NDArray[np.float64]
 

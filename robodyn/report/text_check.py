@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from robodyn.checks.rule import Excerpt, Finding, Severity
+from robodyn.checks.rule import Excerpt, Finding
 from robodyn.checks.run import Checked
+from robodyn.report.check_words import check_line, counted
 from robodyn.report.table import printable
 
 
@@ -37,12 +38,4 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
 
 
 def _summary(checked: Checked) -> str:
-    names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
-    counts = ", ".join(counted(checked.count(one), name) for one, name in names.items())
-    unread = f"; {counted(len(checked.unread), 'file')} could not be read" if checked.unread else ""
-    return f"{counted(len(checked.files), 'file')} checked: {counts if checked.findings else 'nothing found'}{unread}\n"
-
-
-def counted(count: int, noun: str) -> str:
-    """So many of a thing."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    return f"{counted(len(checked.files), 'file')} checked: {check_line(checked)}\n"

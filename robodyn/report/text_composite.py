@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,10 +12,14 @@ from robodyn.combination import Combination
 from robodyn.inertia.properties import MassProperties
 from robodyn.inertia.validity import Validity, validity
 from robodyn.inertia.view import View
+from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Page, number, printable
 from robodyn.report.text_body import AXES, inertia_table, point_text, principal_table
 from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
 from robodyn.robot_inertia.from_shapes import LinkShapes
+
+if TYPE_CHECKING:
+    from robodyn.checks.run import Checked
 
 _PLACED = tuple(f"{axis} [m]" for axis in AXES)
 
@@ -41,8 +47,8 @@ def combination_text(found: Combination, view: View, page: Page = PLAIN) -> str:
     )
 
 
-def robot_text(found: RobotInertia, view: View, page: Page = PLAIN) -> str:
-    """Links by mass, and the whole robot at its configuration, in the frame of the base."""
+def robot_text(found: RobotInertia, view: View, checked: Checked, page: Page = PLAIN) -> str:
+    """Links by mass, the whole robot at its configuration, in the frame of the base, and what a check says of it."""
     placed = [link.placed for link in found.links]
     reach = max(float(np.abs(body.com).max()) for body in placed)
     rows = [
@@ -54,25 +60,27 @@ def robot_text(found: RobotInertia, view: View, page: Page = PLAIN) -> str:
     return "\n".join(
         (
             f"{printable(found.file)}: robot '{printable(found.name)}', "
-            f"{len(rows)} of {found.count} links with mass, in the frame of the base\nat {printable(at)}\n",
+            f"{found.massive} of {found.count} links with mass, in the frame of the base\nat {printable(at)}\n",
             "Links by mass, with their centres of mass\n" + page.table((head, _by_mass(rows, placed))),
             _sums(found.body, reach),
             inertia_table(found.body, view, page),
             principal_table(found.body, page),
-            _physical(validity(found.body)) + _lines(f"warning: {text}" for text in found.warnings),
+            _physical(validity(found.body), " as a whole")
+            + _checked(checked)
+            + _lines(f"warning: {text}" for text in found.warnings),
         )
     )
 
 
-def link_text(file: str, found: LinkInertia, view: View, page: Page = PLAIN) -> str:
-    """What a link declares, and whether a body can be so."""
+def link_text(file: str, found: LinkInertia, view: View, checked: Checked, page: Page = PLAIN) -> str:
+    """What a link declares, whether a body can be so, and what a check says of the link."""
     return "\n".join(
         (
             f"{printable(file)}:{found.line}: link '{printable(found.name)}' as declared, in its own frame\n",
             _sums(found.body),
             inertia_table(found.body, view, page),
             principal_table(found.body, page),
-            _physical(found.validity),
+            _physical(found.validity) + _checked(checked),
         )
     )
 
@@ -113,13 +121,18 @@ def _sums(body: MassProperties, reach: float = 0.0, remark: str = "") -> str:
     return "\n".join([*lines, f"centre of mass  {point_text(body.com, reach)} m", ""])
 
 
-def _physical(found: Validity) -> str:
+def _checked(checked: Checked) -> str:
+    listed = f" (robodyn check {shlex.quote(checked.files[0])})" if checked.findings else ""
+    return f"check: {check_line(checked)}{listed}\n"
+
+
+def _physical(found: Validity, which: str = "") -> str:
     """The verdict with its margin: I_1 + I_2 - I_3 over the largest moment, twice the smallest second moment."""
     small, middle, large = (number(moment) for moment in found.moments)
     margin = f"I_1 + I_2 - I_3 = {small} + {middle} - {large} kg m^2, {found.slack:.4f} of the largest"
     if found.faults:
-        return f"not physical: {'; '.join(found.faults)} ({margin})\n"
-    return f"physical: no second moment is negative ({margin})\n"
+        return f"not physical{which}: {'; '.join(found.faults)} ({margin})\n"
+    return f"physical{which}: no second moment is negative ({margin})\n"
 
 
 def _lines(texts: Iterable[str]) -> str:

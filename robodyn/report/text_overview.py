@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robodyn.checks.rule import Severity
 from robodyn.overview import Branch, Meshes, Overview
+from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_body import point_text
 from robodyn.urdf.description import Joint, Limit
@@ -26,7 +26,7 @@ def overview_text(found: Overview, page: Page = PLAIN) -> str:
         (
             _head(found),
             page.table(_tree(found.branches)),
-            _meshes(found.meshes) + _check(found),
+            _meshes(found.meshes) + f"check: {check_line(found.checked)}\n",
             *((_lines(["next:", *(f"  {command}" for command in found.next)]),) if found.next else ()),
         )
     )
@@ -37,7 +37,6 @@ def _lines(lines: Sequence[str]) -> str:
 
 
 def _head(found: Overview) -> str:
-    massive = sum(bool(branch.mass) for branch in found.branches)
     joints = ", ".join(f"{count} {kind}" for kind, count in found.types.items())
     merged = found.types.get("fixed", 0)
     freedoms = f"degrees of freedom: {found.freedoms}"
@@ -49,7 +48,7 @@ def _head(found: Overview) -> str:
         freedoms += f"; {found.mimics} joint{' mimics another' if found.mimics == 1 else 's mimic others'}"
     lines = [
         f"{found.file}: robot {shown(found.name)}",
-        f"links: {len(found.branches)}, {massive} with mass",
+        f"links: {len(found.branches)}, {found.massive} with mass",
         f"joints: {sum(found.types.values())}{joints and f' ({joints})'}",
         freedoms,
         f"mass: {number(found.mass)} kg{_centre(found)}",
@@ -138,10 +137,3 @@ def _meshes(meshes: Meshes) -> str:
     rest = len(meshes.missing) - len(lines)
     lines += [f"  and {rest} more"] if rest else []
     return _lines([f"{count}, {len(meshes.missing)} not found:", *lines])
-
-
-def _check(found: Overview) -> str:
-    names = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
-    counts = [(found.checked.count(severity), name) for severity, name in names.items()]
-    text = ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for count, name in counts)
-    return f"check: {text if found.checked.findings else 'nothing found'}\n"

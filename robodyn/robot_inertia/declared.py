@@ -63,7 +63,7 @@ class RobotInertia:
         name, file: of the description.
         at: values of the coordinates [rad or m].
         links: those with an <inertial>, in the order of the file.
-        count: of all links.
+        massive, count: how many links have mass, and how many there are.
         body: in the frame of the base.
         warnings: faults of links, and coordinates beyond their limits.
     """
@@ -72,6 +72,7 @@ class RobotInertia:
     file: str
     at: Mapping[str, float]
     links: tuple[LinkInertia, ...]
+    massive: int
     count: int
     body: MassProperties
     warnings: tuple[str, ...]
@@ -129,7 +130,7 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
     where = link_poses(model, q)
     found = (declared(link, where[link.name]) for link in description.links if link.name in where)
     links = tuple(link for link in found if link is not None)
-    if not any(link.body.mass for link in links):
+    if not description.massive:
         raise InputError("the robot has no mass", remedy="give links an <inertial>", file=description.file)
     body = composite((link.body, link.pose) for link in links)
     values = dict(zip(model.coordinates, q.tolist(), strict=True))
@@ -138,6 +139,7 @@ def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
         file=description.file,
         at={name: values[name] for name in coordinates(model)},
         links=links,
+        massive=len(description.massive),
         count=len(description.links),
         body=body,
         warnings=(*(warning for link in links for warning in link.warnings), *beyond_limits(model, q)),

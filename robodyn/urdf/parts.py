@@ -124,3 +124,8 @@ class Description:
     notes: tuple[Note, ...]
     search: Search
     data: bytes = b""
+
+    @property
+    def massive(self) -> tuple[Link, ...]:
+        """The links with mass: those whose <inertial> has a mass other than 0."""
+        return tuple(link for link in self.links if link.inertial is not None and link.inertial.mass)

@@ -52,7 +52,7 @@ def test_text_has_the_line_and_a_caret_below_the_value(robot: Path) -> None:
     assert lines[2].index("^") == lines[1].index("-3.5")
     assert lines[2].count("^") == len("-3.5")
     assert lines[3].startswith("  do: write the mass")
-    assert lines[-1] == "1 file checked: 1 error, 0 warnings, 0 notes"
+    assert lines[-1] == "1 file checked: 1 error, 0 warnings, 0 notes: not fit for use as it is"
 
 
 def test_text_when_nothing_is_found(robot: Path) -> None:
@@ -69,7 +69,7 @@ def test_control_characters_never_reach_the_terminal(robot: Path) -> None:
 def test_json_has_the_keys_of_the_contract(robot: Path) -> None:
     robot.write_text(NEGATIVE.replace('xyz="0 0 1"', 'xyz="0 0 2"'))
     document = json.loads(run("check", str(robot), "--select", "RD201,RD502", "--format", "json").out)
-    assert document["summary"] == {"files": 1, "errors": 1, "warnings": 1, "notes": 0}
+    assert document["summary"] == {"files": 1, "errors": 1, "warnings": 1, "notes": 0, "fit": False}
     mass, axis = document["findings"]
     assert list(mass) == [*FINDING, "cause", "fix"]
     assert (mass["line"], mass["column"], mass["code"], mass["severity"]) == (15, 20, "RD201", "error")

@@ -65,7 +65,7 @@ def test_urdf_reads_back_as_the_json_has_it(call):
 
 def test_robot_json():
     found = document(*CALLS["robot"])
-    assert list(found) == ["robot", "file", "at", *BODY, "validity", "links", "warnings"]
+    assert list(found) == ["robot", "file", "at", *BODY, "validity", "check", "links_with_mass", "links", "warnings"]
     assert found["at"] == {"waist": 0.1, "shoulder": -0.2, "elbow": 0.3, "wrist": 4.0, "finger_slide": 0.01}
     assert list(found["links"][0]) == ["link", "line", *BODY, "validity", "pose", "com_in_base"]
     assert math.fsum(link["mass"] for link in found["links"]) == pytest.approx(found["mass"], rel=2 * EPS)
@@ -94,7 +94,9 @@ def test_robot_text():
     assert [line.split()[0] for line in lines[5:14]][:2] == ["upper_arm", "turret"]
     assert "mass            3.734 kg" in lines
     assert "Inertia about the centre of mass [kg m^2]" in lines
-    assert any(line.startswith("physical: no second moment is negative (I_1 + I_2 - I_3 = ") for line in lines)
+    assert any(
+        line.startswith("physical as a whole: no second moment is negative (I_1 + I_2 - I_3 = ") for line in lines
+    )
     assert lines[-1] == "warning: joint 'elbow' at 3 rad is above its upper limit 2.2"
 
 
