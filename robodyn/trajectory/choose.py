@@ -8,14 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.trajectory.derivatives import (
-    CENTRAL,
-    SPLINE,
-    Method,
-    equal_spacing,
-    local_polynomial,
-    savgol,
-)
+from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
+from robodyn.trajectory.local_polynomials import at_samples
 from robodyn.trajectory.noise import Noise, estimate
 from robodyn.trajectory.table import FloatArray
 
@@ -65,10 +59,9 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
         method = SPLINE
     else:
         method = _best_window(runs, order, noise, spacing, smooth=mode == "savgol")
-    first, second = method.stencil.gains
-    gains = (float(first / spacing), float(second / spacing / spacing))
-    first_ends, second_ends = method.stencil.end_gains
-    ends = (first_ends / spacing, second_ends / spacing / spacing)
+    unit = method.gains
+    gains = (float(unit.first / spacing), float(unit.second / spacing / spacing))
+    ends = (unit.first_ends / spacing, unit.second_ends / spacing / spacing)
     return Diagnosis(method, noise.quantum, noise.sigma, gains, ends, noise.warning)
 
 
@@ -90,7 +83,8 @@ def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.floa
             break
         if change < least:
             chosen, least, derivative = wider, change, now
-    noise_of_spline = np.float64(noise.sigma) * SPLINE.stencil.gains[order - 1] / spacing**order
+    gain = SPLINE.gains.second if order == 2 else SPLINE.gains.first
+    noise_of_spline = np.float64(noise.sigma) * gain / spacing**order
     harmless = bool(noise_of_spline**2 <= HARMLESS**2 * (derivative**2).mean())
     return SPLINE if harmless and not smooth else chosen
 
@@ -101,21 +95,9 @@ def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[FloatArra
     derivatives, residuals = [], []
     for time, _, values in runs:
         centres = np.unique(np.linspace(0, len(time) - 1, count + 2).astype(np.intp)[1:-1])
-        if spacing := equal_spacing(time):
-            fitted = _taps(values, method.stencil.fitted, centres)
-            matrix = (method.stencil.first, method.stencil.second)[order - 1]
-            derivatives.append(_taps(values, matrix, centres) / np.float64(spacing) ** order)
-        else:
-            found = local_polynomial(time, values, centres, method.window, method.order)
-            fitted = found[0]
-            derivatives.append(found[order])
-        residuals.append(values[centres] - fitted)
+        spacing = equal_spacing(time)
+        stamps = None if spacing else time
+        residual, *rates = at_samples(stamps, values, None, centres, method.window, method.order)
+        residuals.append(residual)
+        derivatives.append(rates[order - 1] / np.float64(spacing or 1.0) ** order)
     return np.concatenate(derivatives), np.concatenate(residuals)
-
-
-def _taps(values: FloatArray, matrix: FloatArray, centres: np.ndarray[tuple[int], np.dtype[np.intp]]) -> FloatArray:
-    """A stencil's matrix applied at some samples only."""
-    width = len(matrix)
-    start = np.clip(centres - width // 2, 0, len(values) - width)
-    found: FloatArray = np.einsum("kw,kwc->kc", matrix[centres - start], values[start[:, None] + np.arange(width)])
-    return found

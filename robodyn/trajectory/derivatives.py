@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
-from robodyn.trajectory.stencils import SPLINE_REACH, Stencil, apply, polynomial, spline, spline_matrices
+from robodyn.trajectory.local_polynomials import at_samples, equally_spaced, stencil
+from robodyn.trajectory.quintic import FEWEST, REACH, spline_equally_spaced, spline_rates
 from robodyn.trajectory.table import FloatArray
 
 ORDER = 4
-_CELLS = 1 << 15
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,39 @@ class Method:
     @property
     def halo(self) -> int:
         """Neighbours on either side of a block that make its derivatives those of the whole table."""
-        return SPLINE_REACH if self.kind == "spline" else self.window
+        return REACH if self.kind == "spline" else self.window
 
     @property
-    def stencil(self) -> Stencil:
-        """The method for equally spaced samples, at unit spacing."""
-        return spline(2 * SPLINE_REACH + 1) if self.kind == "spline" else polynomial(self.window, self.order)
+    def gains(self) -> Gains:
+        """What the method makes of noise."""
+        return _gains(self)
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Standard deviation of the derivatives per standard deviation of white noise, for samples a unit apart.
+
+    Attributes:
+        first, second: in the middle of a table.
+        first_ends, second_ends: at the samples from an end to just before the middle of a window.
+    """
+
+    first: float
+    second: float
+    first_ends: FloatArray
+    second_ends: FloatArray
+
+
+@lru_cache(maxsize=64)
+def _gains(method: Method) -> Gains:
+    if method.kind == "spline":
+        operators = spline_rates(None, np.diff(np.eye(2 * REACH + 1), axis=0))
+        first, second = (np.sqrt((each * each).sum(axis=1)) for each in operators)
+    else:
+        basis = stencil(method.window, method.order)
+        first, second = (np.sqrt((each * each).sum(axis=0)) for each in (basis.slope, basis.curve))
+    half = len(first) // 2
+    return Gains(float(first[half]), float(second[half]), first[:half], second[:half])
 
 
 SPLINE = Method("spline")
@@ -56,32 +85,38 @@ def savgol(window: int) -> Method:
     return Method("savgol", window, ORDER)
 
 
-def differentiate(time: FloatArray, values: FloatArray, method: Method) -> tuple[FloatArray, FloatArray]:
+def differentiate(
+    time: FloatArray, values: FloatArray, method: Method, turns: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """(d/dt, d^2/dt^2) of values at their own times.
 
-    Equal spacing (to rounding) is served by one stencil; otherwise the spline and the local polynomials take the stamps
+    Equal spacing (to rounding) counts as exactly equal; otherwise the spline and the local polynomials take the stamps
     as they are (no resampling). Fewer samples than the method wants: the polynomial through, or fitted to, them all.
 
     Args:
         time: (N,) s, increasing, N >= 2 (N >= 3 for a second derivative that is not 0).
-        values: (N, c).
+        values: (N, c); turns: (N, c) whole turns of 2 pi that they are ahead by, None for none. Only what they change
+            by matters, so nothing is lost far from zero.
 
     Returns:
-        Two arrays (N, c); NaN where stamps are so uneven that the equations are singular.
+        Two arrays (N, c); NaN where stamps are so uneven that nothing can be told.
 
     Accuracy: the spline's second derivative of sin(2 pi t) at 10 ms: 9e-7 (h^4 / 720 times the sixth derivative), and
-    6e-5 at the ends.
+    6e-5 at the ends. All sums are taken in a fixed order: results are the same to the bit on every processor.
     """
-    spacing = equal_spacing(time)
-    if spacing and len(time) >= len(method.stencil.first):
-        stencil = method.stencil
-        first = np.stack([apply(stencil.first, column) for column in values.T], axis=1)
-        second = np.stack([apply(stencil.second, column) for column in values.T], axis=1)
-        return first / spacing, second / spacing / spacing
-    if method.kind == "spline" and len(time) >= 6:
-        return _by_spline(time, values)
-    width = min(len(time), method.window or 5)
-    return local_polynomial(time, values, np.arange(len(time)), width, min(method.order, width - 1))[1:]
+    count, spacing = len(time), equal_spacing(time)
+    width = min(count, method.window or FEWEST - 1)
+    degree = min(method.order, width - 1)
+    spline = method.kind == "spline" and count >= FEWEST
+    if not spline and not (spacing and width == method.window):
+        return at_samples(time, values, turns, np.arange(count), width, degree)[1:]
+    steps = np.diff(values, axis=0)
+    if turns is not None:
+        steps -= 2.0 * math.pi * np.diff(turns, axis=0)
+    if not spacing:
+        return spline_rates(np.diff(time), steps)
+    first, second = spline_equally_spaced(steps) if spline else equally_spaced(steps, width, degree)
+    return first / spacing, second / spacing / spacing
 
 
 def equal_spacing(time: FloatArray) -> float:
@@ -91,66 +126,3 @@ def equal_spacing(time: FloatArray) -> float:
     spacing = float(time[-1] - time[0]) / (len(time) - 1)
     off = np.abs(time - (time[0] + spacing * np.arange(len(time)))).max()
     return spacing if off <= 4.0 * np.finfo(np.float64).eps * max(abs(time[0]), abs(time[-1])) else 0.0
-
-
-def _by_spline(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    time = time - time[0]
-    try:
-        if len(time) <= 2 * SPLINE_REACH:
-            stencil = spline_matrices(time)
-            return stencil.first @ values, stencil.second @ values
-        from scipy.interpolate import make_interp_spline
-
-        curve = make_interp_spline(time, values, k=5)
-    except (np.linalg.LinAlgError, ValueError):
-        return np.full_like(values, np.nan), np.full_like(values, np.nan)
-    return curve(time, 1), curve(time, 2)
-
-
-def local_polynomial(
-    time: FloatArray, values: FloatArray, centres: np.ndarray[tuple[int], np.dtype[np.intp]], width: int, order: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Value and derivatives at some samples of the least-squares polynomial through the `width` samples about each.
-
-    Near an end the window stays inside the table, so the sample is not in its middle.
-
-    Args:
-        time: (N,) of any spacing; values: (N, c); centres: (k,) indices; width <= N; order < width.
-
-    Returns:
-        (k, c) values, first and second derivatives.
-    """
-    found = np.empty((3, len(centres), values.shape[1]))
-    start = np.clip(centres - width // 2, 0, len(time) - width)
-    step = max(1, _CELLS // width)
-    for i in range(0, len(centres), step):
-        index = start[i : i + step, None] + np.arange(width)
-        u = time[index] - time[centres[i : i + step], None]
-        scale = np.abs(u).max(axis=1)[:, None]
-        fit = _coefficients(u / scale, values[index], order)
-        found[0, i : i + step] = fit[:, 0]
-        found[1, i : i + step] = fit[:, 1] / scale
-        found[2, i : i + step] = 2.0 * fit[:, 2] / scale**2 if order > 1 else 0.0
-    return found[0], found[1], found[2]
-
-
-def _coefficients(u: FloatArray, values: FloatArray, order: int) -> FloatArray:
-    """Coefficients (k, order + 1, c) of the least-squares polynomials of values (k, w, c) at u (k, w) in [-1, 1].
-
-    By the normal equations, whose matrix holds the moments of u: quick, and for order 4 or less good to 1e-11.
-    """
-    moments, sides = [], []
-    power = np.ones_like(u)
-    for k in range(2 * order + 1):
-        moments.append(power.sum(axis=1))
-        if k <= order:
-            sides.append(np.einsum("kw,kwc->kc", power, values))
-        power = power * u
-    rows = np.arange(order + 1)
-    matrix = np.stack(moments, axis=1)[:, rows[:, None] + rows]
-    right = np.stack(sides, axis=1)
-    try:
-        fit: FloatArray = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
-        return np.full_like(right, np.nan)
-    return fit

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,7 +48,7 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Pl
 
 def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosis:
     order = 2 if group.acceleration and group.source == "q" else 1
-    runs = [(piece.time, _raw(group, piece), _source(group, piece)) for piece in pieces]
+    runs = [(piece.time, _raw(group, piece), _straight(group, piece)) for piece in pieces]
     return diagnose(runs, order, mode)
 
 
@@ -79,11 +80,7 @@ def derive(samples: Trajectory, plan: Plan) -> Trajectory:
     _refuse_pauses(samples, plan.methods)
     qd, qdd = samples.qd.copy(order="F"), samples.qdd.copy(order="F")
     with np.errstate(all="ignore"):
-        for group, method in zip(plan.groups, plan.methods, strict=True):
-            source = _source(group, samples)
-            first, second = differentiate(samples.time, source, method)
-            if group.kind == "quaternion":
-                first, second = _body_rates(source, first), _body_rates(source, second)
+        for group, first, second in _rates(samples, plan):
             for component, column in group.velocity:
                 qd[:, column] = first[:, component]
             for component, column in group.acceleration:
@@ -93,6 +90,24 @@ def derive(samples: Trajectory, plan: Plan) -> Trajectory:
             row = samples.first_row + int(np.argwhere(~np.isfinite(values))[0][0])
             raise TrajectoryError(f"row {row}: the derivative is not finite", remedy="are two stamps almost equal?")
     return replace(samples, qd=qd, qdd=qdd)
+
+
+def _rates(samples: Trajectory, plan: Plan) -> Iterator[tuple[Group, FloatArray, FloatArray]]:
+    """Every group with the first and second derivatives of its source, those of one kind and method together."""
+    alike: dict[tuple[str, Method], list[Group]] = {}
+    for group, method in zip(plan.groups, plan.methods, strict=True):
+        alike.setdefault((group.kind, method), []).append(group)
+    for (kind, method), groups in alike.items():
+        values = np.concatenate([_source(group, samples) for group in groups], axis=1)
+        turns = _turns(values) if kind == "continuous" else None
+        rates, start = differentiate(samples.time, values, method, turns), 0
+        for group in groups:
+            own = slice(start, start + len(group.rows))
+            first, second = (rate[:, own] for rate in rates)
+            if kind == "quaternion":
+                first, second = _body_rates(values[:, own], first), _body_rates(values[:, own], second)
+            yield group, first, second
+            start = own.stop
 
 
 def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
@@ -117,15 +132,28 @@ def _raw(group: Group, samples: Trajectory) -> FloatArray:
 
 
 def _source(group: Group, samples: Trajectory) -> FloatArray:
-    """The columns to differentiate (N, c): turns of 2 pi undone, quaternions of continuous sign."""
+    """The columns to differentiate (N, c), quaternions with continuous sign."""
     values = _raw(group, samples)
-    if group.kind == "continuous":
-        return np.unwrap(values, axis=0)
     if group.kind == "quaternion":
         flips = (values[1:] * values[:-1]).sum(axis=1) < 0.0
         sign = np.where(np.concatenate(([0], np.cumsum(flips))) % 2, -1.0, 1.0)
         return values * sign[:, None]
     return values
+
+
+def _straight(group: Group, samples: Trajectory) -> FloatArray:
+    """The same with turns of 2 pi undone."""
+    values = _source(group, samples)
+    return values - 2.0 * math.pi * _turns(values) if group.kind == "continuous" else values
+
+
+def _turns(angles: FloatArray) -> FloatArray:
+    """Whole turns that angles (N, c) are ahead of the shorter way from each to the next.
+
+    Angles that are made to add up would depend on the turns before, and on where a block begins, in their last digits.
+    """
+    jumps = np.rint(np.diff(angles, axis=0) / (2.0 * math.pi))
+    return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
 
 
 def _body_rates(Q: FloatArray, rate: FloatArray) -> FloatArray:

@@ -83,7 +83,7 @@ class TrajectoryReader:
         Raises:
             TrajectoryError: a cell, a row or the time is wrong, or there are too few rows to differentiate.
 
-        Accuracy: the limits of blocks change a derivative by at most 1e-9 of the largest, 1e-8 with unequal stamps.
+        Accuracy: the limits of blocks change a derivative by at most 1e-11 of the largest, 1e-13 with unequal stamps.
         """
         try:
             yield from self._blocks()
