@@ -20,11 +20,11 @@ from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
-from robodyn.execute.runner import cores
 from robodyn.installed import version_of
 from robodyn.report.json_batch import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
+from robodyn.workers import processes
 
 
 def run_batch(
@@ -48,9 +48,9 @@ def run_batch(
     if STANDARD_INPUT in (urdf, scene_file, *trajectories):
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
     jobs = jobs_of(trajectories, out)
-    processes, dask = options.pop("jobs"), options.pop("dask")
+    asked, dask = options.pop("jobs"), options.pop("dask")
     setup, robot = _setup(urdf, scene_file, gravity, options)
-    work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, min(processes or cores(), len(jobs)))
+    work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, processes(len(jobs), asked))
     with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
         outcomes = _gathered(work, jobs, tick, form == "text")
     batch = Batch(robot, tuple(outcomes))

@@ -15,7 +15,6 @@ from robodyn.bench.samples import Floats, random_sources
 from robodyn.bench.timing import repeated, taking_turns
 from robodyn.execute.compiled_blocks import CompiledBlocks
 from robodyn.execute.llvm.machine import compiler
-from robodyn.execute.runner import cores
 from robodyn.inverse import mass_runner, runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
@@ -24,6 +23,7 @@ from robodyn.scene_fit import check_moves
 from robodyn.self_checks import energy, laws
 from robodyn.sizing import effect_reports
 from robodyn.trace.program import Program
+from robodyn.workers import cores
 
 LARGEST_RESULT = 64 << 20
 """Bytes that the outputs of a program may take; fewer samples run where they would be more."""

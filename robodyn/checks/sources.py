@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from robodyn.errors import InputError
+from robodyn.workers import cores, processes
 
 R = TypeVar("R")
 T = TypeVar("T")
@@ -51,7 +52,7 @@ def _some(names: list[str], folder: str, what: str, path: str) -> list[str]:
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
     """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
-    if len(files) < 2 or (os.cpu_count() or 1) < 2:
+    if len(files) < 2 or cores() < 2:
         return False
     return sum(map(_work, files)) > _LEAST_WORK
 
@@ -69,6 +70,5 @@ def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O)
     from concurrent.futures import ProcessPoolExecutor
     from itertools import repeat
 
-    count = min(len(files), os.cpu_count() or 1)
-    with ProcessPoolExecutor(count) as pool:
+    with ProcessPoolExecutor(processes(len(files))) as pool:
         yield from pool.map(work, files, repeat(options))

@@ -44,7 +44,8 @@ class ObjectCache:
     """Bytes by key, in one file each: written whole or not at all, ignored unless intact.
 
     A file holds a mark, the digest of key and content, and the content. Files or folders that belong to somebody else,
-    or that others may write to, are ignored, for their content is run. No failure to read or write is an error: what is
+    or that others may write to, are ignored, for their content is run; so are, under Windows, those outside the user's
+    own folder. No failure to read or write is an error: what is
     not kept is made again.
     """
 
@@ -65,7 +66,7 @@ class ObjectCache:
         try:
             with open(path, "rb", opener=_at_once) as stream:
                 status = os.fstat(stream.fileno())
-                if not (stat.S_ISREG(status.st_mode) and _private(status) and _private(os.stat(self._folder))):
+                if not (stat.S_ISREG(status.st_mode) and _private(path, status) and _private(self._folder)):
                     return None
                 data = stream.read()
         except OSError:
@@ -86,7 +87,7 @@ class ObjectCache:
         part = path.with_name(f"{path.name}.{os.urandom(8).hex()}.part")
         with suppress(OSError):
             self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if not _private(self._folder.stat()):
+            if not _private(self._folder):
                 return
             try:
                 with open(part, "xb", opener=_for_this_user) as stream:
@@ -143,8 +144,16 @@ def _for_this_user(path: str, flags: int) -> int:
     return os.open(path, flags, 0o600)
 
 
-def _private(status: os.stat_result) -> bool:
-    """Whether only this user may write to it; where a system has no owners, its folders for users are trusted."""
+def _private(path: Path, status: os.stat_result | None = None) -> bool:
+    """Whether only this user may write there, as far as the system tells it."""
     if not hasattr(os, "getuid"):
-        return True
+        return in_profile(path)
+    status = status or path.stat()
     return status.st_uid == os.getuid() and not status.st_mode & 0o022
+
+
+def in_profile(path: Path) -> bool:
+    """Whether a place is in the user's own folder, which systems without owners keep from other users."""
+    with suppress(OSError, RuntimeError):
+        return path.resolve().is_relative_to(Path.home().resolve())
+    return False

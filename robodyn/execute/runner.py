@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Mapping
 from functools import cache
@@ -18,6 +17,7 @@ from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.trace.program import Program
 from robodyn.wording import alternatives
+from robodyn.workers import cores
 
 if TYPE_CHECKING:
     from robodyn.execute.compiled_blocks import CompiledBlocks
@@ -166,17 +166,3 @@ class Runner:
 def _say(what: str) -> None:
     """A warning, once."""
     warnings.warn(what, RobodynWarning, stacklevel=2)
-
-
-def cores(asked: int | None = None) -> int:
-    """The number of threads asked for; None is as many as the process may use cores.
-
-    Raises:
-        InputError: less than 1.
-    """
-    if asked is not None:
-        if asked < 1:
-            raise InputError(f"{asked} threads cannot work", remedy="1 or more")
-        return asked
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1

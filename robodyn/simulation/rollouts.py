@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from robodyn.arrays import arrays_of
 from robodyn.errors import InputError
 from robodyn.execute.repeated import LANES, SINGLE
-from robodyn.execute.runner import cores
 from robodyn.model import Model
 from robodyn.plan import plan
 from robodyn.scene import DEFAULT, Scene
@@ -22,6 +21,7 @@ from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
+from robodyn.workers import cores
 
 Floats = NDArray[np.float64]
 TOGETHER = 64

@@ -61,7 +61,7 @@ def test_what_is_not_there(folder: Path) -> None:
 def test_processes_find_what_one_process_finds(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     alone = check_all(folder)
     monkeypatch.setattr(sources, "_LEAST_WORK", 0)
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(sources, "cores", lambda: 2)
     assert sources.worth_processes(alone.files)
     assert check_all(folder) == alone
 
@@ -72,7 +72,7 @@ def test_small_work_stays_in_this_process() -> None:
 
 
 def test_meshes_count_as_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(sources, "cores", lambda: 2)
     files = [str(tmp_path / name) for name in ("a.urdf", "b.urdf")]
     for text, worth in (("<mesh/>" * 30, False), ("<mesh/>" * 60, True), (" " * 150_000, False), (" " * 300_000, True)):
         for file in files:

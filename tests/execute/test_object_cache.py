@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from kept_files import CONTENT, KEY, OTHER, files, posix, the_file
 
-from robodyn.execute.object_cache import MARK, Key, ObjectCache
+from robodyn.execute.object_cache import MARK, Key, ObjectCache, in_profile
 
 as_root = pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
 
@@ -167,3 +167,30 @@ def test_loose_umask_and_open_parents_keep_nothing_from_working(tmp_path):
     finally:
         os.umask(mask)
     assert ObjectCache(tmp_path / "deep" / "deeper").get(KEY) == CONTENT
+
+
+@posix
+@pytest.mark.parametrize("inside", [True, False])
+def test_without_owners_only_the_users_own_folder_is_trusted(tmp_path, monkeypatch, inside):
+    """As under Windows, where anybody may have written to a folder elsewhere; a link into it is elsewhere too."""
+    home, shared = tmp_path / "home", tmp_path / "shared"
+    home.mkdir()
+    shared.mkdir()
+    (home / "link").symlink_to(shared)
+    for folder in (shared, home / "kept"):
+        ObjectCache(folder).put(KEY, CONTENT)
+    monkeypatch.delattr(os, "getuid")
+    monkeypatch.setattr(Path, "home", lambda: home)
+    for folder in [home / "kept"] if inside else [shared, home / "link"]:
+        assert ObjectCache(folder).get(KEY) == (CONTENT if inside else None)
+        ObjectCache(folder).put(KEY, b"new")
+        assert ObjectCache(folder).get(KEY) == (b"new" if inside else None)
+    assert the_file(shared).read_bytes().endswith(CONTENT)
+
+
+def test_without_a_home_nothing_is_trusted(tmp_path, monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    assert not in_profile(tmp_path)
