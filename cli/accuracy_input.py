@@ -8,7 +8,7 @@ import click
 
 from robodyn.accuracy.ladder import Accuracy
 from robodyn.cli.files import check_table, robot_in_scene
-from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup
+from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
 
 
 def accuracy_of(
@@ -23,8 +23,8 @@ def accuracy_of(
         files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
-    if not robot and (scene_file or gravity or any(lookup().values())):
-        raise click.UsageError("--scene, --gravity, --package-path and --xacro-arg are for robots", ctx)
+    if not robot and (scene_file or gravity or payloads() or any(lookup().values())):
+        raise click.UsageError("--scene, --payload, --gravity, --package-path and --xacro-arg are for robots", ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
         raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)

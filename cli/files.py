@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robodyn.cli.options import Vector, lookup
+from robodyn.cli.options import Vector, lookup, payloads
 from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
@@ -22,19 +21,22 @@ STANDARD_INPUT = "-"
 def robot_in_scene(
     urdf: str, scene_file: str | None, gravity: Vector | None, *, loops: bool = False
 ) -> tuple[Model, Scene]:
-    """The robot of a URDF or xacro file, and the scene it is in; `gravity` wins over that of the scene's file.
+    """The robot of a URDF or xacro file, and the scene it is in, which `gravity` and --payload change.
 
     Args:
         loops: whether the scene may close some.
     """
     from robodyn.assemble import load
     from robodyn.scene import DEFAULT
-    from robodyn.scene_fit import check_scene, refuse_loops
+    from robodyn.scene_fit import check_scene, known, refuse_loops
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
-    scene = scene if gravity is None else replace(scene, gravity=gravity)
+    scene = scene.changed(gravity)
     model = load(source_of(urdf), moving_base=scene.moving_base, **lookup())
     check_scene(scene, model, scene_file)
+    for payload in payloads():
+        known("--payload", "link", payload.link, model.links)
+    scene = scene.changed(payloads=payloads())
     if not loops:
         refuse_loops(scene, scene_file)
     return model, scene

@@ -16,7 +16,7 @@ from robodyn.wording import alternatives
 
 COMMANDS = (
     *("torques", "simulate", "inertia", "check", "fbd", "equations"),
-    *("info", "accuracy", "rule", "bench", "doctor"),
+    *("scene", "info", "accuracy", "rule", "bench", "doctor"),
 )
 
 

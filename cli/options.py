@@ -12,6 +12,8 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
+    from robodyn.scene import Payload
+
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
 
@@ -67,32 +69,36 @@ class ArgumentType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
 
 ROBOT_SUFFIXES = (".urdf", ".xacro")
-_LOOKUP = "robodyn.lookup"
+
+
+def _kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+    """Keep the value of an option for those who ask for it, wherever they are called."""
+    ctx.meta[f"robodyn.{param.name}"] = value
+
+
+def _given(name: str) -> tuple[Any, ...]:
+    ctx = click.get_current_context(silent=True)
+    found: tuple[Any, ...] = () if ctx is None else ctx.meta.get(f"robodyn.{name}", ())
+    return found
+
+
+_KEPT: dict[str, Any] = {"multiple": True, "expose_value": False, "callback": _kept}
 
 
 def DESCRIPTION(command: Callback) -> Callback:
     """The options --package-path and --xacro-arg, whose values are those of `lookup`."""
-
-    def kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
-        ctx.meta.setdefault(_LOOKUP, {})[param.name] = value
-
-    how: dict[str, Any] = {"multiple": True, "expose_value": False, "callback": kept}
-    path = "Where package:// names and xacro's packages are looked for first; repeatable."
-    argument = "Of a .xacro file, which is expanded first; repeatable."
-    packages = click.option(
-        "--package-path", "package_paths", type=PackagesType("dir"), metavar="DIR", help=path, **how
+    text = "Where packages are looked for first; repeatable."
+    folders = click.option(
+        "--package-path", "package_paths", type=PackagesType("dir"), metavar="DIR", help=text, **_KEPT
     )
-    arguments = click.option(
-        "--xacro-arg", "xacro_args", type=ArgumentType(), metavar="NAME:=VALUE", help=argument, **how
-    )
-    return packages(arguments(command))
+    text = "An argument of a .xacro file; repeatable."
+    given = click.option("--xacro-arg", "xacro_args", type=ArgumentType(), metavar="NAME:=VALUE", help=text, **_KEPT)
+    return folders(given(command))
 
 
 def lookup() -> dict[str, Any]:
     """What the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
-    ctx = click.get_current_context(silent=True)
-    given = {} if ctx is None else ctx.meta.get(_LOOKUP, {})
-    return {"package_paths": given.get("package_paths", ()), "xacro_args": dict(given.get("xacro_args", ()))}
+    return {"package_paths": _given("package_paths"), "xacro_args": dict(_given("xacro_args"))}
 
 
 class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -155,13 +161,39 @@ class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
         return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
 
 
-SCENE = click.option(
-    "--scene",
-    "scene_file",
-    type=PATH,
-    metavar="FILE",
-    help="TOML: friction, rotors, springs, payloads, wrenches, fluid, base.",
-)
+class PayloadType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """LINK=KG or LINK=KG@X,Y,Z."""
+
+    name = "payload"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from robodyn.scene import Payload
+
+        if isinstance(value, Payload):
+            return value
+        link, _, text = str(value).rpartition("=")
+        mass, at, com = text.partition("@")
+        numbers = finite_numbers(mass) + finite_numbers(com if at else "0,0,0")
+        if not link or len(numbers) != 4 or "," in mass or numbers[0] <= 0.0:
+            self.fail(f"{value!r} is not LINK=KG or LINK=KG@X,Y,Z, such as tool0=2.5@0,0,0.1", param, ctx)
+        m, x, y, z = numbers
+        return Payload(link, m, (x, y, z))
+
+
+def SCENE(command: Callback) -> Callback:
+    """The options --scene, and --payload, whose values are those of `payloads`."""
+    text = "TOML: friction, motors, springs, payloads, wrenches, base; robodyn scene init writes one."
+    scene = click.option("--scene", "scene_file", type=PATH, metavar="FILE", help=text)
+    text = "A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene."
+    payload = click.option("--payload", "payloads", type=PayloadType(), metavar="LINK=KG[@X,Y,Z]", help=text, **_KEPT)
+    return scene(payload(command))
+
+
+def payloads() -> tuple[Payload, ...]:
+    """What --payload says."""
+    return _given("payloads")
+
+
 GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
 FORMAT = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."

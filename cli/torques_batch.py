@@ -17,6 +17,7 @@ from robodyn.batch_result import Batch, Outcome
 from robodyn.cli.batch_progress import files_done
 from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
+from robodyn.cli.options import payloads
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
@@ -71,6 +72,7 @@ def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, A
         robot=zlib.compress(model.description.data),
         scene=None if scene_file is None else _packed(scene_file),
         gravity=gravity,
+        payloads=payloads(),
         executor=executor,
         threads=threads or 1,
         version=version_of("robodyn") or "",

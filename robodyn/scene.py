@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from robodyn.frozen import FrozenValue
@@ -218,6 +218,11 @@ class Scene(FrozenValue):
 
     def __hash__(self) -> int:
         return self._hash
+
+    def changed(self, gravity: Vector | None = None, payloads: Sequence[Payload] = ()) -> Scene:
+        """Return the scene with another gravity [m/s^2], if one is given, and with more payloads."""
+        payloads = (*self.payloads, *payloads)
+        return replace(self, gravity=self.gravity if gravity is None else gravity, payloads=payloads)
 
     @property
     def columns(self) -> tuple[str, ...]:

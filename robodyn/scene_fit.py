@@ -22,22 +22,22 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
         for name in named:
-            _known(f"[{table}]", "joint", name, joints, file)
+            known(f"[{table}]", "joint", name, joints, file)
     own = [joint.name for joint in model.independent if joint.kind != "floating"]
     for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
         for name in driven:
             _leads(f"[{table}]", name, model, file)
-            _known(f"[{table}]", "joint", name, own, file)
+            known(f"[{table}]", "joint", name, own, file)
     for name in scene.initial_q:
-        _known("[initial] q", "coordinate", name, model.coordinates, file)
+        known("[initial] q", "coordinate", name, model.coordinates, file)
     for name in scene.initial_qd:
-        _known("[initial] qd", "coordinate", name, model.rates, file)
+        known("[initial] qd", "coordinate", name, model.rates, file)
     for load in scene.payloads:
-        _known("[[payload]]", "link", load.link, model.links, file)
+        known("[[payload]]", "link", load.link, model.links, file)
     for wrench in scene.wrenches:
-        _known("[[wrench]]", "link", wrench.link, model.links, file)
+        known("[[wrench]]", "link", wrench.link, model.links, file)
     for immersed in scene.immersed:
-        _known("[[fluid.link]]", "link", immersed.link, model.links, file)
+        known("[[fluid.link]]", "link", immersed.link, model.links, file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
     if scene.moving_base and not model.floating:
@@ -72,9 +72,9 @@ def check_moves(model: Model) -> None:
 
 def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
     where = f"[[loop]] {shown(loop.name)}"
-    _known(where, "link", loop.link, model.links, file)
+    known(where, "link", loop.link, model.links, file)
     if loop.to != GROUND:
-        _known(where, "link", loop.to, (*model.links, GROUND), file)
+        known(where, "link", loop.to, (*model.links, GROUND), file)
     bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
     if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
         what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
@@ -88,12 +88,17 @@ def _leads(table: str, name: str, model: Model, file: str | None) -> None:
             raise SceneError(f"{table}: the joint {shown(name)} mimics another", remedy=remedy, file=file)
 
 
-def _known(table: str, kind: str, name: str, names: Collection[str], file: str | None) -> None:
+def known(where: str, kind: str, name: str, names: Collection[str], file: str | None = None) -> None:
+    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it.
+
+    Raises:
+        SceneError: with the closest name that there is.
+    """
     if name not in names:
         raise SceneError(
-            f"{table}: the robot has no {kind} {shown(name)} that moves"
+            f"{where}: the robot has no {kind} {shown(name)} that moves"
             if kind == "joint"
-            else f"{table}: the robot has no {kind} {shown(name)}",
+            else f"{where}: the robot has no {kind} {shown(name)}",
             remedy=alternatives(name, names, f"{kind}s"),
             file=file,
         )

@@ -44,8 +44,8 @@ def _initial(table: SceneTable) -> dict[str, Any]:
 
 
 def _limits(table: SceneTable) -> dict[str, Any]:
-    kind = table.text("joint_limits", Scene.joint_limits, LIMITS)
     given = table.take("limit_spring", None)
+    kind = table.text("joint_limits", Scene.joint_limits if given is None else "spring", LIMITS)
     if (given is not None) != (kind == "spring"):
         what = f'"joint_limits" is "{kind}" ' + ("without" if given is None else "with") + " a [limit_spring]"
         remedy = "give its stiffness, N m/rad" if given is None else 'write joint_limits = "spring"'

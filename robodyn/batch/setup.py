@@ -10,7 +10,7 @@ from hashlib import blake2b
 from robodyn.assemble import load
 from robodyn.model import Model
 from robodyn.momentum import View
-from robodyn.scene import DEFAULT, Scene
+from robodyn.scene import DEFAULT, Payload, Scene
 from robodyn.scene_file import parse_scene
 from robodyn.trajectory.reader import Derivatives
 
@@ -21,7 +21,7 @@ class Setup:
 
     Attributes:
         robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
-        gravity: m/s^2, in place of the scene's.
+        gravity: m/s^2, in place of the scene's; payloads: beside the scene's.
         reactions, sizing, momentum, derivatives, ignore_extra, explain: as for `torques`.
         executor: "numpy" or "compiled"; threads: of each process.
         version: of robodyn, which all machines must have.
@@ -30,6 +30,7 @@ class Setup:
     robot: bytes
     scene: bytes | None
     gravity: tuple[float, float, float] | None
+    payloads: tuple[Payload, ...]
     reactions: bool
     sizing: bool
     momentum: View | None
@@ -44,7 +45,7 @@ class Setup:
         """The robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
             scene = DEFAULT if self.scene is None else parse_scene(zlib.decompress(self.scene))
-            scene = scene if self.gravity is None else replace(scene, gravity=self.gravity)
+            scene = scene.changed(self.gravity, self.payloads)
             _KEPT.robot = load(zlib.decompress(self.robot), moving_base=scene.moving_base), scene
             _KEPT.setup = self
         robot: tuple[Model, Scene] = _KEPT.robot

@@ -169,7 +169,7 @@ WRONG = {
     "slip_speed = -1": '"slip_speed" is -1',
     'joint_limits = "bounce"': '"joint_limits" is "bounce" (one of: stop, ignore, spring)',
     'joint_limits = "spring"': '"joint_limits" is "spring" without a [limit_spring] (give its stiffness, N m/rad)',
-    "[limit_spring]\nstiffness = 1": '"joint_limits" is "stop" with a [limit_spring] (write joint_limits = "spring")',
+    'joint_limits = "stop"\n[limit_spring]\nstiffness = 1': '"joint_limits" is "stop" with a [limit_spring] (write',
     'joint_limits = "spring"\nlimit_spring = {}': '[limit_spring]: "stiffness" is missing',
     'joint_limits = "spring"\nlimit_spring = { stiffness = 0 }': "[limit_spring]: stiffness 0, damping 0 (stiffness is",
     'between_rows = "spline"': '"between_rows" is "spline" (one of: linear, hold)',

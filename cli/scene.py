@@ -1,0 +1,50 @@
+"""`robodyn scene`: files that say what surrounds a robot."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from robodyn.assemble import load
+from robodyn.cli.files import source_of
+from robodyn.cli.options import DESCRIPTION, PATH, lookup
+from robodyn.cli.screen import show
+from robodyn.errors import InputError
+from robodyn.report.scene_toml import scene_toml
+from robodyn.whole_file import write_whole
+
+
+@click.group("scene", short_help="Begin a file on what surrounds a robot.", invoke_without_command=True)
+@click.pass_context
+def command(ctx: click.Context) -> None:
+    """What surrounds a robot: friction, motors, payloads, wrenches, drives and so on, as a TOML file.
+
+    \b
+    Example:
+      robodyn scene init robots/puma.urdf --out puma.toml
+    """
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+@command.command("init", short_help="Write a scene for a robot, everything in it off.")
+@click.argument("urdf", type=PATH)
+@click.option("--out", type=PATH, metavar="FILE", help="A new file; default standard output.")
+@DESCRIPTION
+def init(urdf: str, out: str | None) -> None:
+    """Write a scene with the joints and links of a robot, each key explained and switched off.
+    As written it changes nothing. A file named - is standard input.
+
+    \b
+    Example:
+      robodyn scene init robots/puma.urdf --out puma.toml
+    """
+    if out is not None and os.path.lexists(out):
+        raise InputError("there is a file of this name already", remedy="name another one with --out", file=out)
+    text = scene_toml(load(source_of(urdf), **lookup()))
+    if out is None:
+        show(text)
+    else:
+        write_whole(out, text.encode(), remedy="name another file")
+        show(f"written: {out}; --scene {out} takes it\n")

@@ -1,0 +1,152 @@
+"""A scene to begin with as TOML: what can be said of a robot's surroundings, every line of it switched off."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+
+from robodyn.model import Joint, Model
+from robodyn.report.table import PLAIN, number
+from robodyn.robot_inertia.configuration import configuration, link_poses
+from robodyn.scene import DEFAULT
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+_HEAD = """Scene of the robot {name}, begun by: robodyn scene init
+As it stands it changes nothing: robodyn computes as without a scene.
+Lines that begin with # and no blank are examples. Take away the # of one and put in your numbers; each is
+valid by itself. Numbers stand for what the description says, or for what only you can know."""
+
+
+def scene_toml(model: Model) -> str:
+    """A scene with the names of a robot's joints and links, what its description says of them, and each key explained.
+
+    As written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone.
+    """
+    head = _comment(_HEAD.format(name=_key(model.name)))
+    gravity = _comment("Gravity in the axes of the ground, m/s^2.") + f"gravity = {_vector(DEFAULT.gravity)}\n"
+    blocks = [_comment(text) + "".join(f"#{line}\n" for line in lines) for text, lines in _sections(model) if lines]
+    blocks = [head, *([_comment(_table(model))] if model.n else []), gravity, *blocks]
+    return "\n".join(blocks)
+
+
+def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
+    """What each part is for, and its examples."""
+    single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
+    own = [joint for joint in model.independent if joint.kind != "floating"]
+    tip = _text(_tip(model))
+    yield _FRICTION, _of_each("friction", single, lambda each: [("viscous", each.damping), ("coulomb", each.friction)])
+    yield _SLIP, ["slip_speed = 0.001"]
+    yield _ROTOR, _of_each("rotor", single, lambda each: [("inertia", each.rotor_inertia), ("gear", each.reduction)])
+    yield _MOTOR, _of_each("motor", own, _motor)
+    yield _SPRING, _of_each("spring", single, lambda each: [("stiffness", 0.0), ("rest", _rest(each))])
+    yield _PAYLOAD, [f"payload = [{{ link = {tip}, mass = 1.0, com = {_ZERO} }}]"]
+    yield _WRENCH, [f'wrench = [{{ link = {tip}, frame = "world", force = {_DOWN}, moment = {_ZERO} }}]']
+    yield _FLUID, [f"fluid = {{ density = 1000.0, link = [{{ link = {tip}, volume = 0.001, centre = {_ZERO} }}] }}"]
+    yield _BASE, ['base.motion = "moving"']
+    yield _INITIAL, [f"initial.q.{_key(joint.name)} = {_rest(joint)!r}" for joint in own]
+    yield "", [f"initial.qd.{_key(joint.name)} = 0.0" for joint in own]
+    yield _DRIVE, _of_each("drive", own, lambda each: [("kp", 100.0), ("kd", 10.0), ("reference", _rest(each))])
+    yield _BETWEEN, ['between_rows = "hold"']
+    yield _LIMITS, ['joint_limits = "ignore"', "limit_spring = { stiffness = 10000.0, damping = 100.0 }"]
+    yield _LOOP, [_loop(model, own)] if own else []
+    yield _BAUMGARTE, ["baumgarte = 10.0"]
+
+
+_ZERO, _DOWN = "[0.0, 0.0, 0.0]", "[0.0, 0.0, -10.0]"
+_FRICTION = """Friction, in place of the description's: viscous N m s/rad, coulomb N m or [forward, backward];
+stribeck N m, the torque of breakaway, and stribeck_velocity rad/s. For prismatic joints N and m/s."""
+_SLIP = "Coulomb friction grows over this speed, rad/s: f qd / sqrt(qd^2 + slip_speed^2)."
+_ROTOR = """Rotors, which add gear^2 inertia to a joint: inertia kg m^2 about the motor's axis, gear in turns of the
+motor per turn of the joint."""
+_MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
+or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor."""
+_SPRING = "Springs that pull a joint towards rest: stiffness N m/rad, rest rad."
+_PAYLOAD = """Masses fixed to links: mass kg, com m in the link's frame, inertia [ixx, ixy, ixz, iyy, iyz, izz] kg m^2
+about it. On the command line: --payload LINK=KG or LINK=KG@X,Y,Z."""
+_WRENCH = """Forces N and moments N m that act on links: numbers or names of columns of the trajectory; in the axes of
+the "link", of the "base" or of the "world"; at a point of the link's frame, m."""
+_FLUID = """Water or air: density kg/m^3, velocity m/s; of each link in it volume m^3, its centre m, drag_area
+[x, y, z] m^2."""
+_BASE = "A base that moves: as the columns base_x ... of the trajectory say; in a simulation it is free."
+_INITIAL = "Where a simulation begins: q rad or m, qd rad/s or m/s; numbers or names of columns of --traj."
+_DRIVE = """What drives a joint in a simulation: torque + kp (reference - q) + kd (speed - qd); torque, reference and
+speed are numbers or names of columns of --traj. Joints without a drive are free."""
+_BETWEEN = 'Torques between the rows of --traj: "linear" without this line, or "hold" the last row\'s.'
+_LIMITS = """A simulation ends where a joint reaches a limit, or ignores limits, or has springs there:
+stiffness N m/rad, damping N m s/rad."""
+_LOOP = """Loops of a simulation: a point of a link is held at a point of another or of the "ground"; kind "point",
+"hinge" with an axis, or "weld"."""
+_BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
+
+
+def _comment(text: str) -> str:
+    return "".join(f"# {line}".rstrip() + "\n" for line in text.splitlines())
+
+
+def _table(model: Model) -> str:
+    """The joints and what the description says of them."""
+    head = ("joint", "type", "lower", "upper", "effort", "velocity", "damping", "friction")
+    return PLAIN.table((head, [_row(body.joint) for body in model.bodies if body.joint.kind != "fixed"]))
+
+
+def _row(joint: Joint) -> tuple[str, ...]:
+    slides = joint.kind == "prismatic"
+    turn, load = ("m", "N") if slides else ("rad", "N m")
+    kind = "continuous" if joint.continuous else joint.kind
+    units = (turn, turn, load, f"{turn}/s", f"{load} s/{turn}", load)
+    given = (joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping or None, joint.friction or None)
+    cells = ["-" if value is None else f"{number(value)} {unit}" for value, unit in zip(given, units, strict=True)]
+    return (_key(joint.name), f"{kind}, follows {_key(joint.mimics)}" if joint.mimics else kind, *cells)
+
+
+def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], Sequence[tuple[str, float]]]) -> list[str]:
+    """A line for each joint."""
+    return [
+        f"{table}.{_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
+        for joint in joints
+    ]
+
+
+def _motor(joint: Joint) -> list[tuple[str, float]]:
+    gear = abs(joint.reduction) or 1.0
+    peak, speed = (joint.effort or 0.0) / gear, (joint.velocity or 0.0) * gear
+    given = [("efficiency", 1.0), ("continuous", peak if peak > 0 else 1.0), ("peak", peak if peak > 0 else 1.0)]
+    return [*given, ("max_speed", speed if speed > 0 else 100.0)]
+
+
+def _rest(joint: Joint) -> float:
+    """Zero, or the limit nearest to it."""
+    lower, upper = joint.lower, joint.upper
+    if lower is not None and upper is not None and lower > upper:
+        return 0.0
+    return max(lower or 0.0, 0.0) or min(0.0 if upper is None else upper, 0.0)
+
+
+def _loop(model: Model, joints: Sequence[Joint]) -> str:
+    """The tip held where it is when a simulation begins."""
+    poses, tip = link_poses(model, configuration(model, {joint.name: _rest(joint) for joint in joints})), _tip(model)
+    place = _vector([round(float(x), 12) for x in poses[tip].p])
+    return f'loop = [{{ name = "closure", link = {_text(tip)}, point = {_ZERO}, to = "ground", to_point = {place} }}]'
+
+
+def _tip(model: Model) -> str:
+    """The link behind the most joints, the last of them in the file."""
+    depth = [0]
+    for body in model.bodies[1:]:
+        depth.append(depth[body.parent] + 1)
+    return max(enumerate(model.links), key=lambda each: (depth[model.links[each[1]].body], each[0]))[1]
+
+
+def _vector(values: Sequence[float]) -> str:
+    return f"[{', '.join(repr(value) for value in values)}]"
+
+
+def _key(name: str) -> str:
+    """A name as a TOML key."""
+    return name if _BARE.fullmatch(name) else _text(name)
+
+
+def _text(name: str) -> str:
+    """A name as a TOML string."""
+    escaped = re.sub(r'["\\\x00-\x1f\x7f-\x9f\u2028\u2029]', lambda found: f"\\u{ord(found[0]):04x}", name)
+    return f'"{escaped}"'

@@ -1,0 +1,91 @@
+"""`--payload LINK=KG[@X,Y,Z]` is a [[payload]] of the scene, in every command that takes one."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from command_line import motion, run, write_arm
+
+TORQUES = ("torques", "arm.urdf", "arm.csv")
+SIMULATE = ("simulate", "arm.urdf", "--duration", "0.02")
+FBD = ("fbd", "arm.urdf", "--at", "0.1,0.2")
+EQUATIONS = ("equations", "arm.urdf", "--at", "0.1,0.2")
+SCENE = '[[payload]]\nlink = "fore"\nmass = 2.5\ncom = [0.1, 0.0, 0.05]\n'
+OPTION = ("--payload", "fore=2.5@0.1,0,0.05")
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_arm(tmp_path)
+    Path("scene.toml").write_text(SCENE)
+    Path("both.toml").write_text(SCENE + '[[payload]]\nlink = "upper"\nmass = 1\n')
+
+
+@pytest.mark.parametrize("call", [TORQUES, SIMULATE, FBD, EQUATIONS], ids=lambda call: call[0])
+def test_it_is_the_payload_of_a_scene(call: tuple[str, ...]) -> None:
+    outcome = run(*call, *OPTION)
+    assert (outcome.status, outcome.err) == (0, "")
+    assert outcome.out == run(*call, "--scene", "scene.toml").out
+    assert outcome.out != run(*call).out
+
+
+def test_it_is_added_to_those_of_the_scene_and_can_be_repeated() -> None:
+    both = run(*TORQUES, "--scene", "both.toml").out
+    assert run(*TORQUES, "--scene", "scene.toml", "--payload", "upper=1").out == both
+    assert run(*TORQUES, *OPTION, "--payload", "upper=1").out == both
+
+
+@pytest.mark.slow
+def test_accuracy_and_bench_take_it() -> None:
+    call = ("accuracy", "arm.urdf", "arm.csv", "--format", "json")
+    with_it, without = (json.loads(run(*call, *more).out) for more in (OPTION, ()))
+    assert [each["name"] for each in with_it["effects"]] != [each["name"] for each in without["effects"]]
+    effects = json.loads(run("bench", "arm.urdf", "--samples", "1", "--format", "json", *OPTION).out)["effects"]
+    assert "payload" in [each["name"] for each in effects]
+
+
+def test_a_batch_has_it() -> None:
+    Path("more.csv").write_text(motion(6))
+    assert run("torques", "arm.urdf", "arm.csv", "more.csv", "--out", "a/", "--jobs", "1", *OPTION).status == 0
+    for more, out in ((OPTION, "b.csv"), ((), "c.csv")):
+        assert run(*TORQUES, "--out", out, "--executor", "numpy", *more).status == 0
+    tables = [Path(path).read_text() for path in ("a/arm.csv", "b.csv", "c.csv")]
+    batch, alone, without = (float(text.splitlines()[-1].split(",")[1]) for text in tables)
+    assert abs(batch - alone) < 1e-12
+    assert abs(alone - without) > 1
+
+
+def test_links_with_signs_in_their_names() -> None:
+    text = Path("arm.urdf").read_text().replace('"fore"', '"a=b@c"')
+    Path("arm.urdf").write_text(text)
+    assert run(*TORQUES, "--payload", "a=b@c=2.5@0.1,0,0.05").status == 0
+
+
+@pytest.mark.parametrize(
+    ("value", "line"),
+    [
+        ("tool=1", "--payload: the robot has no link 'tool' (links: 'base', 'upper', 'fore')"),
+        ("for=1", "--payload: the robot has no link 'for' (did you mean 'fore'?)"),
+        *(
+            (
+                text,
+                f"invalid value for '--payload': '{text}' is not LINK=KG or LINK=KG@X,Y,Z, such as tool0=2.5@0,0",
+            )
+            for text in ("fore", "fore=", "=1", "fore=x", "fore=0", "fore=-1", "fore=nan", "fore=1@0,0", "fore=1,2,3,4")
+        ),
+    ],
+)
+def test_wrong_payloads(value: str, line: str) -> None:
+    outcome = run(*TORQUES, "--payload", value)
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
+def test_it_is_not_for_a_mesh() -> None:
+    Path("m.stl").touch()
+    outcome = run("accuracy", "m.stl", "--payload", "a=1")
+    assert outcome.status == 2
+    assert "--payload" in outcome.err
