@@ -21,7 +21,6 @@ from robodyn.cli.options import payloads
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
-from robodyn.installed import version_of
 from robodyn.report.json_batch import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
@@ -75,7 +74,6 @@ def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, A
         payloads=payloads(),
         executor=executor,
         threads=threads or 1,
-        version=version_of("robodyn") or "",
         **options,
     )
     return setup, model.name

@@ -6,13 +6,18 @@ import threading
 import zlib
 from dataclasses import dataclass, replace
 from hashlib import blake2b
+from pathlib import Path
 
 from robodyn.assemble import load
+from robodyn.installed import code_digest, version_of
 from robodyn.model import Model
 from robodyn.momentum import View
 from robodyn.scene import DEFAULT, Payload, Scene
 from robodyn.scene_file import parse_scene
 from robodyn.trajectory.reader import Derivatives
+
+VERSION = f"{version_of('robodyn')}, code {code_digest(Path(__file__).parents[1], without='cli')[:12]}"
+"""Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,7 @@ class Setup:
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's.
         reactions, sizing, momentum, derivatives, ignore_extra, explain: as for `torques`.
         executor: "numpy" or "compiled"; threads: of each process.
-        version: of robodyn, which all machines must have.
+        version: of robodyn and its code, which all machines must have.
     """
 
     robot: bytes
@@ -39,7 +44,7 @@ class Setup:
     explain: bool
     executor: str
     threads: int
-    version: str
+    version: str = VERSION
 
     def loaded(self) -> tuple[Model, Scene]:
         """The robot and its scene, read once by each thread, which then has programs of its own."""

@@ -8,11 +8,10 @@ from contextlib import ExitStack, suppress
 from typing import Any
 
 from robodyn.batch.jobs import Job
-from robodyn.batch.setup import Setup
+from robodyn.batch.setup import VERSION, Setup
 from robodyn.batch_result import JointPeak, Outcome, Status
 from robodyn.doubts import Doubt
 from robodyn.errors import InputError, RobodynError
-from robodyn.installed import version_of
 from robodyn.limits import Coverage, Quantity, Unchecked
 from robodyn.loads import torques
 from robodyn.motion_input import read_motion
@@ -33,8 +32,8 @@ def run_job(setup: Setup, job: Job) -> Outcome:
     tells, is finished: nothing is computed then. Every fault is part of the outcome.
     """
     try:
-        if (here := version_of("robodyn")) != setup.version:
-            what = f"robodyn {here} works on it, the batch is of robodyn {setup.version}"
+        if setup.version != VERSION:
+            what = f"robodyn {VERSION} works on it, the batch is of robodyn {setup.version}"
             raise InputError(what, remedy="install the same version everywhere")
         digest = setup.digest(job.path)
         found = _finished(job, digest)

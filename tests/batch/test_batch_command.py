@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
+from functools import partial
 from pathlib import Path
 
 import pytest
 from batch_runs import NAMES, batch, document, in_turn, listing, write_motion, write_runs
 from command_line import ROBOTS, run
 
+import robodyn
+from robodyn.batch import work
 from robodyn.batch.processes import worked_here
+from robodyn.batch.setup import VERSION, Setup
 from robodyn.cli import torques_batch
+from robodyn.installed import code_digest, version_of
 
 LINES = [f"runs/{name}.csv: 50 samples, 0.49 s -> results/{name}.csv" for name in sorted(NAMES)]
 
@@ -76,6 +82,40 @@ def test_what_has_changed_is_computed_again() -> None:
     assert statuses("--scene", "scene.toml") == [new] * 3
     Path("scene.toml").write_text("gravity = [0, 0, -2]\n")
     assert statuses("--scene", "scene.toml") == [new] * 3
+
+
+def test_what_other_code_has_computed_is_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where its version is the same."""
+    monkeypatch.setattr(torques_batch, "worked_here", in_turn)
+    assert statuses() == ["computed"] * 3
+    monkeypatch.setattr(work, "VERSION", "0.1.0, code 0123456789ab")
+    monkeypatch.setattr(torques_batch, "Setup", partial(Setup, version="0.1.0, code 0123456789ab"))
+    assert statuses() == ["computed"] * 3
+    assert statuses() == ["finished before"] * 3
+
+
+def test_other_code_on_a_worker_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(torques_batch, "worked_here", in_turn)
+    monkeypatch.setattr(work, "VERSION", "0.1.0, code 0123456789ab")
+    line = (
+        f"error: runs/one.csv: robodyn 0.1.0, code 0123456789ab works on it, the batch is of robodyn {VERSION} (install"
+    )
+    assert batch().err.startswith(line)
+
+
+def test_the_code_is_told_by_every_module_but_those_of_the_command_line(tmp_path: Path) -> None:
+    """The digest does not depend on where, or in what order, the files lie."""
+    package, copy = Path(robodyn.__file__).parent, tmp_path / "copy"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__", "cli"))
+    version = f"{version_of('robodyn')}, code {code_digest(copy)[:12]}"
+    assert version == VERSION
+    (copy / "cli").mkdir()
+    (copy / "cli" / "torques.py").write_text("changed")
+    assert code_digest(copy, without="cli") == code_digest(package, without="cli")
+    for change in (lambda path: path.write_text(path.read_text() + "\n"), lambda path: path.rename(copy / "moved.py")):
+        change(copy / "model.py")
+        assert code_digest(copy, without="cli")[:12] not in version
+    assert code_digest(tmp_path / "nothing") == ""
 
 
 def test_a_trajectory_that_fails_stops_no_other() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -10,13 +9,13 @@ from typing import Any
 
 from robodyn.execute.llvm.machine import Function, host, machine_code
 from robodyn.execute.object_cache import Key, ObjectCache, cache_folder
+from robodyn.installed import code_digest
 
 
 @cache
 def generator() -> str:
     """A digest of the modules that write and run the code: with any change of them, code is made anew."""
-    sources = sorted(Path(__file__).parent.parent.rglob("*.py"))
-    return hashlib.sha256(b"\0".join(path.read_bytes() for path in sources)).hexdigest() if sources else ""
+    return code_digest(Path(__file__).parent.parent)
 
 
 def kept_objects() -> ObjectCache:
