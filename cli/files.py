@@ -19,11 +19,12 @@ STANDARD_INPUT = "-"
 
 
 def robot_in_scene(
-    urdf: str, scene_file: str | None, gravity: Vector | None, *, loops: bool = False
+    urdf: str, scene_file: str | None, gravity: Vector | None, *, base_held: bool = False, loops: bool = False
 ) -> tuple[Model, Scene]:
     """The robot of a URDF or xacro file, and the scene it is in, which `gravity` and --payload change.
 
     Args:
+        base_held: whether something carries the base, as the scene may say too.
         loops: whether the scene may close some.
     """
     from robodyn.assemble import load
@@ -31,7 +32,7 @@ def robot_in_scene(
     from robodyn.scene_fit import check_scene, known, refuse_loops
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
-    scene = scene.changed(gravity)
+    scene = scene.changed(gravity, held=base_held)
     model = load(source_of(urdf), moving_base=scene.moving_base, **lookup())
     check_scene(scene, model, scene_file)
     for payload in payloads():

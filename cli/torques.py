@@ -45,7 +45,7 @@ def command(
     if options["reactions"] and not out:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
     options["momentum"] = momentum_view(options)
-    robot = urdf, scene_file, gravity
+    robot = urdf, scene_file, gravity, options.pop("base_held")
     if is_batch(trajectories, out, options):
         from robodyn.cli.torques_batch import run_batch
 

@@ -31,6 +31,7 @@ def run_batch(
     urdf: str,
     scene_file: str | None,
     gravity: Any,
+    base_held: bool,
     trajectories: Sequence[str],
     out: str | None,
     report: str | None,
@@ -49,7 +50,7 @@ def run_batch(
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
     jobs = jobs_of(trajectories, out)
     asked, dask = options.pop("jobs"), options.pop("dask")
-    setup, robot = _setup(urdf, scene_file, gravity, options)
+    setup, robot = _setup(urdf, scene_file, gravity, options | {"base_held": base_held})
     work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, processes(len(jobs), asked))
     with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
         outcomes = _gathered(work, jobs, tick, form == "text")

@@ -18,6 +18,7 @@ _OPTIONS = (
     SCENE,
     GRAVITY,
     click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."),
+    click.option("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."),
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
     MOMENTUM,

@@ -20,6 +20,7 @@ def run_single(
     urdf: str,
     scene_file: str | None,
     gravity: Vector | None,
+    base_held: bool,
     trajectory: str,
     out: str | None,
     report: str | None,
@@ -34,7 +35,7 @@ def run_single(
     for place in (out, report):
         check_names([urdf, trajectory, scene_file], place)
     with drawing(report, trajectory) as draw:
-        model, scene = robot_in_scene(urdf, scene_file, gravity)
+        model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
         said = ""
         if example:
             from robodyn.cli.example import write_example

@@ -14,6 +14,7 @@ from robodyn.effects.effect import Still
 from robodyn.energy_ledger import EnergyLedger
 from robodyn.execute.choice import Choice
 from robodyn.execute.runner import Run, Runner
+from robodyn.held_base import carried
 from robodyn.inverse import mass_matrix, runner_of
 from robodyn.limits import binding, coverage
 from robodyn.model import Model
@@ -177,7 +178,9 @@ class Pass:
         )
         balance, (force, moment) = self.ledger.balance, self.laws.largest
         moment = max(moment, force * self.model.reach)
-        warnings = [*self.model.notes, *last.notes]
+        base = base_loads(gathered)
+        doubts = carried(self.model, self.scene, base, joints, force, moment)
+        warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
         if not balance.consistent:
             warnings.append(
                 f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J: "
@@ -189,7 +192,7 @@ class Pass:
             duration=gathered.duration,
             gravity=self.scene.gravity,
             joints=joints,
-            base_wrench=base_loads(gathered),
+            base_wrench=base,
             effects=effect_reports(whole, explain),
             checks=Checks(balance, *self.laws.relative, self.laws.samples, force, moment),
             operations=whole.torques().size,
@@ -201,6 +204,7 @@ class Pass:
             history=self.history.history(gathered.at_peak) if self.history else None,
             sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
             limits=coverage(self.joints),
+            doubts=doubts,
         )
 
     def _poses(self) -> dict[int, Floats]:

@@ -183,6 +183,7 @@ class Scene(FrozenValue):
         rotor, spring, motor: by joint.
         immersed: links in a fluid of `fluid_density` [kg/m^3] that streams at `fluid_velocity` [m/s, ground's axes].
         moving_base: the base follows the trajectory's base_* columns; in a simulation it is free.
+        held: something carries the base, whatever that takes: a bolted stand, or a vehicle under a base that moves.
         slip_speed: Coulomb friction is f qd / sqrt(qd^2 + slip_speed^2) [rad/s]; 0: f sign(qd).
         initial_q, initial_qd: by coordinate and by rate, where a simulation begins, a number or the name of a column,
             of which the first row counts; 0 where nothing is said.
@@ -205,6 +206,7 @@ class Scene(FrozenValue):
     fluid_density: float = 0.0
     fluid_velocity: Vector = (0.0, 0.0, 0.0)
     moving_base: bool = False
+    held: bool = False
     slip_speed: float = 0.0
     initial_q: Mapping[str, Entry] = field(default_factory=dict)
     initial_qd: Mapping[str, Entry] = field(default_factory=dict)
@@ -219,10 +221,10 @@ class Scene(FrozenValue):
     def __hash__(self) -> int:
         return self._hash
 
-    def changed(self, gravity: Vector | None = None, payloads: Sequence[Payload] = ()) -> Scene:
-        """Return the scene with another gravity [m/s^2], if one is given, and with more payloads."""
-        payloads = (*self.payloads, *payloads)
-        return replace(self, gravity=self.gravity if gravity is None else gravity, payloads=payloads)
+    def changed(self, gravity: Vector | None = None, payloads: Sequence[Payload] = (), *, held: bool = False) -> Scene:
+        """Return the scene with another gravity [m/s^2], if one is given, more payloads, and a base that is held."""
+        gravity = self.gravity if gravity is None else gravity
+        return replace(self, gravity=gravity, payloads=(*self.payloads, *payloads), held=held or self.held)
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -56,7 +56,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         spring={name: _spring(entry) for name, entry in table.tables("spring")},
         payloads=tuple(_payload(entry) for entry in table.list("payload")),
         wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
-        moving_base=_moving_base(table),
+        **_base(table),
         slip_speed=_slip_speed(table),
         loops=loops_of(table),
         baumgarte=_rate(table, "baumgarte"),
@@ -173,8 +173,10 @@ def _immersed(table: SceneTable) -> Immersed:
     return immersed
 
 
-def _moving_base(table: SceneTable) -> bool:
+def _base(table: SceneTable) -> dict[str, Any]:
     base = SceneTable(table.take("base", {}), "[base]", table.file)
-    moving = base.text("motion", "fixed", MOTIONS) == "moving"
+    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.take("held", False)
+    if not isinstance(held, bool):
+        raise base.error(f'"held" is {held!r:.60}', remedy="true if something carries the base, else leave it out")
     base.finish()
-    return moving
+    return {"moving_base": moving, "held": held}

@@ -34,7 +34,7 @@ ORDER = [
     ("joints", "limits", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays", "motors"),
-    ("inverse", "accelerations", "loops", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),
+    ("inverse", "accelerations", "held_base", "loops", "self_checks", "energy_ledger", "motor_pass", "bearing_pass"),
     ("sizing", "sizing_pass", "momentum", "forward"),
     ("momentum_pass", "free_body"),
     ("one_pass", "equations", "bench"),

@@ -26,7 +26,7 @@ class Setup:
 
     Attributes:
         robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
-        gravity: m/s^2, in place of the scene's; payloads: beside the scene's.
+        gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
         reactions, sizing, momentum, derivatives, ignore_extra, explain: as for `torques`.
         executor: "numpy" or "compiled"; threads: of each process.
         version: of robodyn and its code, which all machines must have.
@@ -45,12 +45,13 @@ class Setup:
     executor: str
     threads: int
     version: str = VERSION
+    base_held: bool = False
 
     def loaded(self) -> tuple[Model, Scene]:
         """The robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
             scene = DEFAULT if self.scene is None else parse_scene(zlib.decompress(self.scene))
-            scene = scene.changed(self.gravity, self.payloads)
+            scene = scene.changed(self.gravity, self.payloads, held=self.base_held)
             _KEPT.robot = load(zlib.decompress(self.robot), moving_base=scene.moving_base), scene
             _KEPT.setup = self
         robot: tuple[Model, Scene] = _KEPT.robot

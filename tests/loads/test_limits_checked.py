@@ -144,7 +144,8 @@ def test_batches_say_what_was_not_checked(tmp_path: Path, monkeypatch: pytest.Mo
     Path("arm.urdf").write_text(ARM.replace('effort="50"', 'effort="0"'))
     for name in ("one", "two"):
         write_motion(Path(f"runs/{name}.csv"))
-    call = ("torques", "arm.urdf", "runs/*.csv", "--out", "results/", "--jobs", "1", "--fail-on-limits")
+    call = ("torques", "arm.urdf", "runs/*.csv", "--out", "results/", "--jobs", "1", "--executor", "numpy")
+    call += ("--fail-on-limits",)
     outcome = run(*call)
     assert outcome.status == 0, outcome.err
     assert outcome.out.endswith(f"\nNo limit is exceeded where there is one.\n{NO_EFFORT}\n")

@@ -26,6 +26,7 @@ EVERYTHING = replace(
     drive={"j4": Drive(1.0, reference="plan"), "j1": Drive(kp=3.0)},
     initial_q={"j1": 0.1, "j4": "begin"},
     loops=(Loop("l", "l2", directions=((0.0, 1.0, 0.0),)),),
+    held=True,
 )
 """A scene with something in every field."""
 

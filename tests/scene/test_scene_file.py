@@ -105,7 +105,7 @@ UNKNOWN = {
     '[[wrench]]\nlink = "a"\ntorque = [0, 0, 0]': ("link", "force", "moment", "point", "frame"),
     "[fluid]\ndensity = 1\nspeed = [0, 0, 0]": ("density", "velocity", "link"),
     '[fluid]\ndensity = 1\n[[fluid.link]]\nlink = "a"\narea = 1': ("link", "volume", "centre", "drag_area"),
-    '[base]\nmoving = "yes"': ("motion",),
+    '[base]\nmoving = "yes"': ("motion", "held"),
     "[drive]\na = { torqe = 1 }": ("torque", "kp", "kd", "reference", "speed"),
     'joint_limits = "spring"\n[limit_spring]\nk = 1\nstiffness = 2': ("stiffness", "damping"),
     "[initial]\nqdd = { a = 1 }": ("q", "qd"),

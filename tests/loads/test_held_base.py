@@ -1,0 +1,241 @@
+"""Robots that stand on legs or wheels, or fly, while their base is taken as held: recognised, and said so."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import ROBOTS, run
+from example_robots import PATHS, path_of
+from other_robots import other_paths
+from small_robots import built, joint, link
+
+import robodyn
+from robodyn.held_base import untouched
+from robodyn.report.limits_words import limits_verdict
+from robodyn.robot_inertia.configuration import link_poses
+
+FEET, WHEELS, FLIES, STIFF = "feet", "wheels", "thrust", "no joint"
+WARNED = {
+    FEET: "a1 alexander_v1.lowerBodyOnly anymal anymal-kinova b1 b1-z1 bolt centauro g1_29dof_rev_1_0 "
+    "g1_29dof_with_hand_rev_1_0 go1 go2 human hyq_no_sensors icub icub_reduced laikago quadruped romeo "
+    "romeo_laas_small romeo_small simple_humanoid simple_humanoid_classical solo solo12 talos_full_v2 "
+    "talos_full_v2_box talos_reduced talos_reduced_box talos_reduced_corrected jvrc1 iCub",
+    WHEELS: "pr2 tiago tiago_dual tiago_no_hand tiago_pro",
+    FLIES: "borinot_flying_arm_2 hextilt_flying_arm_5 iris",
+    STIFF: "quadrotor_base iris_simple composite",
+}
+HELD = (
+    "alex_nub_hands alex_sake_hands allegro_left_hand allegro_right_hand TwoDofs baxter double_pendulum "
+    "double_pendulum_continuous double_pendulum_simple finger_edu kinova panda panda_collision so100 so101 "
+    "talos_left_arm ur10_joint_limited_robot ur10_robot ur3_gripper ur3_joint_limited_robot ur3_robot ur5_gripper "
+    "ur5_joint_limited_robot ur5_robot xarm7 z1 iCub-part crank_slider cylindrical four_bars gripper heavy_top "
+    "meshed_arm pendulum puma puma560 rigid_body satellite scara two_link_planar two_link_spatial"
+)
+"""Arms, hands and mechanisms; rigid_body floats by its own description and satellite by its scene."""
+
+
+def called(path: Path) -> str:
+    """The name in the tables above; models of iCub but for two are whole ones."""
+    if path.stem != "model":
+        return path.stem
+    return "iCub-part" if path.parent.name.startswith("left_") else "iCub"
+
+
+def test_which_robots_stand_or_fly_and_which_are_bolted_down() -> None:
+    expected = {name: kind for kind, names in WARNED.items() for name in names.split()}
+    expected |= dict.fromkeys(HELD.split(), "")
+    paths = [*PATHS, *other_paths(), *ROBOTS.glob("*.urdf")]
+    wrong = {}
+    for path in paths:
+        found = untouched(robodyn.load(path))
+        kind = expected[called(path)]
+        if (kind not in found) if kind else found:
+            wrong[str(path)] = found
+    assert not wrong
+    assert {called(path) for path in paths} == expected.keys()
+
+
+HEADLINE = "No limit is exceeded as long as the base is held (assumed)"
+FEET_OF_ANYMAL = tuple(f"{leg}_FOOT" for leg in ("LF", "RF", "LH", "RH"))
+BENT = {"HAA": 0.0, "HFE": 0.4, "KFE": -0.8}
+
+
+def standing(contacts: bool, moving: bool, held: bool = False, share: float = 1.0) -> robodyn.Result:
+    """ANYmal with bent knees, with the forces at its feet that carry this share of its weight."""
+    model = robodyn.load(path_of("anymal"), moving_base=moving)
+    q = np.zeros(model.nq)
+    if moving:
+        q[6] = 1.0
+    for k, name in enumerate(model.coordinates):
+        if (kind := name.partition("_")[2]) in BENT:
+            q[k] = BENT[kind] * (-1.0 if "H_" in name else 1.0)
+    feet = [link_poses(model, q)[name].p for name in FEET_OF_ANYMAL]
+    com, weight = robodyn.momenta(model, q).com, 9.81 * model.total_mass
+    arms = np.array([(1.0, x, y) for x, y, _ in feet]).T
+    forces, *_ = np.linalg.lstsq(arms, share * weight * np.array((1.0, com[0], com[1])), rcond=None)
+    wrenches = tuple(
+        robodyn.ExternalWrench(name, (0.0, 0.0, float(force)), frame="world")
+        for name, force in zip(FEET_OF_ANYMAL, forces, strict=True)
+    )
+    scene = robodyn.Scene(wrenches=wrenches if contacts else (), moving_base=moving, held=held)
+    time, zero = np.linspace(0.0, 1.0, 5), np.zeros((5, model.n))
+    return robodyn.torques(model, robodyn.motion(model, time, np.tile(q, (5, 1)), zero, zero), scene)
+
+
+def knee(result: robodyn.Result) -> float:
+    return max(abs(joint.peak) for joint in result.joints if joint.name.endswith("KFE"))
+
+
+def test_a_quadruped_whose_base_hangs_is_not_green() -> None:
+    result = standing(contacts=False, moving=False)
+    (doubt,) = result.doubts
+    weight = f"{9.81 * robodyn.load(path_of('anymal')).total_mass:.3g} N"
+    assert doubt.said.startswith(f"the ground holds the base with {weight} and ")
+    assert "there is no contact at its feet ('LF_FOOT', 'RF_FOOT', 'LH_FOOT', 'RH_FOOT')" in doubt.said
+    ways = ("--base-held", "[base] held = true", '[base] motion = "moving"', "[[wrench]]")
+    assert all(way in doubt.said for way in ways)
+    assert result.warnings[0] == doubt.said
+    assert result.within_limits is None
+    verdict = limits_verdict(result)
+    assert (verdict.level, verdict.headline) == ("doubtful", HEADLINE)
+    assert knee(standing(contacts=True, moving=True)) > 10 * knee(result)
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_feet_that_carry_the_weight_leave_nothing_in_doubt(moving: bool) -> None:
+    result = standing(contacts=True, moving=moving)
+    assert not result.doubts
+    assert limits_verdict(result).level == "good"
+
+
+def test_a_moving_base_that_nothing_carries_says_so() -> None:
+    for contacts, share, why in ((False, 0.0, "no contact that carries it"), (True, 0.5, "do not carry it")):
+        result = standing(contacts=contacts, moving=True, share=share)
+        (doubt,) = result.doubts
+        left = (1.0 - share) * 9.81 * robodyn.load(path_of("anymal")).total_mass
+        assert doubt.said.startswith(f"the ground holds the base with {left:.3g} N and ")
+        assert why in doubt.said
+
+
+@pytest.mark.parametrize("moving", [True, False])
+def test_a_base_that_is_held_is_said_once_and_not_warned_of(moving: bool) -> None:
+    result = standing(contacts=False, moving=moving, held=True)
+    assert not result.doubts
+    assert limits_verdict(result).headline == "No limit is exceeded"
+
+
+def legged(**names: str) -> str:
+    """A trunk with two legs of two joints each, which point down, or sideways; all names can be changed."""
+    root, foot, drop = names.get("root", "trunk"), names.get("foot", "end"), names.get("drop", "0 0 -0.3")
+    parts = [
+        f'<robot name="two"><link name="{root}"><inertial><mass value="5"/><inertia ixx="0.1" ixy="0" ixz="0" '
+        'iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
+    ]
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        parent, place = root, f"0 {y} -0.1"
+        for part in ("upper", f"lower_{foot}"):
+            parts.append(
+                f'<link name="{side}_{part}"><inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" '
+                f'iyz="0" izz="0.01"/></inertial></link><joint name="{side}_{part}_joint" type="revolute"><parent '
+                f'link="{parent}"/><child link="{side}_{part}"/><origin xyz="{place}"/><axis xyz="0 1 0"/>'
+                '<limit effort="50" velocity="9" lower="-2" upper="2"/></joint>'
+            )
+            parent, place = f"{side}_{part}", drop
+    return "".join(parts) + "</robot>"
+
+
+@pytest.mark.parametrize(
+    ("names", "stands"),
+    [
+        ({}, True),
+        ({"root": "world"}, False),
+        ({"root": "base_link", "drop": "0 0 0.3"}, False),
+        ({"drop": "0.3 0 0"}, False),
+        ({"drop": "0.3 0 0", "foot": "foot"}, True),
+        ({"root": "ground_robot"}, True),
+    ],
+)
+def test_legs_by_where_they_end_or_by_their_names(names: dict[str, str], stands: bool) -> None:
+    assert bool(untouched(robodyn.load(legged(**names).encode()))) is stands
+
+
+@pytest.fixture
+def files(tmp_path: Path) -> tuple[str, str]:
+    (tmp_path / "two.urdf").write_text(legged())
+    model = robodyn.load(tmp_path / "two.urdf")
+    columns = [f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in model.coordinates]
+    rows = [",".join((f"{t / 10}", *["0"] * len(columns))) for t in range(5)]
+    (tmp_path / "two.csv").write_text("\n".join([",".join(("time", *columns)), *rows, ""]))
+    return str(tmp_path / "two.urdf"), str(tmp_path / "two.csv")
+
+
+@pytest.mark.parametrize("form", ["text", "json", "html", "md"])
+def test_what_is_assumed_is_in_every_report(form: str, files: tuple[str, str], tmp_path: Path) -> None:
+    page = tmp_path / f"page.{form}"
+    more = {"text": (), "json": ("--format", "json")}.get(form, ("--report", str(page)))
+    outcome = run("torques", *files, "--fail-on-limits", *more)
+    assert (outcome.status, outcome.err) == (0, "")
+    shown = page.read_text() if page.exists() else outcome.out
+    assert HEADLINE in shown
+    assert "the ground holds the base with 88.3 N" in shown
+    if form == "json":
+        found = json.loads(shown)
+        assert found["warnings"] == [found["doubts"][0]["said"]] == found["verdict"]["reasons"][:1]
+        assert (found["verdict"]["level"], found["within_limits"]) == ("doubtful", None)
+    held = run("torques", *files, "--base-held", *more)
+    shown = page.read_text() if page.exists() else held.out
+    assert "holds the base" not in shown
+    assert HEADLINE not in shown
+
+
+def test_a_scene_says_that_the_base_is_held(files: tuple[str, str], tmp_path: Path) -> None:
+    (tmp_path / "bolts.toml").write_text("[base]\nheld = true\n")
+    outcome = run("torques", *files, "--scene", str(tmp_path / "bolts.toml"))
+    assert "\nNo limit is exceeded.\n" in outcome.out
+    (tmp_path / "bolts.toml").write_text('[base]\nheld = "yes"\n')
+    outcome = run("torques", *files, "--scene", str(tmp_path / "bolts.toml"))
+    assert outcome.status == 2
+    assert "\"held\" is 'yes' (true if something carries the base, else leave it out)" in outcome.err
+
+
+def test_batches_say_what_is_assumed(files: tuple[str, str], tmp_path: Path) -> None:
+    (tmp_path / "more.csv").write_text((tmp_path / "two.csv").read_text())
+    call = (
+        "torques",
+        files[0],
+        files[1],
+        str(tmp_path / "more.csv"),
+        "--out",
+        f"{tmp_path}/out/",
+        "--jobs",
+        "1",
+        "--executor",
+        "numpy",
+    )
+    outcome = run(*call, "--fail-on-limits")
+    assert outcome.status == 0
+    said = outcome.out.splitlines()
+    assert said[-2] == f"{HEADLINE}."
+    assert said[-1].startswith(f"warning: {files[1]} and 1 other file: the ground holds the base with 88.3 N and ")
+    found = json.loads(run(*call, "--format", "json").out)
+    assert found["within_limits"] is None
+    assert found["files"][0]["doubts"][0]["clause"] == "as long as the base is held (assumed)"
+    outcome = run(*call, "--base-held")
+    assert outcome.out.endswith("\nNo limit is exceeded.\n"), "results of another assumption are not finished"
+
+
+def test_a_floating_joint_that_nothing_drives() -> None:
+    body = link("body", 2.0, inertia=(1, 0, 0, 1, 0, 1))
+    model = built(link("base", 1.0), body, joint("free", "base", "body", "floating"))
+    q = np.zeros((3, model.nq))
+    q[:, 6] = 1.0
+    zero = np.zeros((3, model.n))
+    result = robodyn.torques(model, robodyn.motion(model, [0.0, 0.5, 1.0], q, zero, zero))
+    (doubt,) = result.doubts
+    assert doubt.said.startswith("nothing drives the floating joint 'free', whose motion takes 19.6 N and 0 N m (RMS)")
+    fall = zero.copy()
+    fall[:, 5] = -9.81
+    assert not robodyn.torques(model, robodyn.motion(model, [0.0, 0.5, 1.0], q, zero, fall)).doubts
