@@ -86,8 +86,12 @@ def _packed(path: str) -> bytes:
 
 
 def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
+    import logging
+
     from robodyn.batch.cluster import worked_there
 
+    # That work is given to another worker is what Dask is for, and no news.
+    logging.getLogger("distributed.client").setLevel(logging.ERROR)
     return worked_there(setup, jobs, address, lambda line: click.echo(f"note: {printable(line)}", err=True))
 
 

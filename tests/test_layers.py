@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ORDER = [
-    ("frozen",),
+    ("frozen", "library_messages"),
     ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties"),
     (
         "whole_file",

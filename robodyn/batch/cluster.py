@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -43,7 +41,7 @@ def worked_there(
     except (OSError, ValueError, TypeError) as error:
         what = f"no Dask scheduler answers: {' '.join(str(error).split()) or type(error).__name__}"
         raise InputError(what, remedy="an address is like tcp://10.0.0.1:8786", file=address) from None
-    with client, _no_warnings("distributed.client"):
+    with client:
         if not client.scheduler_info(n_workers=-1)["workers"]:
             say(f"{address} has no workers yet; waiting for them")
         futures = [client.submit(run_job, setup, job, pure=False) for job in jobs]
@@ -58,18 +56,6 @@ def worked_there(
                 yield number, outcome
         finally:
             client.cancel(futures)
-
-
-@contextmanager
-def _no_warnings(name: str) -> Iterator[None]:
-    """Keep a logger to errors: that work is given to another worker is what Dask is for, and no news."""
-    logger = logging.getLogger(name)
-    before = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(before)
 
 
 def _why(job: Job, problem: BaseException) -> str:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from importlib import import_module
-from logging import ERROR, getLogger
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
+from robodyn.library_messages import heard
 
 Floats = NDArray[np.float64]
 Gravity = tuple[float, float, float]
@@ -104,9 +104,9 @@ def drake(urdf: str, gravity: Gravity, states: States) -> Iterator[Task]:
     parsing: Any = import_module("pydrake.multibody.parsing")
     multibody: Any = import_module("pydrake.multibody.plant")
     tree: Any = import_module("pydrake.multibody.tree")
-    getLogger("drake").setLevel(ERROR)
     plant = multibody.MultibodyPlant(0.0)
-    (instance,) = parsing.Parser(plant).AddModelsFromString(urdf, "urdf")
+    with heard("drake"):
+        (instance,) = parsing.Parser(plant).AddModelsFromString(urdf, "urdf")
     if plant.HasBodyNamed(states.base, instance):  # a link named world is the world
         plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(states.base, instance))
     plant.mutable_gravity_field().set_gravity_vector(gravity)

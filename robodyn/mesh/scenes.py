@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import logging
-import threading
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -14,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
+from robodyn.library_messages import heard, treated_warnings
 from robodyn.mesh.assets import asset_of
 from robodyn.mesh.polygons import triangles_of
 from robodyn.mesh.source import Source
@@ -72,10 +70,12 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
     if kind in ("dae", "zae"):
         options["ignore_broken"] = False
     loader: Any = mesh_loaders["dae" if kind == "zae" else kind]
-    with source.opened() as stream, _listening() as heard, warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.filterwarnings("error", message="string or file could not be read to its end")
+    unread = treated_warnings("error", "string or file could not be read to its end")
+    with source.opened() as stream, heard("trimesh") as messages, unread, np.errstate(all="ignore"):
         loaded: dict[str, Any] = loader(file_obj=stream if data is None else BytesIO(data), **options)
-    return loaded, heard
+    lines = [message.partition("\n")[0] for message in messages]
+    harmless = ("texture", "shininess")
+    return loaded, [f"trimesh: {x[:200]}" for x in lines if not any(word in x.lower() for word in harmless)]
 
 
 def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
@@ -150,26 +150,3 @@ def _told(source: Source, kind: str) -> Iterator[None]:
 def _first_line(error: Exception) -> str:
     line = str(error).strip().partition("\n")[0]
     return line[:200] if line and not isinstance(error, KeyError) else f"{type(error).__name__} {line}".strip()[:200]
-
-
-class _Listener(logging.Handler):
-    def __init__(self, heard: list[str]) -> None:
-        super().__init__(logging.WARNING)
-        self._heard, self._thread = heard, threading.get_ident()
-
-    def emit(self, record: logging.LogRecord) -> None:
-        text = record.getMessage().partition("\n")[0]
-        if record.thread == self._thread and not any(word in text.lower() for word in ("texture", "shininess")):
-            self._heard.append(f"trimesh: {text[:200]}")
-
-
-@contextmanager
-def _listening() -> Iterator[list[str]]:
-    """What trimesh's loaders log as warnings in this thread, which would otherwise go to standard error."""
-    heard: list[str] = []
-    listener, logger = _Listener(heard), logging.getLogger("trimesh")
-    logger.addHandler(listener)
-    try:
-        yield heard
-    finally:
-        logger.removeHandler(listener)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
+from robodyn.library_messages import treated_warnings
 from robodyn.report.ticks import plain_numbers
 
 if TYPE_CHECKING:
@@ -75,12 +76,10 @@ class Sheet:
     def plot(self, draw: Callable[[Figure], None], name: str) -> str:
         """An SVG element for a page; see `plot`."""
         import io
-        import warnings
 
         from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-        with style(name), warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="Glyph")  # the page's own fonts may have it
+        with treated_warnings("ignore", "Glyph"), style(name):  # the page's own fonts may have it
             canvas: Any = FigureCanvasSVG(self._figure)
             for axes in self._figure.axes:
                 _wipe(axes)

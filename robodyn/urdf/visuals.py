@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
@@ -12,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.library_messages import heard
 from robodyn.urdf.parts import Description
 from robodyn.urdf.primitives import primitive
 
@@ -60,7 +58,7 @@ def _of_meshes(description: Description) -> Visuals:
             missing.append(fname)
         return "" if path is None else str(path)
 
-    with _silent():
+    with heard("yourdfpy", "trimesh"):
         scene: Any = yourdfpy.URDF.load(BytesIO(description.data), filename_handler=path_of).scene
         placed: dict[str, list[Floats]] = {}
         for node in scene.graph.nodes_geometry:
@@ -72,17 +70,3 @@ def _of_meshes(description: Description) -> Visuals:
                 corners = np.asarray(geometry.vertices, dtype=np.float64) @ local[:3, :3].T + local[:3, 3]
                 placed.setdefault(link, []).append(corners[np.asarray(geometry.faces)])
     return Visuals({link: np.concatenate(parts) for link, parts in placed.items()}, tuple(dict.fromkeys(missing)))
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Without what the two libraries log."""
-    loggers = [logging.getLogger(name) for name in ("yourdfpy", "yourdfpy.urdf", "trimesh")]
-    before = [each.disabled for each in loggers]
-    for each in loggers:
-        each.disabled = True
-    try:
-        yield
-    finally:
-        for each, was in zip(loggers, before, strict=True):
-            each.disabled = was

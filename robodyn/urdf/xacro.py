@@ -1,16 +1,32 @@
-"""Expanding xacro files, by way of xacrodoc where that is installed."""
+"""Expanding xacro files, by way of xacrodoc where that is installed.
+
+xacro keeps what it is at in variables of its modules, and prints; so each file is expanded by a process of its own.
+"""
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import redirect_stdout
+from importlib.util import find_spec
 from io import StringIO
 from typing import Any
 
 from robodyn.errors import InputError
 from robodyn.urdf.packages import Search
 from robodyn.wording import alternatives, shown
+
+_MARK = "\x1e"
+"""Before the answer of a process, which libraries may print to as well."""
+_PROCESS = """
+import json, sys
+sys.path[:], question = json.load(sys.stdin)
+from robodyn.urdf.xacro import answer
+print("\x1e" + json.dumps(answer(*question)))
+"""
 
 
 def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, str] | None = None) -> bytes:
@@ -28,25 +44,49 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
     """
     if not os.path.isfile(path):
         raise InputError("there is no such file", remedy="check the name", file=path)
+    if find_spec("xacrodoc") is None:
+        remedy = f"pip install 'robodyn[xacro]', or expand it first: xacro {path} > robot.urdf"
+        raise InputError("to read a xacro file xacrodoc is needed", remedy=remedy, file=path)
+    given = dict(args or {})
+    found = _asked(path, package_paths, given)
+    if "problem" in found:
+        what = found["problem"]
+        raise InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path)
+    for name in given:
+        if name not in found["arguments"]:
+            remedy = alternatives(name, found["arguments"], "arguments")
+            raise InputError(f"the file has no argument {shown(name)}", remedy=remedy, file=path)
+    text: str = found["text"]
+    return text.encode()
+
+
+def _asked(*question: Any) -> dict[str, Any]:
+    """What a process of its own answers; see `answer`."""
+    asked = json.dumps([sys.path, question]).encode()
+    done = subprocess.run([sys.executable, "-c", _PROCESS], input=asked, capture_output=True, check=False)
+    if done.returncode:
+        return {"problem": f"its process ended with status {done.returncode}"}
+    found: dict[str, Any] = json.loads(done.stdout.rpartition(_MARK.encode())[2])
+    return found
+
+
+def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> dict[str, Any]:
+    """Expand a file in this process, which must have no other work.
+
+    Returns:
+        `text` and the names of its `arguments`; or a `problem`.
+    """
+    given = _Arguments(args)
     try:
         import xacrodoc  # its xacro needs no ROS
         from xacro import process_file
-    except ImportError:
-        remedy = f"pip install 'robodyn[xacro]', or expand it first: xacro {path} > robot.urdf"
-        raise InputError("to read a xacro file xacrodoc is needed", remedy=remedy, file=path) from None
-    given = _Arguments(args or {})
-    xacrodoc.packages._finder = _Packages(path, package_paths)
-    try:
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            text: str = process_file(path, mappings=given).toprettyxml(indent="  ")
+
+        xacrodoc.packages._finder = _Packages(path, package_paths)
+        with redirect_stdout(StringIO()):
+            text = process_file(path, mappings=given).toprettyxml(indent="  ")
     except (Exception, SystemExit) as error:
-        what = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path) from None
-    for name in args or ():
-        if name not in given.known:
-            remedy = alternatives(name, given.known, "arguments")
-            raise InputError(f"the file has no argument {shown(name)}", remedy=remedy, file=path)
-    return text.encode()
+        return {"problem": " ".join(str(error).split()) or type(error).__name__}
+    return {"text": text, "arguments": list(given.known)}
 
 
 class _Packages:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -106,6 +108,34 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert str(error.value).startswith(
         f"{robot}: to read a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
     )
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) -> None:
+    """While one file waits for what it includes, streams are as they were, and others are expanded."""
+    slow = written(tmp_path / "parts", "slow.xacro")
+    os.mkfifo(tmp_path / "parts" / "slow.xacro")
+    streams = sys.stdout, sys.stderr
+    with ThreadPoolExecutor(5) as pool:
+        waiting = pool.submit(expanded, str(slow))
+        end = os.open(tmp_path / "parts" / "slow.xacro", os.O_WRONLY)  # returns when it is read
+        try:
+            meanwhile = sys.stdout, sys.stderr
+            found = list(pool.map(lambda k: expanded(str(robot), args={"kilo": str(k)}), range(1, 5)))
+            assert not waiting.done()
+            os.write(end, MACRO.encode())
+        finally:
+            os.close(end)
+        assert b'<mass value="2"/>' in waiting.result()
+    assert meanwhile == streams
+    for k, text in enumerate(found, 1):
+        assert f'<mass value="{2 * k}"/>'.encode() in text
+
+
+def test_a_process_that_dies_is_one_line(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robodyn.urdf.xacro._PROCESS", "import os; os._exit(7)")
+    with pytest.raises(InputError, match="xacro cannot expand it: its process ended with status 7"):
+        expanded(str(robot))
 
 
 def test_no_such_file(tmp_path: Path) -> None:
