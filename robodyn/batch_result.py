@@ -8,6 +8,7 @@ from typing import Literal
 
 from robodyn.doubts import Doubt
 from robodyn.limits import Coverage, within
+from robodyn.ties import ranked
 
 Status = Literal["computed", "finished before", "failed"]
 
@@ -126,9 +127,9 @@ _LEVELS = (None, "no limits", "OK", "over continuous", "over peak")
 
 
 def _worst(found: Sequence[tuple[str, JointPeak]]) -> Worst:
-    peak_in, peak = max(found, key=lambda pair: abs(pair[1].peak))
-    rms_in, rms = max(found, key=lambda pair: pair[1].rms)
-    speed_in, speed = max(found, key=lambda pair: abs(pair[1].max_speed))
+    peak_in, peak = ranked(found, key=lambda pair: abs(pair[1].peak))[0]
+    rms_in, rms = ranked(found, key=lambda pair: pair[1].rms)[0]
+    speed_in, speed = ranked(found, key=lambda pair: abs(pair[1].max_speed))[0]
     level_in, level = max(found, key=lambda pair: _LEVELS.index(pair[1].level))
     return Worst(
         name=peak.name,

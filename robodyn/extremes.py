@@ -7,11 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.ties import first_of_ties, steady
+
 Floats = NDArray[np.float64]
 
 
 class Extremes:
-    """Where each of some columns is smallest and largest; of equal samples the first counts.
+    """Where each of some columns is smallest and largest; of ties the first counts.
 
     Attributes:
         least, greatest: (k,) values.
@@ -27,8 +29,9 @@ class Extremes:
     def update(self, time: Floats, values: Floats) -> None:
         """Take in a block: time (N,) and values (N, k), N > 0."""
         columns = np.arange(len(self.names))
-        low, high = values.argmin(axis=0), values.argmax(axis=0)
-        lower, higher = values[low, columns] < self.least, values[high, columns] > self.greatest
+        low, high = first_of_ties(-values.T), first_of_ties(values.T)
+        lower = steady(values[low, columns]) < steady(self.least)
+        higher = steady(values[high, columns]) > steady(self.greatest)
         self.least = np.where(lower, values[low, columns], self.least)
         self.least_time = np.where(lower, time[low], self.least_time)
         self.greatest = np.where(higher, values[high, columns], self.greatest)
@@ -36,7 +39,7 @@ class Extremes:
 
 
 class Greatest:
-    """For each of several columns the sample at which a score is greatest; of equal ones the first counts.
+    """For each of several columns the sample at which a score is greatest; of ties the first counts.
 
     Attributes:
         score: (k,) the greatest; time: (k,) when [s]; row: (k,) of the data, from 1.
@@ -51,8 +54,8 @@ class Greatest:
     def update(self, time: Floats, first_row: int, score: Floats, **values: Floats) -> None:
         """Take in a block: time (N,), score and further values (k, N), N > 0."""
         columns = np.arange(len(score))
-        at = score.argmax(axis=1)
-        new = score[columns, at] > self.score
+        at = first_of_ties(score)
+        new = steady(score[columns, at]) > steady(self.score)
         self.score = np.where(new, score[columns, at], self.score)
         self.time = np.where(new, time[at], self.time)
         self.row = np.where(new, at + first_row, self.row)

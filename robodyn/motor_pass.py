@@ -11,6 +11,7 @@ from robodyn.extremes import Greatest
 from robodyn.motors import Train, allowed, load_torque, motor_torque, points
 from robodyn.sizing_result import MotorLoad, Nearest
 from robodyn.statistics import Integrals
+from robodyn.ties import BEYOND
 
 Floats = NDArray[np.float64]
 
@@ -65,19 +66,19 @@ class MotorPass:
             "travel": pace,
             "positive": np.maximum(power, 0.0),
             "negative": np.minimum(power, 0.0),
-            "wear": carried**3 * np.abs(qd),
+            "wear": carried * carried * carried * np.abs(qd),
             "joint travel": np.abs(qd),
-            "above continuous": (size > continuous).astype(float),
-            "over peak": (size > peak).astype(float),
-            "over speed": (pace > fastest).astype(float),
-            "over gear": (carried > most).astype(float),
+            "above continuous": (size > BEYOND * continuous).astype(float),
+            "over peak": (size > BEYOND * peak).astype(float),
+            "over speed": (pace > BEYOND * fastest).astype(float),
+            "over gear": (carried > BEYOND * most).astype(float),
         }
         self.integrals.update(before, np.diff(time), quantities)
 
     def mean_gear_torque(self, i: int) -> float:
         """The cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
         travel = self.integrals.totals["joint travel"][i]
-        return float(np.cbrt(self.integrals.totals["wear"][i] / travel)) if travel else 0.0
+        return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
     def load(self, i: int, duration: float, load_inertia: float) -> MotorLoad:
         """The figures of motor i.

@@ -62,7 +62,7 @@ def joint_load(
         peak_speed=float(gathered.peak_speed[k]),
         rms=float(np.sqrt(gathered.mean("square", single**2)[k])),
         mean=float(gathered.mean("torque", single)[k]),
-        cubic_mean=float(np.cbrt(totals["wear"][k] / travel)) if travel else 0.0,
+        cubic_mean=float(totals["wear"][k] / travel) ** (1 / 3) if travel else 0.0,
         max_speed=float(gathered.speed.value[k]),
         max_speed_time=float(gathered.speed_time[k]),
         max_speed_row=int(gathered.speed.index[k]) + 1,

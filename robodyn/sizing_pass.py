@@ -20,6 +20,7 @@ from robodyn.result import JointLoad
 from robodyn.scene import Scene
 from robodyn.sizing_result import Exceeded, FoundationLoad, JointSizing, Level, MotorLoad, Sizing
 from robodyn.statistics import Integrals
+from robodyn.ties import BEYOND, steady
 from robodyn.trajectory.motion import Trajectory
 
 Floats = NDArray[np.float64]
@@ -146,10 +147,10 @@ class SizingPass:
         if motor is not None:
             yield from _motor_exceeded(motor)
             yield from self._gear_exceeded(self.driven.index(k), load.unit)
-        if load.effort_limit is not None and abs(load.peak) > load.effort_limit:
+        if load.effort_limit is not None and abs(load.peak) > BEYOND * load.effort_limit:
             when = (load.peak_time, load.peak_row, None, load.seconds_over_effort)
             yield Exceeded("effort", abs(load.peak), load.effort_limit, load.unit, *when)
-        if load.velocity_limit is not None and abs(load.max_speed) > load.velocity_limit:
+        if load.velocity_limit is not None and abs(load.max_speed) > BEYOND * load.velocity_limit:
             when = (load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity)
             unit = "rad/s" if load.unit == "N m" else "m/s"
             yield Exceeded("velocity", abs(load.max_speed), load.velocity_limit, unit, *when)
@@ -161,11 +162,11 @@ class SizingPass:
     def _gear_exceeded(self, i: int, unit: str) -> Iterator[Exceeded]:
         motor, gear = self.motors.trains[i].motor, self.motors.gear
         most, mean = float(gear.score[i]), self.motors.mean_gear_torque(i)
-        if motor.gear_peak is not None and most > motor.gear_peak:
+        if motor.gear_peak is not None and most > BEYOND * motor.gear_peak:
             seconds = float(self.motors.integrals.totals["over gear"][i])
             when = (float(gear.time[i]), int(gear.row[i]), None, seconds)
             yield Exceeded("gear torque", most, motor.gear_peak, unit, *when)
-        if motor.gear_average is not None and mean > motor.gear_average:
+        if motor.gear_average is not None and mean > BEYOND * motor.gear_average:
             yield Exceeded("mean gear torque", mean, motor.gear_average, unit)
 
     def _foundation(self, duration: float) -> tuple[FoundationLoad, ...]:
@@ -181,19 +182,19 @@ class SizingPass:
 
 def _motor_exceeded(motor: MotorLoad) -> Iterator[Exceeded]:
     near, most, limit = motor.nearest, motor.speed_limit, motor.continuous_limit
-    if near is not None and near.torque > near.limit:
+    if near is not None and near.torque > BEYOND * near.limit:
         at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
         yield Exceeded("motor torque", near.torque, near.limit, motor.unit, *at_speed)
-    if most is not None and abs(motor.max_speed) > most:
+    if most is not None and abs(motor.max_speed) > BEYOND * most:
         when = (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
         yield Exceeded("motor speed", abs(motor.max_speed), most, motor.speed_unit, *when)
-    if limit is not None and motor.rms > limit:
+    if limit is not None and motor.rms > BEYOND * limit:
         yield Exceeded("RMS motor torque", motor.rms, limit, motor.unit, speed=motor.mean_speed)
 
 
 def _severity(exceeded: Exceeded) -> tuple[bool, float]:
     """What breaks before what wears, then by how far in relation to the limit."""
-    return exceeded.level != "over peak", -exceeded.value / exceeded.limit if exceeded.limit else -np.inf
+    return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf
 
 
 def _limited(load: JointLoad, motor: MotorLoad | None) -> bool:

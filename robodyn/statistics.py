@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.ties import BEYOND, first_of_ties, steady
+
 Floats = NDArray[np.float64]
 
 COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -18,7 +20,7 @@ FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 
 @dataclass
 class Peak:
-    """The values of largest magnitude of several columns, and the samples where they are."""
+    """The values of largest magnitude of several columns, and the samples where they are; of ties the first counts."""
 
     value: Floats
     index: NDArray[np.int64]
@@ -34,11 +36,9 @@ class Peak:
             (column, sample of the block) for every column that has a new peak.
         """
         columns = np.arange(len(values))
-        highest, lowest = values.argmax(axis=1), values.argmin(axis=1)
-        low, high = np.abs(values[columns, lowest]), np.abs(values[columns, highest])
-        at = np.where((low > high) | ((low == high) & (lowest < highest)), lowest, highest)
+        at = first_of_ties(np.abs(values))
         found = values[columns, at]
-        news = np.flatnonzero((self.index < 0) | (np.abs(found) > np.abs(self.value)))
+        news = np.flatnonzero((self.index < 0) | (steady(np.abs(found)) > steady(np.abs(self.value))))
         self.value[news], self.index[news] = found[news], at[news] + first
         return [(int(column), int(at[column])) for column in news]
 
@@ -81,6 +81,7 @@ class Statistics:
         """Args: effort, velocity: (joints,) limits, infinite where there is none."""
         n = len(effort)
         self.effort, self.velocity = effort, velocity
+        self._most = BEYOND * np.array((effort, velocity))[..., None]
         self.samples, self.start, self.end = 0, 0.0, 0.0
         self.torque, self.speed, self.base = Peak.of(n), Peak.of(n), Peak.of(len(FOUNDATION))
         self.base_time = np.zeros(len(FOUNDATION))
@@ -134,8 +135,8 @@ class Statistics:
                 "positive": np.maximum(power, 0.0),
                 "negative": np.minimum(power, 0.0),
                 "base square": base * base,
-                "over effort": (np.abs(tau) > self.effort[:, None]).astype(float),
-                "over velocity": (speed > self.velocity[:, None]).astype(float),
+                "over effort": (np.abs(tau) > self._most[0]).astype(float),
+                "over velocity": (speed > self._most[1]).astype(float),
             },
         )
         self.samples += len(time)

@@ -1,55 +1,57 @@
-"""Orders and choices among numbers that rounding errors do not turn: numbers as good as equal are ties."""
+"""Orders and choices that rounding errors do not turn: numbers that are the same in their first 30 bits are ties.
+
+Where numbers come from depends on the processor in their last bits, and what a user sees must not. Comparing them in 30
+bits is comparing them within 1e-9; the limits between two such numbers have 31 bits, which no number has by design.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from math import isfinite
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 Item = TypeVar("Item")
-NEAR = 1e-9
-"""Numbers that differ by no more than this part of the larger one are ties."""
+_SPLIT = 2.0**23 + 1.0
+BEYOND = 1.0 + 1e-9
+"""Times this, a limit is exceeded by what is larger, and not by what a motion up to the limit is off by rounding."""
 HALF_UP = 1.0 + 1e-12
 """Times this, a number half-way between two of few digits is printed as the larger one, whatever its last digits."""
 
 
-def tie_margin(largest: float, noise: float = 0.0) -> float:
-    """Return how far below the largest number a tie may lie.
+def steady(numbers: ArrayLike, noise: float = 0.0) -> NDArray[np.float64]:
+    """Return the numbers rounded to 30 bits, which comparisons are made with.
+
+    Method: Veltkamp's splitting (Dekker 1971).
 
     Args:
-        noise: what arithmetic cannot tell from zero, in the unit of the number.
+        noise: what arithmetic cannot tell from zero, in the unit of the numbers: such numbers are 0.
     """
-    return max(NEAR * abs(largest), noise) if isfinite(largest) else 0.0
+    given = np.asarray(numbers, dtype=float)
+    with np.errstate(over="ignore", invalid="ignore"):
+        large = given * _SPLIT
+        found: NDArray[np.float64] = large - (large - given)
+    if noise:
+        found = np.where(np.abs(given) <= noise, 0.0, found)
+    return np.where(np.isfinite(found), found, given)
 
 
 def ranked(items: Iterable[Item], key: Callable[[Item], float], noise: float = 0.0) -> list[Item]:
-    """Return the items in descending order of their keys; ties, each next to the one before it, keep their order.
-
-    Args:
-        noise: keys that differ by no more than this are ties too.
-    """
+    """Return the items in descending order of their keys; ties keep their order. For noise see `steady`."""
     given = list(items)
-    keys = [float(key(item)) for item in given]
-    order = sorted(range(len(given)), key=lambda k: -keys[k])
-    found: list[int] = []
-    group: list[int] = []
-    for k in order:
-        if group and keys[k] < keys[group[-1]] - tie_margin(keys[group[-1]], noise):
-            found += sorted(group)
-            group = []
-        group.append(k)
-    return [given[k] for k in (*found, *sorted(group))]
+    keys = steady([key(item) for item in given], noise).tolist()
+    return [given[k] for k in sorted(range(len(given)), key=lambda k: -keys[k])]
+
+
+def first_of_ties(rows: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return for each row (k, N) the place of its largest number, the first of ties: `first_largest` of each."""
+    level = steady(rows.max(axis=1))
+    below = np.nextafter(np.where(np.isfinite(level), level, 0.0), -np.inf)
+    found: NDArray[np.int64] = (rows >= (level - 2.0**22 * np.spacing(np.abs(below)))[:, None]).argmax(axis=1)
+    return found
 
 
 def first_largest(values: ArrayLike, noise: float = 0.0) -> int:
-    """Return the index of the largest of some numbers, the first of ties; of the smallest with `-values`.
-
-    Args:
-        noise: numbers that are smaller by no more than this are ties too.
-    """
-    numbers = np.asarray(values, dtype=float)
-    largest = float(numbers.max())
-    return int(np.argmax(numbers >= largest - tie_margin(largest, noise)))
+    """Return the place of the largest of some numbers, the first of ties; of the smallest if given `-values`."""
+    return int(np.argmax(steady(values, noise)))

@@ -9,6 +9,7 @@ from robodyn.limits import Coverage, Excess, Unchecked
 from robodyn.report.document import Level, Verdict
 from robodyn.report.table import number, printable
 from robodyn.result import JointLoad, Result
+from robodyn.ties import ranked
 
 _LINES = 15
 """So many limits are named at the top of a page."""
@@ -113,7 +114,9 @@ def worst_joint(result: Result) -> int | None:
     if not joints:
         return None
     limited = [k for k, joint in enumerate(joints) if joint.effort_limit]
-    return max(limited or range(len(joints)), key=lambda k: effort_use(joints[k]) if limited else abs(joints[k].peak))
+    return ranked(
+        limited or range(len(joints)), key=lambda k: effort_use(joints[k]) if limited else abs(joints[k].peak)
+    )[0]
 
 
 def effort_use(joint: JointLoad) -> float:
@@ -128,6 +131,5 @@ def speed_use(joint: JointLoad) -> float:
 
 def _nearest(joints: Sequence[JointLoad]) -> Iterator[str]:
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
-        joint = max(joints, key=use, default=None)
-        if joint is not None and use(joint):
+        for joint in ranked((joint for joint in joints if use(joint)), key=use)[:1]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."

@@ -14,6 +14,7 @@ from small_robots import built, joint, link
 
 from robodyn.errors import InputError
 from robodyn.execute import choice
+from robodyn.extremes import Extremes, Greatest
 from robodyn.inverse import inverse_dynamics
 from robodyn.loads import torques
 from robodyn.motion_input import motion
@@ -128,3 +129,37 @@ def test_one_sample():
         assert load.mean == load.peak
         assert abs(load.rms - abs(load.peak)) <= EPS * abs(load.peak)
         assert (load.peak_time, load.peak_row, load.work_positive, load.cubic_mean) == (2.5, 1, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("ulps", [-3, 0, 3])
+def test_of_peaks_that_differ_by_rounding_the_first_counts(ulps):
+    """-1 comes before 1 + a few ulp, whether or not they stand in the same block; so do its time and its row."""
+    values = np.array([[0.5, -1.0, 1.0 + ulps * EPS, -1.0]])
+    together, apart = Peak.of(1), Peak.of(1)
+    together.update(values, 0)
+    for k in range(4):
+        apart.update(values[:, k : k + 1], k)
+    score, extremes = Greatest(1), Extremes(["x"])
+    for k in range(4):
+        score.update(np.array([0.1 * k]), k + 1, np.abs(values[:, k : k + 1]))
+        extremes.update(np.array([0.1 * k]), -np.abs(values[:, k : k + 1]).T)
+    assert together.index.tolist() == apart.index.tolist() == [1]
+    assert (score.row.tolist(), score.time.tolist()) == ([2], [0.1])
+    assert extremes.least_time.tolist() == [0.1]
+
+
+def test_a_motion_up_to_its_limits_exceeds_none():
+    """And one beyond by more than rounding does, for as long as it is beyond."""
+    turns = joint("j", "base", "arm").replace('"-9" upper="9"', '"-1" upper="1"').replace('"100"', '"2"')
+    model = built(link("base"), link("arm", 1), turns)
+    time = np.linspace(0, 1, 11)
+
+    def found(factor):
+        q, qd = factor * np.linspace(-1, 1, 11)[:, None], np.full((11, 1), 2.0 * factor)
+        return torques(model, motion(model, time, q, qd, np.zeros((11, 1)))).joints[0]
+
+    at = found(1 + 4 * EPS)
+    assert (at.exceeded, at.seconds_over_velocity) == ((), 0.0)
+    beyond = found(1 + 1e-8)
+    assert [excess.quantity for excess in beyond.exceeded] == ["velocity", "position", "position"]
+    assert beyond.seconds_over_velocity == pytest.approx(1.0)

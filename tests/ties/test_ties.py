@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.ties import NEAR, first_largest, ranked
+from robodyn.ties import HALF_UP, first_largest, first_of_ties, ranked, steady
 
 ROUNDING = 1e-14
 """What the last digits of numbers may be off, relatively."""
-LEVELS = st.lists(st.sampled_from([0.0, 1e-300, 1e-7, 0.25, 1.0, 1.001, 3.0, 1e12]), min_size=1, max_size=8)
+LEVELS = st.lists(st.sampled_from([0.0, 1e-300, 1e-7, 0.1, 0.25, 1.0, 1.001, 3.2, 87.0, 1e12]), min_size=1, max_size=8)
 
 
 def shaken(values: list[float], seed: int) -> list[float]:
@@ -35,9 +35,23 @@ def test_the_largest_comes_first_and_equal_ones_as_given(values: list[float]) ->
     assert first_largest(values) == order[0]
 
 
+@given(st.floats(allow_nan=False))
+def test_thirty_bits_are_kept(x: float) -> None:
+    found = float(steady(x))
+    assert found == x or abs(found - x) <= 2.0**-30 * abs(x)
+    assert float(steady(found)) == found
+
+
+@given(st.lists(st.sampled_from([0.0, -2.0, 1.0, 0.3, np.inf]), min_size=1, max_size=6), st.integers(0, 1000))
+def test_rows_are_treated_as_single_lists(values: list[float], seed: int) -> None:
+    other = np.random.default_rng(seed).uniform(-1.0, 1.0, len(values)).tolist()
+    rows = np.array([values, shaken(values, seed), other])
+    assert first_of_ties(rows).tolist() == [first_largest(row) for row in rows]
+
+
 def test_differences_of_more_than_rounding_count() -> None:
-    assert ranked("ab", {"a": 1.0, "b": 1.0 + 2 * NEAR}.__getitem__) == ["b", "a"]
-    assert first_largest([1.0, 1.0 + 2 * NEAR]) == 1
+    assert ranked("ab", {"a": 1.0, "b": 1.0 + 4e-9}.__getitem__) == ["b", "a"]
+    assert first_largest([1.0, 1.0 + 4e-9]) == 1
 
 
 def test_noise_is_a_tie_whatever_its_sign() -> None:
@@ -50,3 +64,10 @@ def test_noise_is_a_tie_whatever_its_sign() -> None:
 def test_infinite_and_negative_numbers(values: list[float], first: int) -> None:
     assert first_largest(values) == first
     assert ranked(range(len(values)), values.__getitem__)[0] == first
+
+
+@pytest.mark.parametrize(("x", "digits"), [(0.125, 2), (1.546875, 6), (2.5e-4, 1), (12345.5, 5)])
+def test_half_way_is_printed_upwards(x: float, digits: int) -> None:
+    found = {f"{x * (1 + k * 1e-15) * HALF_UP:.{digits}g}" for k in (-3, 0, 3)}
+    assert len(found) == 1
+    assert float(found.pop()) > x
