@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, POSITIVE, SCENE
+from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, AtType, Vector
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
 from robodyn.report.json_simulation import simulation_json
 from robodyn.report.text_simulation import simulation_text
+from robodyn.simulation.initial import begun_at
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.trajectory.write import open_writer
@@ -20,6 +23,8 @@ from robodyn.trajectory.write import open_writer
 @click.argument("urdf", type=PATH)
 @DESCRIPTION
 @SCENE
+@GRAVITY
+@click.option("--at", type=AtType(), metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")
 @click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff.")
@@ -34,6 +39,8 @@ from robodyn.trajectory.write import open_writer
 def command(
     urdf: str,
     scene_file: str | None,
+    gravity: Vector | None,
+    at: Any,
     table: str | None,
     duration: float | None,
     step: float | None,
@@ -47,18 +54,20 @@ def command(
     form: str,
 ) -> None:
     """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base,
-    closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. A file named - is
-    standard input.
+    closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
+    neither --at nor the scene says a position begin at 0, or within their limits. A file named - is standard input.
 
     \b
     Examples:
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --duration 2
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --report r.html
+      robodyn simulate robots/puma.urdf --at shoulder=-1.5,elbow=1.5 --duration 0.5
     """
     check_names([urdf, scene_file, table], out)
     check_names([urdf, scene_file, table], report)
     get_ready(report)
-    model, scene = robot_in_scene(urdf, scene_file, None, loops=True)
+    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
+    scene = begun_at(model, scene, at or ())
     check_table(table, scene, scene_file)
     if accuracy is None:
         result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)

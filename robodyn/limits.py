@@ -6,11 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from robodyn.doubts import Doubt
 
 if TYPE_CHECKING:
-    from robodyn.model import Joint
+    from robodyn.model import Joint, Model
 
+Floats = NDArray[np.float64]
 Quantity = Literal["effort", "velocity", "position"]
 
 MOST_EFFORT, MOST_VELOCITY = 1e5, 1e4
@@ -72,6 +76,26 @@ def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
             tuple(Unchecked(joint.name, None) for joint in ranged if not _ends(joint)),
         ),
     )
+
+
+def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:
+    """Return between which values of each coordinate all joints that it moves are within their limits.
+
+    Returns:
+        (nq,) least and largest [rad or m], -inf and inf where there is no limit; least > largest where limits of a
+        joint and of one that mimics it exclude each other, or are the wrong way round.
+    """
+    least, largest = np.full(model.nq, -np.inf), np.full(model.nq, np.inf)
+    for body in model.bodies:
+        joint, k = body.joint, body.joint.coordinate
+        if joint.kind in ("revolute", "prismatic") and joint.multiplier:
+            ends = [
+                np.inf * sign if limit is None else (limit - joint.offset) / joint.multiplier
+                for limit, sign in ((joint.lower, -joint.multiplier), (joint.upper, joint.multiplier))
+            ]
+            lower, upper = ends if joint.multiplier > 0.0 else ends[::-1]
+            least[k], largest[k] = max(least[k], lower), min(largest[k], upper)
+    return least, largest
 
 
 def within(exceeded: bool, limits: Sequence[Coverage], doubts: Sequence[Doubt]) -> bool | None:

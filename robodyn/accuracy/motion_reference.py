@@ -17,8 +17,9 @@ from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.initial import initial_state
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import initial_state, simulate
+from robodyn.simulation.run import simulate
 
 Floats = NDArray[np.float64]
 Run = Callable[..., Simulation]

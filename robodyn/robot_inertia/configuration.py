@@ -32,17 +32,12 @@ def configuration(model: Model, values: Values = ()) -> Floats:
     Raises:
         InputError: there are more or fewer values than coordinates, a name is none, or a quaternion is zero.
     """
-    names = coordinates(model)
-    if not isinstance(values, Mapping):
-        values = _by_order(model, names, values)
     q = np.zeros(model.nq)
     for joint in model.independent:
         if joint.kind == "floating":
             q[joint.coordinate + 3 : joint.coordinate + 7] = _ATTITUDE
     place = {name: k for k, name in enumerate(model.coordinates)}
-    for name, value in values.items():
-        if name not in names:
-            raise InputError(f"no joint {shown(name)} to set", remedy=_instead(model, name, names), file=model.file)
+    for name, value in named(model, values, coordinates(model)).items():
         q[place[name]] = value
     _check_attitudes(model, q)
     return q
@@ -57,13 +52,22 @@ def rates(model: Model, values: Values = ()) -> Floats:
     Raises:
         InputError: there are more or fewer values than joints move, or a name is none.
     """
-    names = model.rates[6 if model.floating else 0 :]
+    given = named(model, values, model.rates[6 if model.floating else 0 :])
+    return np.array([given.get(name, 0.0) for name in model.rates])
+
+
+def named(model: Model, values: Values, names: tuple[str, ...]) -> Mapping[str, float]:
+    """Return values by name, given in the order of these names, or some by name already.
+
+    Raises:
+        InputError: there are more or fewer values than names, or a name is none.
+    """
     if not isinstance(values, Mapping):
         values = _by_order(model, names, values)
     for name in values:
         if name not in names:
             raise InputError(f"no joint {shown(name)} to set", remedy=_instead(model, name, names), file=model.file)
-    return np.array([values.get(name, 0.0) for name in model.rates])
+    return values
 
 
 def _by_order(model: Model, names: tuple[str, ...], values: Sequence[float]) -> dict[str, float]:

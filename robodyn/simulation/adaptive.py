@@ -69,10 +69,11 @@ def adaptive_motion(
     if found.status < 0 or not np.isfinite(found.y).all():
         at = f"{method.name} gives up at {found.t[-1]:.6g} s: {str(found.message).lower().rstrip('.')}"
         raise InputError(at, remedy="give a larger --rtol, or --method radau where friction or a drive is stiff")
-    states = np.column_stack((found.y.T, np.zeros(len(found.t))))
+    new = np.diff(found.t, prepend=-1.0) > 0.0  # all but a limit that is reached where the motion begins
+    time, states = found.t[new], np.column_stack((found.y.T, np.zeros(len(found.t))))[new]
     for joint in plan.model.independent:
         if joint.kind == "floating":
             h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
             h /= np.linalg.norm(h, axis=1)[:, None]
-    ended = limits.nearest(states[-1]).reached(float(found.t[-1])) if found.status == 1 else ""
-    return Motion(found.t, states, len(found.t) - 1, 1, used, ended, int(found.nfev))
+    ended = limits.nearest(states[-1]).reached(float(time[-1])) if found.status == 1 else ""
+    return Motion(time, states, len(time) - 1, 1, used, ended, int(found.nfev))

@@ -89,10 +89,11 @@ class FixedSteps:
         if ended is None:
             return Motion(time, self._own(parts), total * every, every, self.name, "", self._evaluations(total * every))
         last, more, late = self._to_limit(parts[-1][-1], every, h, limits, done * every)
-        time = np.array([*time, time[-1] + late])
-        why = limits.nearest(last).reached(float(time[-1]))
-        steps = done * every + more
-        return Motion(time, self._own([*parts, last[None]]), steps, every, self.name, why, self._evaluations(steps))
+        end, steps = float(time[-1] + late), done * every + more
+        why = limits.nearest(last).reached(end)
+        if end > time[-1]:
+            time, parts = np.array([*time, end]), [*parts, last[None]]
+        return Motion(time, self._own(parts), steps, every, self.name, why, self._evaluations(steps))
 
     @property
     def name(self) -> str:

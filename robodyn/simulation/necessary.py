@@ -13,6 +13,7 @@ from robodyn.loops.find import Dropped, Found, closed_chain, independent, jacobi
 from robodyn.plan import Plan
 from robodyn.simulation.closed_start import closed_near, closed_start
 from robodyn.simulation.closing import Closing
+from robodyn.simulation.initial import initial_state
 
 Floats = NDArray[np.float64]
 AWAY = 0.1
@@ -50,8 +51,6 @@ def necessary(plan: Plan) -> Found:
 
 def _begun(closing: Closing) -> Floats | None:
     """q where the motion begins; None where it cannot."""
-    from robodyn.simulation.run import initial_state
-
     model, scene = closing.plan.model, closing.plan.scene
     try:
         return closed_start(closing, initial_state(model, scene))[: model.nq]

@@ -22,6 +22,7 @@ from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import SHORTER, FixedSteps, Motion
 from robodyn.simulation.free import check_free
 from robodyn.simulation.how import How, how_of, way
+from robodyn.simulation.initial import initial_state, limits_at_start
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
@@ -106,6 +107,7 @@ def simulate(
             *model.notes,
             *signal.said,
             *notes,
+            *limits_at_start(model, scene),
             *start_notes(model, scene, motion.states[0], begun),
             *stiff,
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
@@ -138,34 +140,6 @@ def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: S
         check_free(a_plan.model, a_plan.scene, method.name)
     ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
     return ready.motion(state, duration, how.step, limits)
-
-
-def initial_state(model: Model, scene: Scene) -> Floats:
-    """(width,) q, qd, no work done, and no step yet; where the scene says nothing, 0 and no turn.
-
-    Args:
-        scene: that of a `Signal`, whose initial state is in numbers.
-
-    Raises:
-        InputError: a quaternion is zero.
-    """
-    q = dict.fromkeys(model.coordinates, 0.0)
-    for joint in model.independent:
-        if joint.kind == "floating":
-            q[f"{joint.name}_qw"] = 1.0
-    qd = dict.fromkeys(model.rates, 0.0)
-    for values, begun in ((q, scene.initial_q), (qd, scene.initial_qd)):
-        for name, entry in begun.items():
-            assert not isinstance(entry, str), "a scene of a Signal has its initial state in numbers"
-            values[name] = entry
-    state = np.array([*q.values(), *qd.values(), 0.0, 0.0])
-    for joint in model.independent:
-        if joint.kind == "floating":
-            h = state[joint.coordinate + 3 : joint.coordinate + 7]
-            if not h.any():
-                raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
-            h /= np.linalg.norm(h)
-    return state
 
 
 def _check_positive(**given: float | None) -> None:

@@ -15,7 +15,7 @@ from robodyn.plan import plan
 from robodyn.scene import Loop, Scene
 from robodyn.simulation.closed_start import closed_start
 from robodyn.simulation.closing import Closing
-from robodyn.simulation.run import initial_state
+from robodyn.simulation.initial import initial_state
 
 
 def started(model, scene):
