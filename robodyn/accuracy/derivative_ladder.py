@@ -17,7 +17,7 @@ from robodyn.model import Model
 from robodyn.motion_input import motion, sources_of
 from robodyn.plan import Plan
 from robodyn.trajectory.motion import Derivation, Trajectory
-from robodyn.trajectory.reader import MODES, Derivatives
+from robodyn.trajectory.reading import MODES, Derivatives
 
 Floats = NDArray[np.float64]
 MEASURES = "middle", "whole"

@@ -16,8 +16,9 @@ from robodyn.model import Model
 from robodyn.scene import Entry, Scene
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.layout import listing
+from robodyn.trajectory.header import listing
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.table import open_table
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,7 @@ def read_table(source: Source, scene: Scene) -> Table:
     else:
         table = open_table(source)  # type: ignore[assignment]
         file = os.fspath(source)
-    with TrajectoryReader(table, Signals(()), names, ignore_extra=True) as reader:
+    with TrajectoryReader(table, Signals(()), names, Reading(ignore_extra=True)) as reader:
         blocks = list(reader.blocks())
     time = np.concatenate([block.time for block in blocks])
     return Table(file, time, {name: np.concatenate([block.extra[name] for block in blocks]) for name in names})

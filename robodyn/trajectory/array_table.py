@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray, check_finite, common_length, spread
+from robodyn.trajectory.table import FloatArray, check_finite, common_length, less, spread
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 
 class ArrayTable:
@@ -29,6 +33,7 @@ class ArrayTable:
         self.file = file
         self.names = tuple(columns)
         self._arrays = list(columns.values())
+        self.origins: Mapping[int, Decimal] = {}
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
         for start in range(0, self._rows, rows):
@@ -40,7 +45,14 @@ class ArrayTable:
         return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
 
     def _slice(self, columns: Sequence[int], cut: slice) -> FloatArray:
-        return np.array([self._arrays[i][cut] for i in columns]).T
+        return np.array([less(self._arrays[i][cut], self.origins.get(i)) for i in columns]).T
+
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        return [self._arrays[i][0].item() for i in columns] if self._rows else []
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """There are numbers only."""
+        return {}
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)

@@ -39,19 +39,35 @@ class Assembly:
             TrajectoryError: time does not increase, or a quaternion is zero.
         """
         place = {column: i for i, column in enumerate(self.layout.needed)}
-        time = block[:, place[self.layout.time]]
+        clock, parts = self.layout.clock, self.layout.parts
+        stamps, *nano = (block[:, place[column]] for column in clock.columns)
+        time = clock.seconds(stamps, *nano)
         self._check_time(time, first_row, last_time)
-        q, qd, qdd = (self._gather(block, place, of) for of in (self.layout.q, self.layout.qd, self.layout.qdd))
+        q, qd, qdd = (np.zeros((len(block), len(of)), order="F") for of in self._columns)
+        for values, of in zip((q, qd, qdd), self._columns, strict=True):
+            for i, column in enumerate(of):
+                if column != ABSENT:
+                    cells = block[:, place[column]]
+                    values[:, i] = cells / parts[column] if column in parts else cells
+        for i, position in self.layout.held.items():
+            q[:, i] = position
         extra = {name: block[:, place[column]] for name, column in self.layout.extra.items()}
-        samples = Trajectory(time, q, qd, qdd, extra, first_row)
+        samples = Trajectory(
+            time,
+            q,
+            qd,
+            qdd,
+            extra,
+            first_row,
+            stamps=clock.given(stamps, time),
+            origin=float(clock.start),
+            held={self.signals.positions[i]: position for i, position in self.layout.held.items()},
+        )
         return self._normalise(samples)
 
-    def _gather(self, block: FloatArray, place: dict[int, int], columns: tuple[int, ...]) -> FloatArray:
-        values = np.zeros((len(block), len(columns)), order="F")
-        for i, column in enumerate(columns):
-            if column != ABSENT:
-                values[:, i] = block[:, place[column]]
-        return values
+    @property
+    def _columns(self) -> tuple[tuple[int, ...], ...]:
+        return self.layout.q, self.layout.qd, self.layout.qdd
 
     def _check_time(self, time: FloatArray, first_row: int, last_time: float) -> None:
         before = np.concatenate(([last_time], time[:-1]))
@@ -59,7 +75,8 @@ class Assembly:
         if late.any():
             i = int(np.argmax(late))
             relation = "repeats" if time[i] == before[i] else "is before"
-            what = f"time {float(time[i])!r} {relation} {float(before[i])!r} of the row before"
+            since = " s after the first stamp" if self.layout.clock.origin else ""
+            what = f"time {float(time[i])!r}{since} {relation} {float(before[i])!r} of the row before"
             raise self.error_at(first_row + i, what, "time must increase from row to row")
 
     def _normalise(self, samples: Trajectory) -> Trajectory:
@@ -88,12 +105,6 @@ class Assembly:
         return replace(samples, notes=tuple(notes))
 
 
-def empty(signals: Signals) -> Trajectory:
-    """No samples, to join others to."""
-    nq, n = len(signals.positions), len(signals.velocities)
-    return Trajectory(np.zeros(0), np.zeros((0, nq)), np.zeros((0, n)), np.zeros((0, n)))
-
-
 def join(parts: list[Trajectory]) -> Trajectory:
     """Consecutive samples as one trajectory."""
     if len(parts) == 1:
@@ -101,7 +112,9 @@ def join(parts: list[Trajectory]) -> Trajectory:
     time, q, qd, qdd = (np.concatenate([getattr(part, name) for part in parts]) for name in ("time", "q", "qd", "qdd"))
     extra = {name: np.concatenate([part.extra[name] for part in parts]) for name in parts[0].extra}
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
-    return Trajectory(time, q, qd, qdd, extra, parts[0].first_row, parts[0].derivation, notes)
+    stamps = None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts])
+    whole = replace(parts[-1], time=time, q=q, qd=qd, qdd=qdd, extra=extra, notes=notes, stamps=stamps)
+    return replace(whole, first_row=parts[0].first_row)
 
 
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
@@ -115,4 +128,5 @@ def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
         qdd=samples.qdd[start:stop],
         extra=extra,
         first_row=samples.first_row + start,
+        stamps=None if samples.stamps is None else samples.stamps[start:stop],
     )

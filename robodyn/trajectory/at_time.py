@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.trajectory.assemble import cut
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 
@@ -23,24 +22,10 @@ def row_at(reader: TrajectoryReader, time: float) -> Trajectory:
         first = float(block.time[0]) if best is None else first
         last = float(block.time[-1])
         if best is None or abs(block.time[k] - time) < abs(best.time[0] - time):
-            best = _row(block, k)
+            best = cut(block, k, k + 1)
         if first <= time <= last:
             break
     if best is None or not first <= time <= last:
         what = f"time {time:.6g} s is outside the motion"
         raise TrajectoryError(what, remedy=f"it lasts from {first:.6g} s to {last:.6g} s", file=reader.file)
     return best
-
-
-def _row(block: Trajectory, k: int) -> Trajectory:
-    one = slice(k, k + 1)
-    extra = {name: values[one] for name, values in block.extra.items()}
-    return replace(
-        block,
-        time=block.time[one],
-        q=block.q[one],
-        qd=block.qd[one],
-        qdd=block.qdd[one],
-        extra=extra,
-        first_row=block.first_row + k,
-    )

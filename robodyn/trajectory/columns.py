@@ -2,29 +2,61 @@
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from robodyn.errors import InputError
+from robodyn.trajectory.units import split_unit, unit_of
 
 Kind = Literal["angle", "continuous", "length", "floating"]
-Quantity = Literal["q", "qd", "qdd"]
+Quantity = Literal["q", "qd", "qdd", "tau"]
+Place = tuple[Quantity, int]
 
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 TWIST_RATE = ("wdx", "wdy", "wdz", "ax", "ay", "az")
 TIME_NAMES = ("time", "t", "timestamp")
-SUFFIXES: dict[str, Quantity] = {"position": "q", "velocity": "qd", "acceleration": "qdd"}
-_DOTTED: dict[Quantity, str] = {"q": "pos", "qd": "vel", "qdd": "acc"}
+MEASURED: dict[Quantity, str] = {"q": "position", "qd": "velocity", "qdd": "acceleration", "tau": "torque"}
+WORDS: dict[str, Quantity] = {
+    **dict.fromkeys(("q", "pos", "position", "positions", "angle"), "q"),
+    **dict.fromkeys(("qd", "dq", "vel", "velocity", "velocities"), "qd"),
+    **dict.fromkeys(("qdd", "ddq", "acc", "acceleration", "accelerations"), "qdd"),
+    **dict.fromkeys(("tau", "eff", "effort", "efforts", "torque"), "tau"),
+}
+"""Words before or behind a joint's name, with `_`, `.`, `/` or a blank between: `/states/elbow/velocity`."""
+ANY_WORD = rf"(?P<word>(?i:{'|'.join(sorted(WORDS, key=len, reverse=True))}))"
+_WORDED = (re.compile(rf"(?:.*[./])?{ANY_WORD}[_./ -](?P<stem>.+)"), re.compile(rf"(?P<stem>.+)[_./ -]{ANY_WORD}"))
 
 
 @dataclass(frozen=True)
 class Signal:
-    """One coordinate of the robot: a scalar joint, or a floating joint (7 positions, 6 velocities)."""
+    """One coordinate of the robot: a scalar joint, or a floating joint (7 positions, 6 velocities).
+
+    Attributes:
+        lower, upper: limits of the position that count, infinite where there is none; speed: of the velocity.
+    """
 
     name: str
     kind: Kind
+    lower: float = -math.inf
+    upper: float = math.inf
+    speed: float = math.inf
+
+
+class Meaning(NamedTuple):
+    """What a column holds.
+
+    Attributes:
+        place: quantity and index in it; None if it is not used: a torque, or of a joint without a coordinate.
+        unit: text of the unit in the column's name, None if it tells none.
+    """
+
+    place: Place | None
+    unit: str | None = None
 
 
 @dataclass(frozen=True)
@@ -64,61 +96,93 @@ class Signals:
         return tuple(stem for joint in self.joints for stem in _stems(joint, TWIST_RATE))
 
     @cached_property
-    def names(self) -> dict[str, tuple[Quantity, int]]:
-        """Every understood column name without prefix path -> (quantity, index in q, qd or qdd).
+    def spans(self) -> dict[str, tuple[range, range]]:
+        """Name of each joint -> its indices in q, and in qd and qdd."""
+        found: dict[str, tuple[range, range]] = {}
+        q = qd = 0
+        for joint in self.joints:
+            of = len(_stems(joint, POSE)), len(_stems(joint, TWIST))
+            found[joint.name] = range(q, q + of[0]), range(qd, qd + of[1])
+            q, qd = q + of[0], qd + of[1]
+        return found
+
+    @cached_property
+    def rest(self) -> tuple[float, ...]:
+        """The position nearest to zero within the limits; of a floating joint at its place and not turned."""
+        found: list[float] = []
+        for joint in self.joints:
+            found += (0.0,) * 6 + (1.0,) if joint.kind == "floating" else (min(max(0.0, joint.lower), joint.upper),)
+        return tuple(found)
+
+    @cached_property
+    def kinds(self) -> dict[str, str]:
+        """What each stem of a position or velocity measures: "angle", "length", or "" for parts of quaternions."""
+        scalar = {"angle": "angle", "continuous": "angle", "length": "length"}
+        found = {joint.name: scalar[joint.kind] for joint in self.joints if joint.kind != "floating"}
+        for joint in self.joints:
+            if joint.kind == "floating":
+                parts = zip(
+                    (*POSE, *TWIST), ("length",) * 3 + ("",) * 4 + ("angle",) * 3 + ("length",) * 3, strict=True
+                )
+                found |= {f"{joint.name}_{part}": kind for part, kind in parts}
+        return found
+
+    @cached_property
+    def names(self) -> dict[str, Meaning]:
+        """Our own column names.
 
         Where two readings of a name collide, `q_<joint>` wins over the joint's bare name, and both over `q<number>`.
         """
-        found: dict[str, tuple[Quantity, int]] = {}
-        bare = tuple(joint.kind == "floating" for joint in self.joints for _ in _stems(joint, TWIST))
+        found: dict[str, Meaning] = {}
         stems: dict[Quantity, tuple[str, ...]] = {"q": self.positions, "qd": self.velocities, "qdd": self.velocities}
         for quantity, of in stems.items():
-            found |= {f"{quantity}_{stem}": (quantity, i) for i, stem in enumerate(of)}
+            found |= {f"{quantity}_{stem}": Meaning((quantity, i)) for i, stem in enumerate(of)}
         for i, stem in enumerate(self.positions):
-            found.setdefault(stem, ("q", i))
-        for i, floating in enumerate(bare):
-            if floating:
-                found.setdefault(f"qdd_{self.accelerations[i]}", ("qdd", i))
-                found.setdefault(self.velocities[i], ("qd", i))
-                found.setdefault(self.accelerations[i], ("qdd", i))
-        for quantity, of in stems.items():
-            for i, stem in enumerate(of):
-                found.setdefault(f"{stem}.{_DOTTED[quantity]}", (quantity, i))
+            found.setdefault(stem, Meaning(("q", i)))
+        for i, stem in enumerate(self.velocities):
+            if stem != self.accelerations[i]:  # of a floating joint
+                found.setdefault(f"qdd_{self.accelerations[i]}", Meaning(("qdd", i)))
+                found.setdefault(stem, Meaning(("qd", i)))
+                found.setdefault(self.accelerations[i], Meaning(("qdd", i)))
         for quantity, of in stems.items():
             for i in range(len(of)):
-                found.setdefault(f"{quantity}{i + 1}", (quantity, i))
-                found.setdefault(matrix_column(quantity, i), (quantity, i))
+                found.setdefault(f"{quantity}{i + 1}", Meaning((quantity, i)))
+                found.setdefault(matrix_column(quantity, i), Meaning((quantity, i)))
         return found
 
-    def find(self, column: str) -> tuple[Quantity, int] | None:
-        """The quantity that a column name means, or None."""
-        if column in self.names:
-            return self.names[column]
-        prefix, _, last = column.strip("/").rpartition("/")
-        if last not in SUFFIXES:
-            return None
-        quantity = SUFFIXES[last]
-        stems = self.positions if quantity == "q" else self.velocities
-        parts = prefix.split("/")
-        for start in range(len(parts)):
-            stem = "/".join(parts[start:])
-            if stem in stems:
-                return quantity, stems.index(stem)
+    def find(self, column: str) -> Meaning | None:
+        """Return what a column of this name holds, None if the robot does not know it.
+
+        Our own names come first, then words beside a joint's name, then the same before a unit that is not of time.
+        """
+        if found := self._find(column):
+            return found
+        for name, text in split_unit(column):
+            unit = unit_of(text)
+            if (unit is None or unit.dimension != "time") and (found := self._find(name)):
+                return found._replace(unit=text)
         return None
 
-    def is_dependent(self, column: str) -> bool:
-        """Whether a column belongs to a joint without a coordinate of its own, or is a torque: known and not used."""
-        names = set(self.dependent)
-        stem, _, last = column.rpartition(".")
-        head, _, rest = column.partition("_")
-        parts = column.strip("/").split("/")
-        return (
-            column in names
-            or (head == "tau" and (rest in names or rest in self.velocities))
-            or (last in _DOTTED.values() and stem in names)
-            or (head in _DOTTED and rest in names)
-            or (parts[-1] in SUFFIXES and any("/".join(parts[i:-1]) in names for i in range(len(parts) - 1)))
-        )
+    def _find(self, column: str) -> Meaning | None:
+        if column in self.names:
+            return self.names[column]
+        if column in self.dependent:
+            return Meaning(None)
+        for quantity, stem in worded(column):
+            stems = self.positions if quantity == "q" else self.velocities
+            for end in _ends(stem):
+                if end in stems:
+                    return Meaning(None if quantity == "tau" else (quantity, stems.index(end)))
+                if end in self.dependent:
+                    return Meaning(None)
+        return None
+
+
+def worded(column: str) -> Iterator[tuple[Quantity, str]]:
+    """Yield the readings of a name as a word for a quantity and the rest, which should name a joint."""
+    for pattern in _WORDED:
+        if found := pattern.fullmatch(column):
+            yield WORDS[found["word"].lower()], found["stem"]
 
 
 def matrix_column(quantity: str, index: int) -> str:
@@ -126,5 +190,12 @@ def matrix_column(quantity: str, index: int) -> str:
     return f"{quantity}[{index + 1}]"
 
 
-def _stems(joint: Signal, parts: tuple[str, ...]) -> list[str]:
+def _ends(stem: str) -> Iterator[str]:
+    """Yield a name with and without what stands before its slashes and points."""
+    yield stem
+    for found in re.finditer(r"[/.]", stem):
+        yield stem[found.end() :]
+
+
+def _stems(joint: Signal, parts: Sequence[str]) -> list[str]:
     return [f"{joint.name}_{part}" for part in parts] if joint.kind == "floating" else [joint.name]

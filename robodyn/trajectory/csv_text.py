@@ -7,14 +7,18 @@ A cell is a decimal number: digits with an optional sign, point and exponent; bl
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.table import FloatArray
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 BLANK = b" "
 LARGE = 4_000_000
@@ -33,25 +37,46 @@ class Dialect:
         return line.split() if self.delimiter == BLANK else line.split(self.delimiter)
 
 
-def parse(data: bytes, dialect: Dialect, columns: Sequence[int], line: Callable[[], int], fast: bool) -> FloatArray:
+def parse(
+    data: bytes,
+    dialect: Dialect,
+    columns: Sequence[int],
+    line: Callable[[], int],
+    fast: bool,
+    origins: Mapping[int, Decimal],
+) -> FloatArray:
     """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite.
 
     Args:
         columns: ascending indices of the columns to read.
         line: gives the line number of the first line, for messages.
         fast: through polars; what polars cannot read without doubt is read line by line.
+        origins: what to subtract from columns, exactly.
 
     Raises:
         TrajectoryError: naming the line and the column of the first bad cell.
     """
     if fast:
-        values = _parse_fast(data, dialect, columns)
+        values = _parse_fast(data, dialect, columns, origins)
         if values is not None:
             return values
-    return _parse_lines(data, dialect, columns, line)
+    return _parse_lines(data, dialect, columns, line, origins)
 
 
-def _parse_fast(data: bytes, dialect: Dialect, columns: Sequence[int]) -> FloatArray | None:
+def _less(cells: Sequence[bytes], origin: Decimal) -> list[float] | None:
+    """Return numbers less an origin, each rounded once; None if a cell is none."""
+    from decimal import Decimal, InvalidOperation
+
+    try:
+        found = None if any(b"_" in cell for cell in cells) else [Decimal(cell.decode().strip()) for cell in cells]
+    except (InvalidOperation, ValueError):
+        return None
+    return None if found is None else [float(cell - origin) for cell in found]
+
+
+def _parse_fast(
+    data: bytes, dialect: Dialect, columns: Sequence[int], origins: Mapping[int, Decimal]
+) -> FloatArray | None:
     import polars as pl
 
     if not data.endswith(b"\n"):
@@ -62,8 +87,7 @@ def _parse_fast(data: bytes, dialect: Dialect, columns: Sequence[int]) -> FloatA
     if len(columns) <= last and data.count(dialect.delimiter) != last * (data.rstrip(b"\n").count(b"\n") + 1):
         return None
     schema: dict[str, pl.DataType] = {str(i): pl.Float64() for i in range(last + 1)}
-    if last not in columns:
-        schema[str(last)] = pl.String()
+    schema |= {str(i): pl.String() for i in ({last} - {*columns} | origins.keys())}
     try:
         frame = pl.read_csv(
             BytesIO(data),
@@ -77,12 +101,24 @@ def _parse_fast(data: bytes, dialect: Dialect, columns: Sequence[int]) -> FloatA
         return None
     if frame.to_series(-1).null_count():
         return None
+    for i, origin in origins.items():
+        found = _less([str(cell).encode() for cell in frame[str(i)]], origin)
+        if found is None:
+            return None
+        frame = frame.with_columns(pl.Series(str(i), found))
     values: FloatArray = frame.select(str(i) for i in columns).to_numpy()
     return values if np.isfinite(values).all() else None
 
 
-def _parse_lines(data: bytes, dialect: Dialect, columns: Sequence[int], first_line: Callable[[], int]) -> FloatArray:
+def _parse_lines(
+    data: bytes,
+    dialect: Dialect,
+    columns: Sequence[int],
+    first_line: Callable[[], int],
+    origins: Mapping[int, Decimal],
+) -> FloatArray:
     width = len(dialect.names)
+    far = [(columns.index(i), i, origin) for i, origin in origins.items()]
     rows: list[list[float]] = []
     underscore = b"_" in data
     for number, line in enumerate(data.split(b"\n")):
@@ -97,6 +133,8 @@ def _parse_lines(data: bytes, dialect: Dialect, columns: Sequence[int], first_li
             found = _diagnose(cells, dialect, columns)
             if found:
                 raise TrajectoryError(found[0], remedy=found[1], file=dialect.file, line=first_line() + number)
+        for place, i, origin in far:
+            (row[place],) = _less([cells[i]], origin) or [row[place]]
         rows.append(row)
     return np.array(rows, dtype=np.float64).reshape(-1, len(columns))
 

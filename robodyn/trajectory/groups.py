@@ -71,10 +71,10 @@ def _rotation(name: str, layout: Layout, p: int, v: int) -> Iterator[Group]:
 
 
 def _assumptions(name: str, layout: Layout, p: int, v: int) -> Iterator[str]:
-    lost = [axis for i, axis in enumerate(_AXES) if layout.q[p + i] == ABSENT]
+    lost = [axis for i, axis in enumerate(_AXES) if _unsaid(layout, p + i)]
     if lost:
         yield f"{name}: position {' '.join(lost)} is not given and taken as 0"
-    if layout.q[p + 3] == ABSENT:
+    if _unsaid(layout, p + 3):
         yield f"{name}: orientation is not given and taken as the identity"
     still = [part for i, part in enumerate(("wx", "wy", "wz")) if _unknown(layout, p + 3, v + i)]
     still += [f"v{axis}" for i, axis in enumerate(_AXES) if _unknown(layout, p + i, v + 3 + i)]
@@ -82,5 +82,9 @@ def _assumptions(name: str, layout: Layout, p: int, v: int) -> Iterator[str]:
         yield f"{name}: velocity {' '.join(still)} is not given and taken as 0"
 
 
+def _unsaid(layout: Layout, p: int) -> bool:
+    return layout.q[p] == ABSENT and p not in layout.held
+
+
 def _unknown(layout: Layout, p: int, v: int) -> bool:
-    return layout.q[p] == ABSENT and layout.qd[v] == ABSENT
+    return _unsaid(layout, p) and layout.qd[v] == ABSENT

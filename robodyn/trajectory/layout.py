@@ -2,182 +2,155 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
-from robodyn.errors import TrajectoryError
-from robodyn.statistics import COMPONENTS
-from robodyn.trajectory.columns import TIME_NAMES, Quantity, Signals
-from robodyn.trajectory.loop_columns import loops_in
+from robodyn.trajectory.clock import Clock, clocks
+from robodyn.trajectory.columns import MEASURED, TIME_NAMES, Meaning, Place, Signals
+from robodyn.trajectory.complete import held_still
+from robodyn.trajectory.header import Header, listing
+from robodyn.trajectory.reading import DEFAULT, Reading
+from robodyn.trajectory.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
+from robodyn.wording import alternatives
 
 ABSENT = -1
-_SHOWN = 8
-Places = dict[tuple[Quantity, int], int]
-
-
-@dataclass(frozen=True)
-class Header:
-    """The column names of a table and where they stand, for messages."""
-
-    names: tuple[str, ...]
-    file: str | None = None
-    line: int | None = None
-
-    def error(self, what: str, remedy: str) -> TrajectoryError:
-        return TrajectoryError(what, remedy=remedy, file=self.file, line=self.line)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where each quantity stands in the table: the index of its column, ABSENT where there is none."""
+    """Where each quantity stands in the table: the index of its column, ABSENT where there is none.
+
+    Attributes:
+        parts: column -> how many of its unit make one of SI, where that is not 1.
+        told: columns whose unit is told by a name or an option, and not only assumed.
+        extra: name of a column that the scene needs -> its index.
+        held: index in q -> position of what has no column and is held.
+    """
 
     names: tuple[str, ...]
-    time: int
+    clock: Clock
     q: tuple[int, ...]
     qd: tuple[int, ...]
     qdd: tuple[int, ...]
-    extra: dict[str, int]
+    extra: Mapping[str, int]
+    parts: Mapping[int, float] = field(default_factory=dict)
+    told: frozenset[int] = frozenset()
+    held: Mapping[int, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
     def needed(self) -> tuple[int, ...]:
         """The columns to read, in the order of the table."""
-        return tuple(sorted({self.time, *self.q, *self.qd, *self.qdd, *self.extra.values()} - {ABSENT}))
+        return tuple(sorted({*self.clock.columns, *self.q, *self.qd, *self.qdd, *self.extra.values()} - {ABSENT}))
 
 
-def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), ignore_extra: bool = False) -> Layout:
-    """The layout of a table.
+def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading: Reading = DEFAULT) -> Layout:
+    """Return the layout of a table.
 
     Args:
         header: the column names.
         signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns.
         extra: columns that the scene names; they must exist.
-        ignore_extra: leave unknown columns out instead of refusing them.
 
     Raises:
-        TrajectoryError: a name is empty or appears twice, a quantity is given twice, a column is unknown or missing, or
-            columns are those of loops, whether unknown ones are left out or not.
+        TrajectoryError: a name is empty or appears twice, a quantity is given twice or in a unit that it cannot have, a
+            column is unknown or missing, or columns are those of loops, whether unknown ones are left out or not.
     """
-    _check_header(header)
-    time = _time(header)
-    places, unknown = _meanings(header, signals, time, extra)
-    _refuse_loops(header, signals, unknown)
-    unused = [name for name in unknown if ignore_extra or signals.is_dependent(name)]
-    unknown = [name for name in unknown if name not in unused]
-    _check_complete(header, signals, places, unknown)
-    absent = [name for name in extra if name not in header.names]
-    if absent:
-        raise header.error(f"no column {listing(absent)}, which the scene names", _hint(absent, header.names))
-    if unknown:
-        raise header.error(f"unknown column{'s' * (len(unknown) > 1)} {listing(unknown)}", _use(unknown, signals))
+    header.check()
+    header = header.renamed(reading.columns, signals, extra)
+    called = header.called
+    clock, times = _clock(header, signals, reading)
+    meanings = {i: signals.find(name) for i, name in enumerate(called) if i not in clock.columns}
+    places = _places(header, meanings)
+    strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in extra and i not in times]
+    unused = times | {i for i, meaning in meanings.items() if meaning and meaning.place is None}
+    if strange:
+        from robodyn.trajectory.unknown_columns import is_of_message, refuse_loops
+
+        refuse_loops(header, signals, strange)
+        unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
+    held = held_still(header, signals, places, strange, reading)
+    if absent := [name for name in extra if name not in called and name not in header.names]:
+        remedy = alternatives(absent[0], header.names, "columns")
+        raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
+    if unknown := [i for i in strange if i not in unused]:
+        from robodyn.trajectory.unknown_columns import unknown_error
+
+        raise unknown_error(header, signals, places, unknown)
+    units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
     return Layout(
         names=header.names,
-        time=time,
+        clock=clock,
         q=tuple(places.get(("q", i), ABSENT) for i in range(len(signals.positions))),
         qd=tuple(places.get(("qd", i), ABSENT) for i in range(len(signals.velocities))),
         qdd=tuple(places.get(("qdd", i), ABSENT) for i in range(len(signals.velocities))),
-        extra={name: header.names.index(name) for name in extra},
-        notes=(f"columns not used: {listing(unused)}",) if unused else (),
+        extra={name: (called if name in called else header.names).index(name) for name in extra},
+        parts={i: parts for i, (parts, _) in units.items() if parts != 1.0},
+        told=frozenset(i for i, (_, told) in units.items() if told),
+        held=held,
+        notes=(f"columns not used: {listing(header.names[i] for i in sorted(unused))}",) if unused else (),
     )
 
 
-def header_names(signals: Signals) -> tuple[str, ...]:
-    """The usual column names of a robot's positions: `time`, `q_<joint>`; of a floating joint `<joint>_x`..."""
-    floating = tuple(f"{joint.name}_" for joint in signals.joints if joint.kind == "floating")
-    return ("time", *(stem if floating and stem.startswith(floating) else f"q_{stem}" for stem in signals.positions))
-
-
-def listing(names: Iterable[str]) -> str:
-    """Names in quotes, the first few of many."""
-    names = list(names)
-    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-    return ", ".join(repr(name) for name in names[:_SHOWN]) + more
-
-
-def _check_header(header: Header) -> None:
-    for i, name in enumerate(header.names):
-        if not name:
-            raise header.error(f"column {i + 1} of {len(header.names)} has no name", "name every column in the header")
-        if name in header.names[:i]:
-            raise header.error(f"column {name!r} appears twice", "keep one of them")
-
-
-def _time(header: Header) -> int:
-    found = [i for i, name in enumerate(header.names) if name in TIME_NAMES]
+def _clock(header: Header, signals: Signals, reading: Reading) -> tuple[Clock, set[int]]:
+    """Return what tells the time, and the columns that could have."""
+    names = {i: name for i, name in enumerate(header.called) if name in TIME_NAMES or signals.find(name) is None}
+    found, others = clocks(names, header.aliases)
     if not found:
-        remedy = f"name it 'time', 't' or 'timestamp'; columns: {listing(header.names)}"
+        remedy = f"name it 'time', or say which it is: --map time=NAME; columns: {listing(header.names)}"
         raise header.error("no column of time", remedy)
     if len(found) > 1:
-        both = listing(header.names[i] for i in found)
-        raise header.error(f"time is given {len(found)} times, by {both}", "keep one of them")
-    return found[0]
+        both = listing(header.names[clock.column] for clock in found)
+        raise header.error(f"time is given {len(found)} times, by {both}", "keep one of them, or --map time=NAME")
+    return found[0].in_unit(reading.time_unit), others
 
 
-def _meanings(header: Header, signals: Signals, time: int, extra: Sequence[str]) -> tuple[Places, list[str]]:
-    places: Places = {}
-    unknown: list[str] = []
-    for i, name in enumerate(header.names):
-        meaning = signals.find(name)
-        if i == time or (meaning is None and name in extra):
+def _places(header: Header, meanings: Mapping[int, Meaning | None]) -> dict[Place, int]:
+    """Return (quantity, index) -> column."""
+    places: dict[Place, int] = {}
+    for i, meaning in meanings.items():
+        if meaning is None or meaning.place is None:
             continue
-        if meaning is None:
-            unknown.append(name)
-        elif meaning in places:
-            other = header.names[places[meaning]]
-            raise header.error(f"columns {other!r} and {name!r} give the same quantity", "keep one of them")
-        else:
-            places[meaning] = i
-    return places, unknown
+        if meaning.place in places:
+            both = f"{header.names[places[meaning.place]]!r} and {header.names[i]!r}"
+            raise header.error(f"columns {both} give the same quantity", "keep one of them")
+        places[meaning.place] = i
+    return places
 
 
-def _refuse_loops(header: Header, signals: Signals, unknown: Sequence[str]) -> None:
-    loops = loops_in(unknown, {*(joint.name for joint in signals.joints), *signals.dependent}) if signals.joints else []
-    if loops:
-        first, last = (f"{part}_{loops[0]}" for part in (COMPONENTS[0], COMPONENTS[-1]))
-        what = (
-            f"columns '{first}' to '{last}' are what simulate writes of a loop, and inverse dynamics of closed chains "
-            "is not available: the torques would be those of the open tree"
-        )
-        remedy = f"the table's tau_ columns have the drives' torques; if {loops[0]!r} is no loop, rename its columns"
-        raise header.error(what, remedy)
+def _unit(
+    header: Header, i: int, signals: Signals, place: Place, meaning: Meaning | None, angle_unit: AngleUnit | None
+) -> tuple[float, bool]:
+    """Return how many of the unit of a column make one of SI, and whether that was told.
+
+    Args:
+        place, meaning: what the column holds; angle_unit: of scalar joints whose columns do not tell, None for rad.
+
+    Raises:
+        TrajectoryError: the unit in a name is none, or not one of this quantity.
+    """
+    quantity, index = place
+    stem = (signals.positions if quantity == "q" else signals.velocities)[index]
+    kind, order = signals.kinds[stem], ("q", "qd", "qdd").index(quantity)
+    text = meaning.unit if meaning else None
+    if text is None and i in header.aliases:
+        text = _own_unit(header.names[i], kind)
+    if text is None:
+        turns = kind == "angle" and stem in signals.spans
+        return (ANGLES[angle_unit or "rad"], angle_unit is not None) if turns else (1.0, False)
+    unit = unit_of(text)
+    if unit is None or (unit.dimension, unit.order) != (kind, order):
+        names = {"angle": [*ANGLES], "length": ["m", "mm"], "": []}[kind]
+        remedy = " or ".join(f"{name}{RATES[order]}" for name in names)
+        what = f"column {header.names[i]!r}: {text!r} is no unit of the {MEASURED[quantity]} of {stem!r}"
+        raise header.error(what, f"understood: {remedy}" if remedy else "it has none")
+    return unit.parts, True
 
 
-def _check_complete(header: Header, signals: Signals, places: Places, unknown: Sequence[str]) -> None:
-    position = velocity = 0
-    missing: list[str] = []
-    for joint in signals.joints:
-        width = (7, 6) if joint.kind == "floating" else (1, 1)
-        of_joint: list[tuple[Quantity, int]] = [("q", i) for i in range(position, position + width[0])]
-        if joint.kind == "floating":
-            turn = [i for i in range(position + 3, position + 7) if ("q", i) in places]
-            if turn and len(turn) < 4:
-                there = listing(header.names[places[("q", i)]] for i in turn)
-                remedy = f"give {joint.name}_qx, _qy, _qz and _qw, or none of them"
-                raise header.error(f"the orientation of {joint.name!r} is incomplete: only {there}", remedy)
-            of_joint += [("qd", i) for i in range(velocity, velocity + 6)]
-            of_joint += [("qdd", i) for i in range(velocity, velocity + 6)]
-        if not any(place in places for place in of_joint):
-            missing.append(joint.name)
-        position, velocity = position + width[0], velocity + width[1]
-    if missing:
-        wanted = [f"{name}_x" if f"{name}_x" in signals.positions else f"q_{name}" for name in missing]
-        raise header.error(f"no position of joint {listing(missing)}", _hint(wanted, header.names, unknown))
-
-
-def _use(unknown: Sequence[str], signals: Signals) -> str:
-    """What to do about columns that mean nothing to the robot."""
-    leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
-    if any(name.startswith("base_") for name in unknown):
-        return f'a scene with [base] motion = "moving" uses base_ columns; {leave}'
-    return f"{_hint(unknown, header_names(signals))}; {leave}"
-
-
-def _hint(wanted: Sequence[str], names: Sequence[str], candidates: Sequence[str] | None = None) -> str:
-    """The candidate (of all names by default) closest to one that is wanted, and the names that exist."""
-    from difflib import get_close_matches
-
-    for name in wanted:
-        close = get_close_matches(name, names if candidates is None else candidates, n=1, cutoff=0.7)
-        if close:
-            return f"did you mean {close[0]!r} for {name!r}? there is {listing(names)}"
-    return f"there is {listing(names)}"
+def _own_unit(name: str, kind: str) -> str | None:
+    """Return the unit in any name: what is in brackets; behind `_` only what can be one of such a kind."""
+    for _, text in split_unit(name):
+        unit = unit_of(text)
+        if name[-1] in "])" or (unit and unit.dimension == kind):
+            return text
+    return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from robodyn.doubts import Doubt
 from robodyn.trajectory.table import FloatArray
 
 INNER, END = 4.0, 10.0
@@ -89,6 +90,10 @@ class Trajectory:
         first_row: row of the data, from 1, of sample 0.
         derivation: how qd and qdd were derived; None if all was given.
         notes: assumptions that were made.
+        stamps: (N,) the time as the table gives it; None if that is `time`.
+        origin: what `time` counts from [s], in the table's count.
+        held: position [rad or m] of each coordinate without a column that is held.
+        doubts: what makes the table's units doubtful, by all samples up to the last of these.
     """
 
     time: FloatArray
@@ -99,9 +104,18 @@ class Trajectory:
     first_row: int = 1
     derivation: Derivation | None = None
     notes: tuple[str, ...] = ()
+    stamps: FloatArray | None = None
+    origin: float = 0.0
+    held: Mapping[str, float] = field(default_factory=dict)
+    doubts: tuple[Doubt, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def given_time(self) -> FloatArray:
+        """(N,) the time as the table gives it."""
+        return self.time if self.stamps is None else self.stamps
 
 
 def _summary(methods: list[tuple[str, str]]) -> str:

@@ -13,7 +13,8 @@ from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.assemble import join
 from robodyn.trajectory.columns import Signals, matrix_column
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.reader import BLOCK_ROWS, Derivatives, TrajectoryReader
+from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
+from robodyn.trajectory.reading import DEFAULT, Reading
 from robodyn.trajectory.table import FloatArray, open_table
 
 
@@ -23,8 +24,7 @@ def open_trajectory(
     *,
     file_type: str | None = None,
     extra: Sequence[str] = (),
-    ignore_extra: bool = False,
-    derivatives: Derivatives = "auto",
+    reading: Reading = DEFAULT,
     block_rows: int = BLOCK_ROWS,
 ) -> TrajectoryReader:
     """A reader of the trajectory in a file.
@@ -34,9 +34,7 @@ def open_trajectory(
         signals: what the robot wants.
         file_type: "csv", "parquet" or "npz" if the suffix does not tell.
         extra: further columns to read, which the scene names.
-        ignore_extra: leave unknown columns out instead of refusing them.
-        derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data
-            (see `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods.
+        reading: how it is to be read.
         block_rows: samples held at a time.
 
     Raises:
@@ -44,7 +42,7 @@ def open_trajectory(
     """
     table = open_table(path, file_type)
     try:
-        return TrajectoryReader(table, signals, extra, ignore_extra, derivatives, block_rows)
+        return TrajectoryReader(table, signals, extra, reading, block_rows)
     except BaseException:
         table.close()
         raise
@@ -56,13 +54,10 @@ def read_trajectory(
     *,
     file_type: str | None = None,
     extra: Sequence[str] = (),
-    ignore_extra: bool = False,
-    derivatives: Derivatives = "auto",
+    reading: Reading = DEFAULT,
 ) -> Trajectory:
     """The whole trajectory in a file at once; arguments and errors as of `open_trajectory`."""
-    with open_trajectory(
-        path, signals, file_type=file_type, extra=extra, ignore_extra=ignore_extra, derivatives=derivatives
-    ) as reader:
+    with open_trajectory(path, signals, file_type=file_type, extra=extra, reading=reading) as reader:
         return join(list(reader.blocks()))
 
 
@@ -73,7 +68,7 @@ def from_arrays(
     qd: ArrayLike | None = None,
     qdd: ArrayLike | None = None,
     extra: Mapping[str, ArrayLike] | None = None,
-    derivatives: Derivatives = "auto",
+    reading: Reading = DEFAULT,
 ) -> Trajectory:
     """A trajectory from arrays, checked and derived as one from a file.
 
@@ -83,15 +78,21 @@ def from_arrays(
     Raises:
         TrajectoryError: an array has the wrong shape, is not finite, or time does not increase.
     """
-    columns = {"time": _array("time", time, None)}
+    columns = {"time": _stamps(time)}
     widths = {"q": len(signals.positions), "qd": len(signals.velocities), "qdd": len(signals.velocities)}
     for (name, width), values in zip(widths.items(), (q, qd, qdd), strict=True):
         if values is not None:
             matrix = _array(name, values, width)
             columns |= {matrix_column(name, i): matrix[:, i] for i in range(width)}
     columns |= {name: _array(name, values, None) for name, values in (extra or {}).items()}
-    with TrajectoryReader(ArrayTable(None, columns), signals, tuple(extra or ()), derivatives=derivatives) as reader:
+    with TrajectoryReader(ArrayTable(None, columns), signals, tuple(extra or ()), reading) as reader:
         return join(list(reader.blocks()))
+
+
+def _stamps(time: ArrayLike) -> FloatArray:
+    """Return stamps; whole numbers stay such, for an origin to be subtracted exactly."""
+    stamps = np.asarray(time) if isinstance(time, np.ndarray) and time.dtype.kind in "iu" else None
+    return _array("time", time, None) if stamps is None or stamps.ndim != 1 else stamps
 
 
 def _array(name: str, values: ArrayLike, width: int | None) -> FloatArray:

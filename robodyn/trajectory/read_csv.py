@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from typing import BinaryIO
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, BinaryIO
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.columns import TIME_NAMES
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
-from robodyn.trajectory.table import FloatArray
+from robodyn.trajectory.table import FloatArray, changed
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 _LONGEST_LINE = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
@@ -25,6 +27,7 @@ class CsvTable:
 
     def __init__(self, path: str) -> None:
         self.file = "<stdin>" if path == "-" else path
+        self.origins: Mapping[int, Decimal] = {}
         self._stream = _seekable(path)
         try:
             self.size_bytes = self._stream.seek(0, os.SEEK_END)
@@ -98,7 +101,28 @@ class CsvTable:
         return len(data) // max(1, data.count(b"\n"))
 
     def _parse(self, data: bytes, columns: Sequence[int], offset: int) -> FloatArray:
-        return parse(data, self._dialect, columns, lambda: self._line_at(offset), fast=self.size_bytes > LARGE)
+        fast = self.size_bytes > LARGE
+        return parse(data, self._dialect, columns, lambda: self._line_at(offset), fast, self.origins)
+
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        cells = next(self._rows(), [])
+        return [cells[i].decode("utf-8", "replace") for i in columns] if len(cells) == len(self.names) else []
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        found: dict[int, str] = {}
+        for row, cells in enumerate(self._rows(), 1):
+            for i in columns if len(cells) == len(self.names) else ():
+                text = cells[i].strip().decode("utf-8", "replace")
+                if text != found.setdefault(i, text):
+                    raise self.error_at(row, *changed(self.names[i], text, found[i]))
+        return found
+
+    def _rows(self) -> Iterator[list[bytes]]:
+        """Yield the cells of each line that is not blank."""
+        self._stream.seek(self._start)
+        for line in iter(lambda: self._stream.readline(_LONGEST_LINE), b""):
+            if line.strip():
+                yield self._dialect.cells(line)
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         self._stream.seek(self._start)
@@ -138,7 +162,7 @@ def _dialect(first: bytes, file: str, line: int) -> Dialect:
             f"the header cannot be read: {error}", "name the columns, quoted where a name has a comma"
         ) from None
     names = tuple(cell.strip() for cell in cells)
-    if not any(name in TIME_NAMES for name in names) and all(_is_number(name) for name in names):
+    if all(_is_number(name) for name in names):
         raise refuse("no header: the first line holds numbers", "begin with a line of names, e.g. time,q_<joint>,...")
     return Dialect(BLANK if delimiter == " " else delimiter.encode(), names, file)
 

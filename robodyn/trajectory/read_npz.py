@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.npz_members import Values, member
-from robodyn.trajectory.table import FloatArray, check_finite, common_length, decoding, spread
+from robodyn.trajectory.table import FloatArray, check_finite, common_length, decoding, less, spread
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 _Sources = list[tuple[Values, list[tuple[int, int]]]]
 
@@ -34,12 +38,13 @@ class NpzTable:
             self.names = tuple(name for each in self._members for name in each.names)
             self._rows = common_length({name: each.rows for each in self._members for name in each.names}, path)
             self._opened = opened.pop_all()
+        self.origins: Mapping[int, Decimal] = {}
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
         with ExitStack() as opened:
             sources = self._sources(columns, opened)
             for start in range(0, self._rows, rows):
-                values = self._take(sources, min(rows, self._rows - start))
+                values = self._take(sources, min(rows, self._rows - start), columns)
                 check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
                 self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
                 yield values
@@ -52,7 +57,7 @@ class NpzTable:
                 with decoding(".npz", self.file):
                     for values, _ in sources:
                         values.skip(cut.start - done)
-                found.append(self._take(sources, cut.stop - cut.start))
+                found.append(self._take(sources, cut.stop - cut.start, columns))
                 done = cut.stop
         return found
 
@@ -69,14 +74,27 @@ class NpzTable:
                     sources.append((opened.enter_context(closing(Values(self._archive, each))), pairs))
         return sources
 
-    def _take(self, sources: _Sources, rows: int) -> FloatArray:
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        found: dict[int, str | float] = {}
+        with ExitStack() as opened:
+            for values, pairs in self._sources(columns, opened) if self._rows else ():
+                with decoding(".npz", self.file):
+                    row = values.take(1)
+                found |= {place: row[component, 0].item() for component, place in pairs}
+        return [found[place] for place in sorted(found)]
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """There are numbers only."""
+        return {}
+
+    def _take(self, sources: _Sources, rows: int, columns: Sequence[int]) -> FloatArray:
         """The next rows of all sources."""
-        block = np.empty((sum(len(pairs) for _, pairs in sources), rows))
+        block, origins = np.empty((len(columns), rows)), [self.origins.get(i) for i in columns]
         with decoding(".npz", self.file), np.errstate(all="ignore"):
             for values, pairs in sources:
                 found = values.take(rows)
                 for component, place in pairs:
-                    block[place] = found[component]
+                    block[place] = less(found[component], origins[place])
         return block.T
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from typing import Any, BinaryIO
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray, check_finite, decoding, spread
+from robodyn.trajectory.table import FloatArray, changed, check_finite, decoding, less, spread
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 _MARK = b"PAR1"
+_TEXTS = 1 << 14
 _BUFFER = 1 << 16
 """Bytes of a column that are read at once; without it, and with buffering ahead, memory would grow with the file."""
 
@@ -44,6 +48,7 @@ class ParquetTable:
             if self._rows != metadata.num_rows:
                 raise ValueError(f"it says {metadata.num_rows} rows, its row groups {self._rows}")
         self.position_bytes = 0
+        self.origins: Mapping[int, Decimal] = {}
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
         names = self._numeric(columns)
@@ -94,11 +99,37 @@ class ParquetTable:
                 return
             yield batch
 
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        names = self._numeric(columns)
+        batch = next(self._batches(names, 1), None)
+        row = [batch.column(name)[0].as_py() for name in names] if batch else []
+        return [] if None in row else row
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        names = {i: self.names[i] for i in columns}
+        found: dict[int, str] = {}
+        row = 1
+        for batch in self._batches([*names.values()], _TEXTS):
+            for i, name in names.items():
+                cells = [str(cell) for cell in batch.column(name).to_pylist()]
+                if other := next((k for k, cell in enumerate(cells) if cell != found.setdefault(i, cells[0])), None):
+                    raise self.error_at(row + other, *changed(name, cells[other], found[i]))
+            row += len(batch)
+        return found
+
+    def _origin(self, name: str) -> Decimal | None:
+        return self.origins.get(self.names.index(name)) if self.origins else None
+
     def _values(self, batch: Any, names: Sequence[str]) -> FloatArray:
+        from pyarrow.types import is_integer
+
         values = np.empty((len(names), batch.num_rows))
         with decoding("Parquet", self.file):
             for i, name in enumerate(names):
-                values[i] = batch.column(name).cast("float64", safe=False).to_numpy(zero_copy_only=False)
+                column, origin = batch.column(name), self._origin(name)
+                if origin is None or not is_integer(column.type):
+                    column = column.cast("float64", safe=False)
+                values[i] = less(column.to_numpy(zero_copy_only=False), origin)
         return values.T
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:

@@ -7,22 +7,23 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import TracebackType
-from typing import Literal
 
 import numpy as np
 
+from robodyn.doubts import Doubt
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.assemble import Assembly, cut
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.derive import Plan, derive, plan, samples_needed
 from robodyn.trajectory.groups import missing
-from robodyn.trajectory.layout import Header, listing, resolve
+from robodyn.trajectory.header import Header, listing
+from robodyn.trajectory.layout import Layout, resolve
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.neighbours import with_neighbours
+from robodyn.trajectory.plausible import Plausibility
+from robodyn.trajectory.reading import DEFAULT, MODES, Reading
 from robodyn.trajectory.table import Table, reason
 
-Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
-MODES = ("auto", "given", "spline", "savgol", "central")
 BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
 
@@ -31,7 +32,8 @@ class TrajectoryReader:
     """Samples of a table, block by block; also a context manager that closes the file.
 
     columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
-    notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given.
+    notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given;
+    doubts: what makes the units doubtful, by all that has been read.
     """
 
     def __init__(
@@ -39,23 +41,26 @@ class TrajectoryReader:
         table: Table,
         signals: Signals,
         extra: Sequence[str] = (),
-        ignore_extra: bool = False,
-        derivatives: Derivatives = "auto",
+        reading: Reading = DEFAULT,
         block_rows: int = BLOCK_ROWS,
     ) -> None:
-        if derivatives not in MODES:
-            raise TrajectoryError(f"unknown way to differentiate {derivatives!r}", remedy=f"one of {listing(MODES)}")
-        self._table, self._mode, self._rows = table, derivatives, block_rows
+        if reading.derivatives not in MODES:
+            what = f"unknown way to differentiate {reading.derivatives!r}"
+            raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
+        self._table, self._mode, self._rows = table, reading.derivatives, block_rows
         self.columns = table.names
         header = Header(table.names, table.file, table.header_line)
-        layout = resolve(header, signals, extra, ignore_extra)
+        if header.labels:
+            header = header.labelled(table.texts([*header.labels]))
+        layout = _begun(resolve(header, signals, extra, reading), table)
         self._assembly = Assembly(signals, layout, table.error_at)
         self._groups, assumptions = missing(signals, layout)
-        if derivatives == "given" and self._groups:
+        if reading.derivatives == "given" and self._groups:
             lost = [group.name for group in self._groups]
             what = f"velocity or acceleration of {listing(lost)} is not given"
             raise header.error(what, "--derivatives auto derives what is missing")
         self.notes = layout.notes + assumptions
+        self.doubts: tuple[Doubt, ...] = ()
         self._plan: Plan | None = None
 
     @property
@@ -100,11 +105,14 @@ class TrajectoryReader:
             self._remember(self._plan.notes)
         halo = self._plan.halo if self._plan else 0
         needed = max(1, samples_needed(self._groups))
+        plausible = Plausibility(self._assembly.signals, self._assembly.layout)
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) < needed:
                 self._refuse_short(len(samples), needed)
-            whole = derive(samples, self._plan) if self._plan else samples
-            yield replace(cut(whole, start, stop), derivation=self.derivation, notes=self.notes)
+            block = cut(derive(samples, self._plan) if self._plan else samples, start, stop)
+            plausible.update(block)
+            self.doubts = plausible.doubts()
+            yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf
@@ -112,20 +120,16 @@ class TrajectoryReader:
             if len(block):
                 samples = self._assembly.samples(block, row, last_time)
                 self._remember(samples.notes)
-                row, last_time = row + len(block), float(block[-1, self._time_column])
+                row, last_time = row + len(block), float(samples.time[-1])
                 yield samples
         if row == 1:
             raise TrajectoryError("has no rows", remedy="give rows of numbers", file=self._table.file)
-
-    @property
-    def _time_column(self) -> int:
-        return self._assembly.layout.needed.index(self._assembly.layout.time)
 
     def _pieces(self) -> list[Trajectory]:
         """Runs of samples that stand for the table; bad rows are left for `blocks` to report."""
         pieces = []
         for block in self._table.pieces(self._assembly.layout.needed, _PIECES, _PIECE_ROWS):
-            if len(block) and np.isfinite(block).all() and (np.diff(block[:, self._time_column]) > 0).all():
+            if len(block) and np.isfinite(block).all():
                 with suppress(TrajectoryError):
                     pieces.append(self._assembly.samples(block, 1, -math.inf))
         return pieces
@@ -148,3 +152,10 @@ class TrajectoryReader:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _begun(layout: Layout, table: Table) -> Layout:
+    """Return the layout with the origin of its stamps, which the table subtracts from now on."""
+    clock = layout.clock.begun(table.first(layout.clock.columns))
+    table.origins = dict(zip(clock.columns, clock.origin, strict=False))
+    return replace(layout, clock=clock)

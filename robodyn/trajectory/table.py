@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
+
+if TYPE_CHECKING:
+    from decimal import Decimal
 
 FloatArray = NDArray[np.float64]
 
@@ -29,8 +32,11 @@ class Table(Protocol):
     """Columns of numbers, read a block of rows at a time.
 
     file: as messages name it; header_line: the line of the header, None where the format has no lines;
-    names: the columns; size_bytes, position_bytes: length of the file and how much of it has been read.
+    names: the columns; size_bytes, position_bytes: length of the file and how much of it has been read;
+    origins: column -> number that is subtracted from it, exactly, before it becomes a double.
     """
+
+    origins: Mapping[int, Decimal]
 
     @property
     def file(self) -> str | None: ...
@@ -60,6 +66,18 @@ class Table(Protocol):
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
         """An error about a data row, counted from 1, that says where the row stands in the file."""
+        ...
+
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        """Return the first row of columns as it is written, with all digits; nothing if there is none."""
+        ...
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """Return the text of columns that say the same in every row.
+
+        Raises:
+            TrajectoryError: one says something else in a later row.
+        """
         ...
 
     def close(self) -> None:
@@ -134,6 +152,18 @@ def common_length(lengths: Mapping[str, int], file: str | None) -> int:
         what = f"{longest!r} has {lengths[longest]} rows, {shortest!r} has {lengths[shortest]}"
         raise TrajectoryError(what, remedy="give every column the same length", file=file)
     return lengths[longest]
+
+
+def less(values: NDArray[Any], origin: Decimal | None) -> NDArray[Any]:
+    """Return values less an origin, each rounded once."""
+    if origin is None:
+        return values
+    return values.astype(np.int64) - int(origin) if values.dtype.kind in "iu" else values - float(origin)
+
+
+def changed(name: str, text: str, before: str) -> tuple[str, str]:
+    """Return what is wrong with a column of names that change, and what to do."""
+    return f"column {name!r} is {text!r}, and {before!r} in the rows before", "give a column per joint"
 
 
 def spread(total: int, count: int, rows: int) -> list[slice]:

@@ -12,6 +12,7 @@ import pytest
 from table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
 
 from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.table import open_table
 
 
@@ -66,5 +67,5 @@ def test_decimals_and_large_integers(tmp_path: Path) -> None:
     pl.DataFrame({"t": [0, 1, 2], "a": large, "b": pl.Series([0.5, 1.25, 2]).cast(pl.Decimal(10, 2))}).write_parquet(
         tmp_path / "t.parquet"
     )
-    q = read_trajectory(tmp_path / "t.parquet", SIGNALS, derivatives="central").q
+    q = read_trajectory(tmp_path / "t.parquet", SIGNALS, reading=Reading("central")).q
     np.testing.assert_array_equal(q, [[2.0**53, 0.5], [-(2.0**60), 1.25], [3.0, 2.0]])

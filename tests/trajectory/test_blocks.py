@@ -14,6 +14,7 @@ from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import open_trajectory, read_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import open_writer
 
 Array = NDArray[np.float64]
@@ -51,8 +52,8 @@ def write(path: Path, columns: dict[str, Array]) -> Path:
 def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: float, noise: float) -> None:
     """The bound: 1e-11 of the largest derivative, 1e-13 where stamps are not equally spaced."""
     path = write(tmp_path / f"t.{suffix}", motion(2500, jitter=jitter, noise=noise))
-    whole = read_trajectory(path, SIGNALS, derivatives=mode)  # type: ignore[arg-type]
-    with open_trajectory(path, SIGNALS, derivatives=mode, block_rows=300) as reader:  # type: ignore[arg-type]
+    whole = read_trajectory(path, SIGNALS, reading=Reading(mode))  # type: ignore[arg-type]
+    with open_trajectory(path, SIGNALS, reading=Reading(mode), block_rows=300) as reader:  # type: ignore[arg-type]
         blocks = list(reader.blocks())
     assert len(blocks) >= 9
     assert all(len(block) <= 300 for block in blocks)
@@ -98,7 +99,7 @@ class CountingTable(ArrayTable):
 def test_rows_in_flight_are_bounded(mode: str) -> None:
     """The reader is ahead of what it has delivered by one block and the halo at most, however long the table is."""
     table = CountingTable(None, motion(20_000, noise=1e-5))
-    reader = TrajectoryReader(table, SIGNALS, derivatives=mode, block_rows=100)  # type: ignore[arg-type]
+    reader = TrajectoryReader(table, SIGNALS, reading=Reading(mode), block_rows=100)  # type: ignore[arg-type]
     delivered, ahead = 0, []
     for block in reader.blocks():
         ahead.append(table.handed_out - delivered)

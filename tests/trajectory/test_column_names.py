@@ -6,10 +6,18 @@ import pytest
 
 from robodyn.errors import InputError, TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.layout import ABSENT, Header, header_names, resolve
+from robodyn.trajectory.header import Header
+from robodyn.trajectory.layout import ABSENT, resolve
+from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.unknown_columns import header_names
 
 ARM = Signals((Signal("shoulder", "angle"), Signal("elbow", "continuous"), Signal("lift", "length")))
 FREE = Signals((Signal("base", "floating"), Signal("arm/wrist", "angle")))
+
+
+def place(signals: Signals, column: str) -> tuple[str, int] | None:
+    found = signals.find(column)
+    return found.place if found else None
 
 
 @pytest.mark.parametrize(
@@ -37,7 +45,7 @@ FREE = Signals((Signal("base", "floating"), Signal("arm/wrist", "angle")))
     ],
 )
 def test_every_form_of_a_name(column: str, meaning: tuple[str, int] | None) -> None:
-    assert ARM.find(column) == meaning
+    assert place(ARM, column) == meaning
 
 
 @pytest.mark.parametrize(
@@ -62,7 +70,7 @@ def test_every_form_of_a_name(column: str, meaning: tuple[str, int] | None) -> N
     ],
 )
 def test_floating_joints_and_slashes(column: str, meaning: tuple[str, int] | None) -> None:
-    assert FREE.find(column) == meaning
+    assert place(FREE, column) == meaning
 
 
 def test_stems_in_coordinate_order() -> None:
@@ -72,10 +80,10 @@ def test_stems_in_coordinate_order() -> None:
 
 def test_a_joint_called_like_a_number_wins() -> None:
     swapped = Signals((Signal("q2", "angle"), Signal("q1", "angle")))
-    assert swapped.find("q1") == ("q", 1)
-    assert swapped.find("q[1]") == ("q", 0)
+    assert place(swapped, "q1") == ("q", 1)
+    assert place(swapped, "q[1]") == ("q", 0)
     both = Signals((Signal("a", "angle"), Signal("q_a", "angle")))
-    assert (both.find("q_a"), both.find("q_q_a")) == (("q", 0), ("q", 1))
+    assert (place(both, "q_a"), place(both, "q_q_a")) == (("q", 0), ("q", 1))
 
 
 def test_two_coordinates_of_one_name() -> None:
@@ -85,7 +93,7 @@ def test_two_coordinates_of_one_name() -> None:
 
 def test_any_order_and_what_is_absent() -> None:
     layout = resolve(Header(("lift", "qd_elbow", "t", "q_elbow", "shoulder.pos", "fx")), ARM, extra=("fx",))
-    assert (layout.time, layout.q, layout.qd) == (2, (4, 3, 0), (ABSENT, 1, ABSENT))
+    assert (layout.clock.column, layout.q, layout.qd) == (2, (4, 3, 0), (ABSENT, 1, ABSENT))
     assert layout.qdd == (ABSENT,) * 3
     assert layout.extra == {"fx": 5}
     assert layout.needed == (0, 1, 2, 3, 4, 5)
@@ -103,13 +111,16 @@ ALL = ("time", "q_shoulder", "q_elbow", "q_lift")
     ("names", "message"),
     [
         ((), "no column of time"),
-        (("Time", *ALL[1:]), "no column of time"),
+        (("when", *ALL[1:]), "no column of time (name it 'time', or say which it is: --map time=NAME"),
         ((*ALL, "t"), "time is given 2 times, by 'time', 't'"),
         ((*ALL, "time"), "column 'time' appears twice"),
         ((*ALL, ""), "column 5 of 5 has no name"),
         ((*ALL, "elbow.pos"), "columns 'q_elbow' and 'elbow.pos' give the same quantity"),
         ((*ALL, "q2"), "columns 'q_elbow' and 'q2' give the same quantity"),
-        (ALL[:3], "no position of joint 'lift' (there is 'time', 'q_shoulder', 'q_elbow')"),
+        (
+            ALL[:3],
+            "no position of joint 'lift' (--hold rest keeps joints without columns still; there is 'time', 'q_sh",
+        ),
         (("time", "q_shoulder", "q_elbov", "q_lift"), "did you mean 'q_elbov' for 'q_elbow'?"),
         (("time", "qd_shoulder", "q_elbow", "q_lift"), "no position of joint 'shoulder'"),
         ((*ALL, "qd_elbo"), "unknown column 'qd_elbo'"),
@@ -130,7 +141,7 @@ def test_missing_columns_of_the_scene() -> None:
 
 
 def test_extra_columns_can_be_left_out() -> None:
-    layout = resolve(Header((*ALL, "force", "moment")), ARM, ignore_extra=True)
+    layout = resolve(Header((*ALL, "force", "moment")), ARM, reading=Reading(ignore_extra=True))
     assert layout.needed == (0, 1, 2, 3)
     assert layout.notes == ("columns not used: 'force', 'moment'",)
 
@@ -145,7 +156,9 @@ def test_floating_joint_needs_one_column_and_whole_quaternions() -> None:
     free = Signals((Signal("base", "floating"),))
     for column in ("base_x", "base_wz", "base_ax"):
         resolve(Header(("t", column)), free)
-    with pytest.raises(TrajectoryError, match="no position of joint 'base'"):
+    with pytest.raises(
+        TrajectoryError, match=r"no column says where 'base' is, which moves freely .give base_x base_y"
+    ):
         resolve(Header(("t",)), free)
     with pytest.raises(TrajectoryError, match="orientation of 'base' is incomplete: only 'base_qx', 'base_qw'"):
         resolve(Header(("t", "base_qx", "base_qw")), free)
@@ -167,7 +180,7 @@ def with_sets(*names: str) -> tuple[str, ...]:
 def test_wrenches_of_loops_are_refused(loops: tuple[str, ...]) -> None:
     name = loops[-1]
     with pytest.raises(TrajectoryError, match=f"columns 'fx_{name}' to 'mz_{name}' are what simulate writes of a loop"):
-        resolve(Header(with_sets(*loops)), ARM, ignore_extra=True)
+        resolve(Header(with_sets(*loops)), ARM, reading=Reading(ignore_extra=True))
 
 
 @pytest.mark.parametrize(
@@ -180,11 +193,11 @@ def test_wrenches_of_loops_are_refused(loops: tuple[str, ...]) -> None:
     ids=["five of six", "a sensor's force", "reactions of every joint"],
 )
 def test_other_columns_may_be_ignored(names: tuple[str, ...]) -> None:
-    layout = resolve(Header(names), ARM, ignore_extra=True)
+    layout = resolve(Header(names), ARM, reading=Reading(ignore_extra=True))
     assert f"columns not used: '{names[4]}'" in layout.notes[0]
     with pytest.raises(TrajectoryError, match="unknown columns 'fx_"):
         resolve(Header(names), ARM)
 
 
 def test_a_simulation_may_follow_columns_of_loops() -> None:
-    assert resolve(Header(with_sets("pin")), Signals(()), ["fx_pin"], ignore_extra=True).extra == {"fx_pin": 4}
+    assert resolve(Header(with_sets("pin")), Signals(()), ["fx_pin"], Reading(ignore_extra=True)).extra == {"fx_pin": 4}

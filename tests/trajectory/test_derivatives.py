@@ -16,6 +16,7 @@ from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, differentiat
 from robodyn.trajectory.local_polynomials import WIDE, at_samples, equally_spaced
 from robodyn.trajectory.quintic import spline_equally_spaced, spline_rates
 from robodyn.trajectory.read import from_arrays
+from robodyn.trajectory.reading import Reading
 
 Array = NDArray[np.float64]
 EPS = np.finfo(np.float64).eps
@@ -198,7 +199,7 @@ def test_equal_spacing_survives_rounding(offset: float, step: float) -> None:
 def test_few_samples(count: int, mode: str) -> None:
     """A parabola is exact however few samples there are."""
     time = np.array([0.0, 0.1, 0.3, 0.35, 0.5, 0.7, 1.0, *np.arange(1.2, 10.0, 0.25)])[:count]
-    result = from_arrays(ONE, time, (3 * time**2 - time)[:, None], derivatives=mode)  # type: ignore[arg-type]
+    result = from_arrays(ONE, time, (3 * time**2 - time)[:, None], reading=Reading(mode))  # type: ignore[arg-type]
     assert np.abs(result.qdd - 6.0).max() < 1e-9
     assert np.abs(result.qd[:, 0] - (6 * time - 1)).max() < 1e-10
 
@@ -213,7 +214,7 @@ def test_turns_of_a_continuous_joint() -> None:
     assert np.abs(turning.qdd - straight.qdd).max() < 1e-7
     assert turning.derivation is not None
     assert turning.derivation.acceleration == "quintic spline"
-    fixed = from_arrays(ONE, time, wrapped[:, None], derivatives="spline")
+    fixed = from_arrays(ONE, time, wrapped[:, None], reading=Reading("spline"))
     assert np.abs(fixed.qdd).max() > 6e6
 
 
@@ -250,7 +251,7 @@ def test_a_pause_longer_than_the_window() -> None:
     with pytest.raises(TrajectoryError, match=r"row 1001: a pause of 99\.001 s is longer than the window"):
         from_arrays(ONE, time, q[:, None])
     for mode in ("central", "spline"):
-        from_arrays(ONE, time, q[:, None], derivatives=mode)  # type: ignore[arg-type]
+        from_arrays(ONE, time, q[:, None], reading=Reading(mode))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("mode", ["auto", "spline", "savgol", "central"])
@@ -260,7 +261,7 @@ def test_wild_stamps_give_numbers_or_a_clean_error(mode: str, spread: float) -> 
     for _ in range(20):
         time = np.cumsum(10.0 ** rng.uniform(-spread, spread, 200))
         try:
-            result = from_arrays(ONE, time, rng.normal(size=(200, 1)), derivatives=mode)  # type: ignore[arg-type]
+            result = from_arrays(ONE, time, rng.normal(size=(200, 1)), reading=Reading(mode))  # type: ignore[arg-type]
         except TrajectoryError:
             continue
         assert np.isfinite(result.qdd).all()

@@ -12,6 +12,7 @@ from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.reading import Reading
 
 Array = NDArray[np.float64]
 FREE = Signals((Signal("base", "floating"),))
@@ -19,7 +20,7 @@ EPS = np.finfo(np.float64).eps
 
 
 def read(columns: dict[str, Array], mode: str = "auto") -> Trajectory:
-    reader = TrajectoryReader(ArrayTable(None, columns), FREE, derivatives=mode)  # type: ignore[arg-type]
+    reader = TrajectoryReader(ArrayTable(None, columns), FREE, reading=Reading(mode))  # type: ignore[arg-type]
     (block,) = reader.blocks()
     return block
 

@@ -14,13 +14,14 @@ from robodyn.trajectory.derivatives import differentiate, savgol
 from robodyn.trajectory.motion import JointDerivation, Trajectory
 from robodyn.trajectory.noise import quantum
 from robodyn.trajectory.read import from_arrays
+from robodyn.trajectory.reading import Reading
 
 Array = NDArray[np.float64]
 ONE = Signals((Signal("a", "angle"),))
 
 
 def derive(time: Array, q: Array, mode: str = "auto") -> tuple[Trajectory, JointDerivation]:
-    result = from_arrays(ONE, time, q[:, None], derivatives=mode)  # type: ignore[arg-type]
+    result = from_arrays(ONE, time, q[:, None], reading=Reading(mode))  # type: ignore[arg-type]
     assert result.derivation is not None
     return result, result.derivation.joints[0]
 

@@ -16,6 +16,7 @@ import pytest
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import from_arrays, open_trajectory, read_trajectory
+from robodyn.trajectory.reading import Reading
 
 ARM = Signals((Signal("a", "angle"), Signal("b", "length")))
 SMALL, LARGE = 1 << 60, -1
@@ -39,7 +40,8 @@ def text(values: np.ndarray, header: str = HEADER, mark: str = ",", end: str = "
 def read(folder: Path, content: str | bytes, signals: Signals = ARM, name: str = "t.csv", **options: object) -> object:
     path = folder / name
     path.write_bytes(content.encode() if isinstance(content, str) else content)
-    return read_trajectory(path, signals, **options)
+    extra = options.pop("extra", ())
+    return read_trajectory(path, signals, extra=extra, reading=Reading(**options))
 
 
 @pytest.mark.usefixtures("either_path")
@@ -315,9 +317,10 @@ import sys
 from robodyn.errors import InputError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.reading import Reading
 try:
     signals = Signals((Signal("a", "angle"),))
-    print(read_trajectory(sys.argv[1], signals, file_type="csv", derivatives="central").q.sum())
+    print(read_trajectory(sys.argv[1], signals, file_type="csv", reading=Reading("central")).q.sum())
 except InputError as error:
     print(error)
 """
@@ -348,7 +351,7 @@ def test_line_of_a_late_row_in_a_large_file(tmp_path: Path, monkeypatch: pytest.
 def test_progress(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text(Q + "".join(f"{i},{i},{i}\n" for i in range(30_000)))
-    with open_trajectory(path, ARM, derivatives="central", block_rows=1000) as reader:
+    with open_trajectory(path, ARM, reading=Reading("central"), block_rows=1000) as reader:
         assert reader.columns == ("time", "q_a", "q_b")
         places = [reader.position_bytes for _ in reader.blocks()]
     assert reader.size_bytes == path.stat().st_size == places[-1]

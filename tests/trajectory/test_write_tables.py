@@ -21,6 +21,7 @@ from robodyn.errors import InputError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
 from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import Writer, open_writer
 from robodyn.trajectory.write_text import lines_fast, lines_plain
 
@@ -40,7 +41,7 @@ def test_round_trip(tmp_path: Path, suffix: str) -> None:
     with open_writer(path, ["q_a", "q_b"]) as writer:
         for i in range(0, 50, 20):
             writer.write(np.arange(i, min(i + 20, 50)) / 7, values[i : i + 20])
-    result = read_trajectory(path, Signals((Signal("a", "angle"), Signal("b", "length"))), derivatives="central")
+    result = read_trajectory(path, Signals((Signal("a", "angle"), Signal("b", "length"))), reading=Reading("central"))
     np.testing.assert_array_equal(result.q, values)
     np.testing.assert_array_equal(result.time, np.arange(50) / 7)
     assert os.listdir(tmp_path) == [path.name]

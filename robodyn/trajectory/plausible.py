@@ -1,0 +1,159 @@
+"""Whether a motion can be in the units that it is taken in: positions and speeds against the robot's limits, stamps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.doubts import Doubt
+from robodyn.trajectory.clock import EPOCH, Clock
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.layout import ABSENT, Layout
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.units import ANGLES, TICKS
+
+_SI = {"angle": ("rad", "angles are radians"), "length": ("m", "lengths are metres")}
+_OTHER = {
+    "angle": (ANGLES["deg"], "degrees", "--angle-unit deg, or --angle-unit rad if they are radians"),
+    "length": (1000.0, "millimetres", "--map 'q_{joint} [mm]={column}', or [m] if they are metres"),
+}
+"""The unit that is used in place of that of SI: how many make one, its name, and the options that say what is meant."""
+_TIMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
+_FAR = {"angle": 2.0 * math.pi, "length": 1.0}
+"""Distance beyond a limit of position [rad, m] to which no joint moves."""
+_SLACK = 0.1
+"""Share of its range by which a joint may be beyond its limits in the unit that is proposed."""
+_FAST = 20.0
+"""Times its limit of speed, at which no joint moves."""
+_MODERATE = {"angle": 5.0, "length": 1.0}
+"""Speeds [rad/s, m/s] that joints reach whose limit is higher, or that have none."""
+_SLOW, _COARSE = 2e-3, 0.15
+"""A motion below this share of moderate speeds, sampled at steps [s] from this on, is rather one in ms, us or ns."""
+_LATEST = 5e9
+"""Seconds since 1970 that no clock has reached."""
+
+
+class _Seen(NamedTuple):
+    """What a scalar joint with a column of positions has been seen to do.
+
+    Attributes:
+        column: its name; told: whether that tells the unit, or an option does.
+        least, greatest: of the positions; speed: the largest.
+    """
+
+    joint: Signal
+    kind: str
+    column: str
+    told: bool
+    least: float
+    greatest: float
+    speed: float
+
+    @property
+    def beyond(self) -> float:
+        """How far it goes beyond its limits; -inf without limits."""
+        return max(self.joint.lower - self.least, self.greatest - self.joint.upper)
+
+    def within(self, parts: float) -> bool:
+        """Return whether it keeps to its limits if so many of its unit make one of SI."""
+        slack = _SLACK * (self.joint.upper - self.joint.lower)
+        return self.joint.lower - slack <= self.least / parts and self.greatest / parts <= self.joint.upper + slack
+
+
+class Plausibility:
+    """What has been seen of a motion, block by block, and what is doubtful about its units."""
+
+    def __init__(self, signals: Signals, layout: Layout) -> None:
+        self._signals, self._layout = signals, layout
+        self._rows, self._start, self._end = 0, 0.0, 0.0
+        self._least, self._greatest = (np.full(len(layout.q), x) for x in (np.inf, -np.inf))
+        self._fastest = np.zeros(len(layout.qd))
+
+    def update(self, block: Trajectory) -> None:
+        """Take in a block, which is not empty."""
+        if not self._rows:
+            self._start = float(block.time[0])
+        self._rows, self._end = self._rows + len(block), float(block.time[-1])
+        np.minimum(self._least, block.q.min(axis=0), out=self._least)
+        np.maximum(self._greatest, block.q.max(axis=0), out=self._greatest)
+        np.maximum(self._fastest, np.abs(block.qd).max(axis=0), out=self._fastest)
+
+    def doubts(self) -> tuple[Doubt, ...]:
+        """Return what is doubtful about the units, each with the option that mends it."""
+        seen, clock = [*self._seen()], self._layout.clock
+        found = {kind: said for kind in _OTHER if (said := _positions(kind, seen))}
+        if "angle" not in found and (said := _degrees(seen)):
+            found["angle"] = said
+        parts = {kind: _OTHER[kind][0] if kind in found else 1.0 for kind in _OTHER}
+        doubts = [Doubt(f"if {_SI[kind][1]} (assumed)", said) for kind, said in found.items()]
+        seen = [each._replace(speed=each.speed / parts[each.kind]) for each in seen]
+        step = (self._end - self._start) / max(1, self._rows - 1)
+        first = float(clock.start) + self._start
+        why, unit = _fine(seen, clock) or (not clock.told and (_coarse(seen, step) or _epoch(first))) or ("", "")
+        if unit:
+            now = next(name for name, ticks in TICKS.items() if ticks == clock.ticks)
+            remedy = f"--time-unit {unit}" + ("" if clock.told else f", or --time-unit {now} if they are {_TIMES[now]}")
+            said = f"{why}: are the stamps {_TIMES[unit]}? ({remedy})"
+            doubts.append(Doubt(f"if the stamps are {_TIMES[now]}{'' if clock.told else ' (assumed)'}", said))
+        return tuple(doubts)
+
+    def _seen(self) -> Iterator[_Seen]:
+        layout = self._layout
+        for joint, (q, qd) in zip(self._signals.joints, self._signals.spans.values(), strict=True):
+            column = layout.q[q[0]]
+            if joint.kind != "floating" and column != ABSENT:
+                seen = float(self._least[q[0]]), float(self._greatest[q[0]]), float(self._fastest[qd[0]])
+                kind = self._signals.kinds[joint.name]
+                yield _Seen(joint, kind, layout.names[column], column in layout.told, *seen)
+
+
+def _positions(kind: str, seen: list[_Seen]) -> str:
+    """Return why positions are in the other unit, empty if they are not: far beyond limits, but not in that unit."""
+    limited = [each for each in seen if each.kind == kind and not each.told and each.joint.lower < each.joint.upper]
+    far = max(limited, key=lambda each: each.beyond, default=None)
+    parts, other, remedy = _OTHER[kind]
+    if far is None or far.beyond <= _FAR[kind] or not all(each.within(parts) for each in limited):
+        return ""
+    low = far.joint.lower - far.least == far.beyond
+    si = _SI[kind][0]
+    what = f"joint {far.joint.name!r} goes to {far.least if low else far.greatest:.6g} {si}"
+    limits = f"far beyond its limits of {far.joint.lower:.4g} and {far.joint.upper:.4g} {si}"
+    remedy = remedy.format(joint=far.joint.name, column=far.column)
+    return f"{what}, {limits}, and all would be within theirs in {other}: are these {other}? ({remedy})"
+
+
+def _degrees(seen: list[_Seen]) -> str:
+    """Return why angles are in degrees, by the speeds alone; empty if they are not."""
+    turning = [each for each in seen if each.kind == "angle" and not each.told and math.isfinite(each.joint.speed)]
+    fast = max(turning, key=lambda each: each.speed / each.joint.speed, default=None)
+    parts, other, remedy = _OTHER["angle"]
+    if fast is None or not _FAST < fast.speed / fast.joint.speed <= 2.0 * parts:
+        return ""
+    times = f"{fast.speed / fast.joint.speed:.3g} times its limit"
+    return f"joint {fast.joint.name!r} turns at {fast.speed:.4g} rad/s, {times}: are the angles {other}? ({remedy})"
+
+
+def _fine(seen: list[_Seen], clock: Clock) -> tuple[str, str] | None:
+    """Return why stamps are of a longer unit than was told, and of which: speeds are far beyond their limits."""
+    use = max((each.speed / each.joint.speed for each in seen), default=0.0)
+    if use <= _FAST:
+        return None
+    units = [unit for unit, ticks in TICKS.items() if ticks < clock.ticks and use * ticks / clock.ticks <= 2.0]
+    return (f"joints move at up to {use:.4g} times their limit of speed", units[-1]) if units else None
+
+
+def _coarse(seen: list[_Seen], step: float) -> tuple[str, str] | None:
+    """Return why stamps are of a shorter unit than seconds, and of which: rows are far apart, and little has moved."""
+    use = max((each.speed / min(each.joint.speed, _MODERATE[each.kind]) for each in seen), default=0.0)
+    unit = next((unit for unit, n in TICKS.items() if step / n < _COARSE or use * n > _SLOW), "s")
+    why = f"rows are {step:.6g} s apart and no joint moves faster than {100 * use:.2g} % of a moderate speed"
+    return (why, unit) if use and unit != "s" else None
+
+
+def _epoch(first: float) -> tuple[str, str] | None:
+    """Return why stamps are of a shorter unit than seconds, and of which: they begin at no time since 1970."""
+    unit = next((unit for unit, n in TICKS.items() if first > _LATEST and EPOCH <= first / n <= _LATEST), None)
+    return (f"stamps begin at {first:.15g}, which is no time in seconds since 1970", unit) if unit else None

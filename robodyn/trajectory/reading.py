@@ -1,0 +1,121 @@
+"""How a table is to be read, as a person asks for it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.columns import POSE, Signals
+from robodyn.trajectory.units import ANGLES, AngleUnit, TimeUnit
+from robodyn.wording import alternatives, shown
+
+Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
+MODES = ("auto", "given", "spline", "savgol", "central")
+REST = "rest"
+HoldGiven = str | float | Mapping[str, str | float]
+"""`"rest"`, a position for all, positions by joint; or all of these as text: `"rest,elbow=0.3"`."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Where joints without columns are held.
+
+    Attributes:
+        every: where all are that are not named; None if those must have columns.
+        named: by the name of a joint, or of a coordinate of a floating joint.
+    """
+
+    every: str | float | None = None
+    named: Mapping[str, str | float] = field(default_factory=dict)
+
+    def positions(self, signals: Signals, angle_unit: AngleUnit) -> dict[int, float]:
+        """Return index in q -> position [rad or m], of all that is to be held.
+
+        A number for all leaves floating joints at rest: at their place and not turned.
+
+        Args:
+            angle_unit: of the angles that were given.
+
+        Raises:
+            TrajectoryError: there is no joint of a name, or a floating joint or its quaternion is given one number.
+        """
+
+        def position(i: int, place: str | float) -> float:
+            angle = signals.kinds[signals.positions[i]] == "angle"
+            return signals.rest[i] if isinstance(place, str) else place / (ANGLES[angle_unit] if angle else 1.0)
+
+        joints = {name: at for name, (at, _) in signals.spans.items()}
+        found: dict[int, float] = {}
+        if self.every is not None:
+            for at in joints.values():
+                found |= {i: position(i, self.every if len(at) == 1 else REST) for i in at}
+        single = {stem: range(i, i + 1) for i, stem in enumerate(signals.positions) if signals.kinds[stem]}
+        for name, place in self.named.items():
+            if name not in joints and name not in single:
+                follows = "it follows another" if name in signals.dependent else alternatives(name, [*joints], "joints")
+                raise TrajectoryError(f"no joint {shown(name)} to hold", remedy=follows)
+            at = joints.get(name) or single[name]
+            if len(at) > 1 and not isinstance(place, str):
+                remedy = f"give {', '.join(f'{name}_{part}=...' for part in POSE[:3])} or {name}={REST}"
+                raise TrajectoryError(f"joint {shown(name)} moves freely, one number does not place it", remedy=remedy)
+            found |= {i: position(i, place) for i in at}
+        return found
+
+
+def hold_of(given: HoldGiven | None) -> Hold:
+    """Return what a person gives as data.
+
+    Raises:
+        TrajectoryError: it is not understood.
+    """
+    if given is None:
+        return Hold()
+    if isinstance(given, Mapping):
+        return Hold(None, {name: _place(place) for name, place in given.items()})
+    every, named = None, {}
+    for part in str(given).split(","):
+        name, equals, place = part.rpartition("=")
+        if equals:
+            named[name.strip()] = _place(place)
+        else:
+            every = _place(place)
+    return Hold(every, named)
+
+
+def _place(given: str | float) -> str | float:
+    text = str(given).strip()
+    try:
+        place = math.nan if "_" in text else float(text)
+    except ValueError:
+        place = math.nan
+    if text != REST and not math.isfinite(place):
+        what = f"{shown(text)} is no place to hold a joint"
+        raise TrajectoryError(what, remedy="rest, a number, or joints as in rest,elbow=0.3")
+    return REST if text == REST else place
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a table is to be read.
+
+    Attributes:
+        derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data (see
+            `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods.
+        ignore_extra: leave unknown columns out instead of refusing them.
+        hold: where joints without columns are.
+        columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
+        time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
+    """
+
+    derivatives: Derivatives = "auto"
+    ignore_extra: bool = False
+    hold: Hold = field(default_factory=Hold)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    time_unit: TimeUnit | None = None
+    angle_unit: AngleUnit | None = None
+
+
+DEFAULT = Reading()

@@ -1,0 +1,54 @@
+"""Columns that the robot does not know: what is left out without a word, and what is said of the others."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from robodyn.errors import TrajectoryError
+from robodyn.statistics import COMPONENTS
+from robodyn.trajectory.columns import Place, Signals
+from robodyn.trajectory.header import Header, listing
+from robodyn.trajectory.loop_columns import loops_in
+from robodyn.trajectory.proposals import asked, meant
+
+_HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
+"""Fields of a message of ROS that no motion needs."""
+
+
+def is_of_message(header: Header, i: int) -> bool:
+    """Return whether a column is of a message of ROS and needed for no motion."""
+    return i in header.labels or header.entry(i) == "tau" or _HEADER.fullmatch(header.names[i]) is not None
+
+
+def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> None:
+    """Raise if unknown columns are what a simulation writes of loops."""
+    names = [header.names[i] for i in unknown]
+    loops = loops_in(names, {*signals.spans, *signals.dependent}) if signals.joints else []
+    if loops:
+        first, last = (f"{part}_{loops[0]}" for part in (COMPONENTS[0], COMPONENTS[-1]))
+        what = (
+            f"columns '{first}' to '{last}' are what simulate writes of a loop, and inverse dynamics of closed chains "
+            "is not available: the torques would be those of the open tree"
+        )
+        remedy = f"the table's tau_ columns have the drives' torques; if {loops[0]!r} is no loop, rename its columns"
+        raise header.error(what, remedy)
+
+
+def unknown_error(
+    header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int]
+) -> TrajectoryError:
+    """Return the error about unknown columns, with what they may be meant for."""
+    names = [header.names[i] for i in unknown]
+    what = f"unknown column{'s' * (len(unknown) > 1)} {listing(names)}"
+    leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
+    if any(name.startswith("base_") for name in names):
+        return header.error(what, f'a scene with [base] motion = "moving" uses base_ columns; {leave}')
+    free = {ours: theirs for ours, theirs in meant(names, signals).items() if signals.names[ours].place not in places}
+    return header.error(what, f"{asked(free)}there is {listing(header_names(signals))}; {leave}")
+
+
+def header_names(signals: Signals) -> tuple[str, ...]:
+    """Return the usual column names of a robot's positions: `time`, `q_<joint>`; of a floating joint `<joint>_x`..."""
+    floating = tuple(f"{joint.name}_" for joint in signals.joints if joint.kind == "floating")
+    return ("time", *(stem if floating and stem.startswith(floating) else f"q_{stem}" for stem in signals.positions))

@@ -1,0 +1,238 @@
+"""Tables of other programs: their names of columns, units in names, arrays of joints, and names that a person maps."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.header import Header
+from robodyn.trajectory.layout import resolve
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.units import unit_of
+
+ARM = Signals((Signal("elbow", "angle"), Signal("lift", "length")), dependent=("finger",))
+GIVEN = Reading("given")
+
+
+def read(folder: Path, header: str, *rows: str, reading: Reading = GIVEN, signals: Signals = ARM) -> Trajectory:
+    path = folder / "t.csv"
+    path.write_text("\n".join((header, *rows, "")))
+    return read_trajectory(path, signals, reading=reading)
+
+
+@pytest.mark.parametrize(
+    ("column", "place"),
+    [
+        ("/joint_states/elbow/position", ("q", 0)),
+        ("/joint_states/elbow/velocity", ("qd", 0)),
+        ("/joint_states/elbow/effort", None),
+        ("elbow.effort", None),
+        ("effort_elbow", None),
+        ("elbow_torque", None),
+        ("elbow_position", ("q", 0)),
+        ("elbow_velocity", ("qd", 0)),
+        ("elbow_acceleration", ("qdd", 0)),
+        ("velocity_lift", ("qd", 1)),
+        ("dq_elbow", ("qd", 0)),
+        ("elbow Angle", ("q", 0)),
+        ("elbow-angle", ("q", 0)),
+        ("finger_position", None),
+        ("elbow [rad]", ("q", 0)),
+        ("elbow (deg)", ("q", 0)),
+        ("elbow_deg", ("q", 0)),
+        ("elbow/velocity [rad/s]", ("qd", 0)),
+        ("elbow_vel_deg_per_s", ("qd", 0)),
+        ("qdd_lift_mm_s2", ("qdd", 1)),
+        ("elbow_torque [N m]", None),
+    ],
+)
+def test_names_of_other_programs(column: str, place: tuple[str, int] | None) -> None:
+    found = ARM.find(column)
+    assert found is not None
+    assert found.place == place
+
+
+@pytest.mark.parametrize("column", ["wrist_position", "elbow_x", "velocity", "position[0]", "elbow_s", "Elbow"])
+def test_names_that_mean_nothing(column: str) -> None:
+    assert ARM.find(column) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "parts", "order"),
+    [
+        ("rad", "angle", 1.0, 0),
+        ("\N{DEGREE SIGN}/s", "angle", 180 / math.pi, 1),
+        ("deg/s^2", "angle", 180 / math.pi, 2),
+        ("rad/s\N{SUPERSCRIPT TWO}", "angle", 1.0, 2),
+        ("mm/s/s", "length", 1000.0, 2),
+        ("\N{MICRO SIGN}s", "time", 1e6, 0),
+        ("Nanoseconds", "time", 1e9, 0),
+    ],
+)
+def test_units(text: str, dimension: str, parts: float, order: int) -> None:
+    assert unit_of(text) == (dimension, parts, order)
+
+
+@pytest.mark.parametrize("text", ["grad", "ticks", "/s", "", "m/s^3", "rad s"])
+def test_what_is_no_unit(text: str) -> None:
+    assert unit_of(text) is None
+
+
+def test_units_in_names_are_converted(tmp_path: Path) -> None:
+    header = "time [ms],elbow [deg],qd_elbow (deg/s),elbow_acc_deg_s2,lift_mm,qd_lift [mm/s],lift_acceleration [m/s^2]"
+    found = read(tmp_path, header, "0,90,180,-90,250,1000,2", "5,91,180,-90,255,1000,2")
+    assert found.time.tolist() == [0.0, 0.005]
+    assert np.allclose(found.q, [[math.pi / 2, 0.25], [math.radians(91), 0.255]], rtol=1e-15)
+    assert np.allclose([found.qd[0], found.qdd[0]], [[math.pi, 1.0], [-math.pi / 2, 2.0]], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        (
+            "elbow [ticks]",
+            "column 'elbow [ticks]': 'ticks' is no unit of the position of 'elbow' (understood: rad or deg)",
+        ),
+        ("elbow_mm", "column 'elbow_mm': 'mm' is no unit of the position of 'elbow' (understood: rad or deg)"),
+        ("elbow [rad/s]", "'rad/s' is no unit of the position of 'elbow'"),
+        ("qd_elbow [deg]", "'deg' is no unit of the velocity of 'elbow' (understood: rad/s or deg/s)"),
+        ("lift (deg)", "column 'lift (deg)': 'deg' is no unit of the position of 'lift' (understood: m or mm)"),
+    ],
+)
+def test_units_that_cannot_be_are_refused(column: str, message: str) -> None:
+    given = {"elbow": "elbow", "lift": "lift"} | {"lift" if "lift" in column else "elbow": column}
+    names = ("time", *given.values()) if "qd" not in column else ("time", "elbow", "lift", column)
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(names), ARM)
+    assert message in str(caught.value)
+
+
+ROW = {"q_elbow": "1", "qd_elbow": "0", "qdd_elbow": "0", "q_lift": "0", "qd_lift": "0", "qdd_lift": "0"}
+
+
+@pytest.mark.parametrize(
+    ("stamps", "time"),
+    [
+        ({"__time": ("0.5", "0.75")}, (0.5, 0.75)),
+        ({"Time": ("0.5", "0.75")}, (0.5, 0.75)),
+        ({"%time": ("500000000", "750000000")}, (0.5, 0.75)),
+        ({"time_from_start": ("0", "0.25")}, (0.0, 0.25)),
+        ({"time_from_start.sec": ("1", "1"), "time_from_start.nanosec": ("0", "250000000")}, (1.0, 1.25)),
+        ({"header.stamp.sec": ("9", "10"), "header.stamp.nanosec": ("750000000", "0")}, (9.75, 10.0)),
+        (
+            {"/joint_states/header/stamp/sec": ("9", "10"), "/joint_states/header/stamp/nanosec": ("5", "0")},
+            (9 + 5e-9, 10),
+        ),
+        ({"secs": ("1", "2"), "nsecs": ("500000000", "0")}, (1.5, 2.0)),
+        ({"time_us": ("500000", "750000")}, (0.5, 0.75)),
+        ({"Timestamp (ns)": ("500000000", "750000000")}, (0.5, 0.75)),
+        (
+            {"__time": ("0.5", "0.75"), "/header/stamp/sec": ("7", "7"), "/header/stamp/nanosec": ("1", "2")},
+            (0.5, 0.75),
+        ),
+        ({"%time": ("1", "2"), "field.header.seq": ("0", "1"), "field.header.stamp": ("7", "8")}, (1e-9, 2e-9)),
+    ],
+    ids=lambda stamps: "+".join(stamps) if isinstance(stamps, dict) else "",
+)
+def test_time_of_other_programs(stamps: dict[str, tuple[str, str]], time: tuple[float, float], tmp_path: Path) -> None:
+    rows = [",".join((*(cells[k] for cells in stamps.values()), *ROW.values())) for k in range(2)]
+    assert read(tmp_path, ",".join((*stamps, *ROW)), *rows).time.tolist() == list(time)
+
+
+def test_two_times_of_one_kind() -> None:
+    with pytest.raises(TrajectoryError, match=r"time is given 2 times, by 'Time', '__time' .*--map time=NAME"):
+        resolve(Header(("Time", "__time", "elbow", "lift")), ARM)
+
+
+ROSTOPIC = (
+    "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.name0,field.name1,field.name2,"
+    "field.position0,field.position1,field.position2,field.velocity0,field.velocity1,field.velocity2,field.effort0"
+)
+
+
+def echoed(k: int, names: str = "lift,finger,elbow") -> str:
+    return f"{1000000 * k},{k},{1000000 * k},base,{names},0.25,0.5,1.5,0.1,0,-0.1,7"
+
+
+def test_arrays_with_names_of_joints(tmp_path: Path) -> None:
+    """What `rostopic echo -p /joint_states` writes, whose order is that of the names beside it."""
+    reading = Reading("central")
+    found = read(tmp_path, ROSTOPIC, *map(echoed, range(5)), reading=reading)
+    assert found.q[0].tolist() == [1.5, 0.25]
+    assert found.qd[0].tolist() == [-0.1, 0.1]
+    with pytest.raises(
+        TrajectoryError, match=r"t.csv:4: column 'field.name0' is 'elbow', and 'lift' in the rows before"
+    ):
+        read(tmp_path, ROSTOPIC, echoed(0), echoed(1), echoed(2, "elbow,finger,lift"), reading=reading)
+
+
+@pytest.mark.parametrize(
+    "form", ["/joint_states.position[{}]", "position_{}", "/joint_states/position.{}", "position{}"]
+)
+def test_arrays_without_names_are_refused(form: str) -> None:
+    names = form.format(0), form.format(1)
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(("time", *names)), ARM)
+    assert f"columns {names[0]!r}, {names[1]!r} do not tell which joints they are of" in str(caught.value)
+    assert f"q_elbow={names[0]}" in str(caught.value).replace("'", "")
+    layout = resolve(Header(("time", *names)), ARM, reading=Reading(columns={"q_elbow": names[1], "q_lift": names[0]}))
+    assert layout.q == (2, 1)
+
+
+def test_map_gives_columns_our_names(tmp_path: Path) -> None:
+    columns = {"time": "clock", "q_elbow": "my angle [deg]", "lift": "up_mm", "qd_elbow": "w", "push": "F"}
+    reading = Reading("central", columns=columns)
+    path = tmp_path / "t.csv"
+    path.write_text("clock,my angle [deg],up_mm,w,F\n0,90,250,1,5\n1,90,250,1,6\n2,90,250,1,7\n")
+    found = read_trajectory(path, ARM, extra=("push",), reading=reading)
+    assert found.q[0].tolist() == pytest.approx([math.pi / 2, 0.25])
+    assert (found.qd[0, 0], found.extra["push"].tolist()) == (1.0, [5.0, 6.0, 7.0])
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"q_elbw": "a"}, "a column is called 'q_elbw', which the robot does not know (did you mean 'q_elbow'?)"),
+        ({"tau_elbow": "a"}, "a column is called 'tau_elbow', which the robot does not know"),
+        ({"q_elbow": "bb"}, "there is no column 'bb' to be called 'q_elbow' (columns: 'time', 'a', 'lift')"),
+        ({"q_elbow": "a", "elbow": "lift"}, "columns 'a' and 'lift' give the same quantity"),
+    ],
+)
+def test_maps_that_lead_nowhere(columns: dict[str, str], message: str) -> None:
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(("time", "a", "lift")), ARM, reading=Reading(columns=columns))
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (("time", "Elbow", "lift"), "did you mean 'Elbow' for 'q_elbow'? then --map q_elbow=Elbow;"),
+        (("time", "Elbow Pos", "Lift [mm]"), "then --map 'q_elbow=Elbow Pos' --map 'q_lift=Lift [mm]';"),
+        (("time", "velocity_elbow", "lift"), "no position of joint 'elbow' (--hold rest"),
+        (("time", "velocity_elbw", "lift"), "no position of joint 'elbow' (--hold rest"),
+        (("time", "elbow", "lift", "velocity_elbw"), "did you mean 'velocity_elbw' for 'qd_elbow'?"),
+        (("time", "elbow", "lift", "Elbow"), "unknown column 'Elbow' (there is 'time', 'q_elbow', 'q_lift'; --ignore-"),
+    ],
+)
+def test_proposals_are_of_the_right_quantity(names: tuple[str, ...], message: str) -> None:
+    """A velocity is not proposed for a position, nor a column for a quantity that is given."""
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(names), ARM)
+    assert message in str(caught.value)
+
+
+def test_a_moving_base_without_columns_is_told_what_it_needs() -> None:
+    free = Signals((Signal("base", "floating"), Signal("elbow", "angle")))
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(("time", "elbow")), free)
+    wanted = "base_x base_y base_z base_qx base_qy base_qz base_qw"
+    assert f"no column says where 'base' is, which moves freely (give {wanted}" in str(caught.value)
+    assert "--hold base=rest" in str(caught.value)

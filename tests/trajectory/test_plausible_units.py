@@ -1,0 +1,193 @@
+"""Units that a motion cannot be in are doubted, and those of sane motions are not: random motions of many robots.
+
+Sane motions: every joint swings through 4 to 90 % of its range, at 2 to 90 % of its limit of speed (of 5 rad/s, 1 m/s
+without one), sampled at 1 ms to 0.1 s, or as 5 to 12 way-points 0.5 to 5 s apart. Nine such motions of each of 67 other
+robots and six of each of 8 of ours: of 651 none is doubted. With another unit all 1899 whose stamps are in ms, us or ns
+are told, and all 597 in degrees of robots whose joints have limits; of 4 robots without none is, since nothing tells.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from example_robots import PATHS
+from robot_catalogue import FOLDER, belonging, names
+
+from robodyn.assemble import load
+from robodyn.example_motion import example_motion
+from robodyn.model import Model
+from robodyn.motion_input import motion, read_motion, signals
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.read import open_trajectory
+
+SLIPS = {"ms": (1e3, 1.0), "us": (1e6, 1.0), "ns": (1e9, 1.0), "deg": (1.0, 180 / np.pi)}
+"""What a slip multiplies stamps and angles by."""
+STEPS = (0.001, 0.002, 0.005, 0.01, 0.05, 0.1)
+
+
+def random_motion(model: Model, rng: np.random.Generator, waypoints: bool) -> tuple[np.ndarray, ...]:
+    """Stamps, q, qd, qdd of a sane motion."""
+    rows, step = (int(rng.integers(5, 13)), rng.uniform(0.5, 5)) if waypoints else (300, rng.choice(STEPS))
+    time = np.arange(rows) * step
+    q, qd, qdd = (np.zeros((rows, k)) for k in (model.nq, model.n, model.n))
+    for joint in model.independent:
+        if joint.kind == "floating":
+            q[:, joint.coordinate + 6] = 1.0
+            continue
+        usual = 1.0 if joint.kind == "prismatic" else 5.0
+        lower, upper = (-2.0 if joint.lower is None else joint.lower), (2.0 if joint.upper is None else joint.upper)
+        lower, upper = (max(lower, -7.0), min(upper, 7.0)) if lower < upper else (-2.0, 2.0)
+        h = rng.uniform(0.02, 0.45) * (upper - lower)
+        c = rng.uniform(lower + h, upper - h)
+        w = rng.uniform(0.02, 0.9) * min(joint.velocity or usual, usual) / h
+        phase = w * time + rng.uniform(0, 2 * np.pi)
+        q[:, joint.coordinate] = c + h * np.sin(phase)
+        qd[:, joint.rate], qdd[:, joint.rate] = h * w * np.cos(phase), -h * w * w * np.sin(phase)
+    return time, q, qd, qdd
+
+
+def slipped(model: Model, given: tuple[np.ndarray, ...], slip: str) -> Trajectory:
+    """The motion as it is read if its stamps or angles are in another unit."""
+    time, q, qd, qdd = (x.copy() for x in given)
+    ticks, parts = SLIPS[slip]
+    for joint in model.independent:
+        if joint.kind == "revolute":
+            q[:, joint.coordinate] *= parts
+            qd[:, joint.rate] *= parts
+            qdd[:, joint.rate] *= parts
+    return motion(model, time * ticks, q, qd / ticks, qdd / ticks**2)
+
+
+def found(model: Model, seeds: range) -> Counter[str]:
+    """How many sane motions are doubted ("sane"), and how many of each slip are with the option that mends it."""
+    count: Counter[str] = Counter()
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        given = random_motion(model, rng, waypoints=seed % 3 == 2)
+        count["sane"] += bool(motion(model, *given).doubts)
+        for slip in SLIPS:
+            option = "--angle-unit deg" if slip == "deg" else f"--time-unit {slip}"
+            count[slip] += any(option in doubt.said for doubt in slipped(model, given, slip).doubts)
+    return count
+
+
+def limited(model: Model) -> bool:
+    """Whether a joint that turns has limits, without which degrees cannot be told from radians."""
+    turning = [joint for joint in model.independent if joint.kind == "revolute" and not joint.continuous]
+    return any(joint.lower is not None and joint.lower < joint.upper < 100.0 for joint in turning)
+
+
+OWN = [*map(str, sorted(FOLDER.glob("*.urdf")))]
+
+
+@pytest.mark.parametrize("path", [path for path in OWN if limited(load(path))], ids=lambda path: Path(path).stem)
+def test_units_of_our_robots(path: str) -> None:
+    assert found(load(path), range(6)) == {"sane": 0, "ms": 6, "us": 6, "ns": 6, "deg": 6}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
+def test_units_of_other_robots(path: Path) -> None:
+    model = load(path)
+    told = 9 if any(joint.kind != "floating" for joint in model.independent) else 0
+    assert found(model, range(9)) == {**dict.fromkeys(SLIPS, told), "sane": 0, "deg": told if limited(model) else 0}
+
+
+@pytest.mark.parametrize("path", [*OWN, *map(str, PATHS[::7])], ids=lambda path: Path(path).stem)
+def test_example_motions_are_not_doubted(path: str) -> None:
+    model = load(path)
+    _, time, columns = example_motion(model)
+    rows = columns[:: len(time) // 100]
+    q, qd, qdd = np.split(rows, (model.nq, model.nq + model.n), axis=1)
+    assert motion(model, time[:: len(time) // 100], q, qd, qdd).doubts == ()
+
+
+@pytest.mark.parametrize("table", sorted(FOLDER.glob("*.csv")), ids=lambda path: path.stem)
+def test_our_tables_are_not_doubted(table: Path) -> None:
+    moving = "base_" in table.read_text().partition("\n")[0]
+    name = next(name for name in names() if table in belonging(name, ".csv"))
+    model = load(str(FOLDER / f"{name}.urdf"), moving_base=moving)
+    with read_motion(table, model, ignore_extra=True) as reader:
+        assert [block.doubts for block in reader.blocks()][-1] == ()
+
+
+ARM = load(str(FOLDER / "puma.urdf"))
+
+
+@pytest.mark.parametrize(
+    ("ticks", "start", "clause", "said"),
+    [
+        (1e3, 0.0, "if the stamps are seconds (assumed)", "rows are 10 s apart and no joint moves faster than 0.067 %"),
+        (
+            1e6,
+            0.0,
+            "if the stamps are seconds (assumed)",
+            "are the stamps microseconds? (--time-unit us, or --time-unit s",
+        ),
+        (1e3, 1.7e9, "if the stamps are seconds (assumed)", "are the stamps milliseconds?"),
+    ],
+)
+def test_words_about_stamps(ticks: float, start: float, clause: str, said: str) -> None:
+    time = np.arange(50) / 100
+    q = np.tile(0.2 * np.sin(5 * time)[:, None], (1, ARM.n))
+    (doubt,) = motion(ARM, (start + time) * ticks, q).doubts
+    assert doubt.clause == clause
+    assert said in doubt.said
+
+
+def test_stamps_of_a_robot_at_rest_are_doubted_by_their_beginning() -> None:
+    q, time = np.zeros((9, ARM.n)), np.arange(9.0)
+    assert motion(ARM, 1.7e9 + time, q).doubts == ()
+    (doubt,) = motion(ARM, 1.7e18 + 1e6 * time, q).doubts
+    assert "stamps begin at 1.7e+18, which is no time in seconds since 1970: are the stamps nanoseconds?" in doubt.said
+
+
+def test_units_that_are_told_are_not_doubted() -> None:
+    """A motion that is slow, or beyond all limits, on purpose."""
+    time = np.arange(50) * 10.0
+    q = np.tile(0.2 * np.sin(time / 200)[:, None], (1, ARM.n))
+    assert motion(ARM, time, q).doubts
+    assert motion(ARM, time, q, time_unit="s").doubts == ()
+    assert motion(ARM, time / 1e3, 90 * q).doubts
+    assert motion(ARM, time / 1e3, 90 * q, angle_unit="rad").doubts == ()
+
+
+def test_both_units_at_once() -> None:
+    time = np.arange(50) / 100
+    q = np.tile(0.4 * np.sin(3 * time)[:, None], (1, ARM.n))
+    clauses = [doubt.clause for doubt in motion(ARM, 1e3 * time, np.degrees(q)).doubts]
+    assert clauses == ["if angles are radians (assumed)", "if the stamps are seconds (assumed)"]
+    units = motion(ARM, 1e3 * time, np.degrees(q), time_unit="ms", angle_unit="deg")
+    assert units.doubts == ()
+    assert np.allclose(units.q, q, rtol=1e-15)
+    assert np.allclose(units.qd, motion(ARM, time, q).qd, atol=1e-9)
+
+
+def test_a_time_unit_that_is_too_short_is_doubted() -> None:
+    time = np.arange(50) / 100
+    q = np.tile(0.2 * np.sin(5 * time)[:, None], (1, ARM.n))
+    (doubt,) = motion(ARM, time, q, time_unit="ms").doubts
+    assert doubt.clause == "if the stamps are milliseconds"
+    assert "times their limit of speed: are the stamps seconds? (--time-unit s)" in doubt.said
+
+
+def test_lengths_in_millimetres_are_doubted() -> None:
+    model = load(str(FOLDER / "scara.urdf"))
+    time = np.arange(50) / 100
+    q = np.tile(0.05 * np.sin(5 * time)[:, None], (1, 3)) * (1, 1, 1000)
+    (doubt,) = motion(model, time, q).doubts
+    assert doubt.clause == "if lengths are metres (assumed)"
+    assert "are these millimetres? (--map 'q_quill [mm]=q[3]'" in doubt.said
+
+
+def test_ranges_are_those_of_all_blocks(tmp_path: Path) -> None:
+    """Only the second block is beyond the limits, and only its own and later ones are doubted."""
+    path, time = tmp_path / "t.csv", np.arange(200) / 100
+    names_of = ",".join(f"{kind}_{name}" for kind in ("q", "qd", "qdd") for name in ARM.joint_names)
+    rows = np.column_stack((time, *([60.0 * (time > 1.5)] * 3), *([0 * time] * 6)))
+    np.savetxt(path, rows, delimiter=",", header=f"time,{names_of}", comments="")
+    with open_trajectory(path, signals(ARM), block_rows=100) as reader:
+        assert [len(block.doubts) for block in reader.blocks()] == [0, 1]
