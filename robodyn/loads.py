@@ -52,7 +52,8 @@ def torques(
         scene: what surrounds the robot.
         reactions: compute the six components of every joint's wrench for the sinks.
         explain: count the operations that the absence of each effect would save.
-        sinks: each is called after every block with time (N,) [s] and the columns of `output_names` (N, k).
+        sinks: each is called after every block with time (N,), as the trajectory's table gives it, and the columns of
+            `output_names` (N, k).
         executor, threads: as for `inverse_dynamics`.
         sizing: also compute what motors, gears, bearings and the foundation bear; None: where the scene has motors.
         history: keep the course of the motion for plots, in memory that does not depend on its length.
@@ -72,7 +73,7 @@ def torques(
             if len(block):
                 columns, last = run.take(block, left), block
                 for sink in sinks:
-                    sink(block.time, columns)
+                    sink(block.given_time, columns)
     if last is None:
         raise InputError("the trajectory has no samples")
     return run.result(last, explain)

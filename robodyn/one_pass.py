@@ -179,7 +179,7 @@ class Pass:
         balance, (force, moment) = self.ledger.balance, self.laws.largest
         moment = max(moment, force * self.model.reach)
         base = base_loads(gathered)
-        doubts = carried(self.model, self.scene, base, joints, force, moment)
+        doubts = (*last.doubts, *carried(self.model, self.scene, base, joints, force, moment))
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
         if not balance.consistent:
             warnings.append(
@@ -205,6 +205,8 @@ class Pass:
             sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
             limits=coverage(self.joints),
             doubts=doubts,
+            origin=last.origin,
+            held=last.held,
         )
 
     def _poses(self) -> dict[int, Floats]:

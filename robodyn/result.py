@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from robodyn.doubts import Doubt
@@ -219,6 +220,8 @@ class Result:
         warnings: all of them, those of `doubts` too.
         limits: which limits the motion could be held against.
         doubts: what else keeps "No limit is exceeded" from being the whole truth.
+        origin: the stamp in the table [s] that all times here count from; 0 where these are the stamps.
+        held: position [rad or m] of every joint (or coordinate of a floating joint) that was held for want of a column.
     """
 
     robot: str
@@ -240,6 +243,8 @@ class Result:
     accuracy: Promise | None = None
     limits: tuple[Coverage, ...] = ()
     doubts: tuple[Doubt, ...] = ()
+    origin: float = 0.0
+    held: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

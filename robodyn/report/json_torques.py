@@ -56,6 +56,8 @@ def torques_json(result: Result) -> str:
         },
         "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
         "derivatives": [_derived(joint) for joint in result.derivation.joints] if result.derivation else [],
+        "time_origin": result.origin,
+        "held": dict(result.held),
         "limits_exceeded": [asdict(excess) for excess in result.exceeded],
         "limits": limits_data(result.limits),
         "within_limits": result.within_limits,

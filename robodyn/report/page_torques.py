@@ -20,6 +20,7 @@ from robodyn.report.document import (
     downloads,
 )
 from robodyn.report.drawing import Draw, at_once
+from robodyn.report.input_words import input_words
 from robodyn.report.json_torques import torques_json
 from robodyn.report.limits_words import effort_use, limits_verdict, speed_use
 from robodyn.report.page_trust import trust
@@ -57,6 +58,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         met = result.accuracy.met
         headline = "The accuracy asked for is met" if met else "The accuracy asked for is not met"
         blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
+    blocks += [Paragraph(line) for line in input_words(result, most=None)]
     if result.joints:
         blocks += [_facts(result), *heaviest_load(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result))]

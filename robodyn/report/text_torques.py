@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robodyn.limits import Excess
+from robodyn.report.input_words import input_words
 from robodyn.report.limits_words import limits_verdict, unchecked_words
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import PLAIN, Content, Page, is_noise, moment, number, printable, relative_text
@@ -49,6 +50,7 @@ def _head(result: Result) -> str:
     return (
         f"{printable(result.robot)}: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
         f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+        + "".join(f"{line}\n" for line in input_words(result))
     )
 
 

@@ -36,6 +36,8 @@ TOP = [
     "checks",
     "plan",
     "derivatives",
+    "time_origin",
+    "held",
     "limits_exceeded",
     "limits",
     "within_limits",
