@@ -7,6 +7,7 @@ import click
 from robodyn.cli.accuracy_input import accuracy_of
 from robodyn.cli.files import check_names
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, Vector
+from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT, reported
 from robodyn.cli.screen import page, show
 from robodyn.report.json_accuracy import accuracy_json
@@ -21,6 +22,7 @@ from robodyn.whole_file import write_whole
 @click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's.")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
+@READING
 @DESCRIPTION
 @SCENE
 @GRAVITY

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from robodyn.accuracy.torques_within import Arithmetic, arithmetic_within
 from robodyn.cli.files import STANDARD_INPUT
+from robodyn.cli.reading_options import reading
 from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.motion_input import read_motion
 from robodyn.scene import Scene
-from robodyn.trajectory.reader import Derivatives
 
 
-def arithmetic_for(
-    target: float, trajectory: str, model: Model, scene: Scene, derivatives: Derivatives, ignore_extra: bool
-) -> Arithmetic:
+def arithmetic_for(target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
     """By the first block of the trajectory, which is read once more for the torques.
 
     Raises:
@@ -21,7 +19,7 @@ def arithmetic_for(
     """
     if trajectory == STANDARD_INPUT:
         raise InputError("--accuracy reads the trajectory twice", remedy="name a file", file="<stdin>")
-    with read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra) as reader:
+    with read_motion(trajectory, model, scene, **reading()) as reader:
         for block in reader.blocks():
             if len(block):
                 return arithmetic_within(model, block, scene, target)

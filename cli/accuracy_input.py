@@ -9,6 +9,7 @@ import click
 from robodyn.accuracy.ladder import Accuracy
 from robodyn.cli.files import check_table, robot_in_scene
 from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
+from robodyn.cli.reading_options import given, reading
 
 
 def accuracy_of(
@@ -28,6 +29,8 @@ def accuracy_of(
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
         raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)
+    if given() and (moved or not robot):
+        raise click.UsageError(f"{given()} is for the trajectory of a robot", ctx)
     if not robot:
         return _of_mesh(files[0])
     if not moved:
@@ -47,7 +50,7 @@ def _of_mesh(mesh: str) -> Accuracy:
 def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vector | None) -> Accuracy:
     from robodyn.accuracy.torque_ladder import file_accuracy
 
-    return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory)
+    return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory, **reading())
 
 
 def _of_motion(

@@ -19,6 +19,7 @@ from robodyn.cli.failures import complain
 from robodyn.cli.files import check_names, source_of
 from robodyn.cli.options import PATH, lookup
 from robodyn.cli.progress import robots_done
+from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
 from robodyn.cli.screen import show
 
@@ -26,6 +27,7 @@ from robodyn.cli.screen import show
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @OPTIONS
+@READING
 @REPORT
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
@@ -40,7 +42,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """
     check_names([*urdfs], flags["report"])
     check_flags(flags, urdfs)
-    asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"])
+    asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"], reading())
     how = lookup()
     given = Options(
         flags["select"] or (),

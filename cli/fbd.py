@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -9,6 +10,7 @@ import click
 from robodyn.cli.fbd_state import STATE, state_of
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.reading_options import READING
 from robodyn.cli.screen import page, show
 from robodyn.free_body.bodies import free_bodies
 from robodyn.report.json_free_body import free_bodies_json
@@ -18,6 +20,7 @@ from robodyn.report.text_free_body import free_bodies_text
 @click.command("fbd", short_help="Free-body diagrams: all forces and moments on each body.")
 @click.argument("urdf", type=PATH)
 @STATE
+@READING
 @DESCRIPTION
 @SCENE
 @GRAVITY
@@ -36,8 +39,9 @@ def command(
     """
     check_names([urdf, given["traj"], scene_file], None)
     model, scene = robot_in_scene(urdf, scene_file, gravity)
-    words, state = state_of(model, scene, **given)
+    words, state, warnings = state_of(model, scene, **given)
     found = free_bodies(model, scene=scene, **state)
+    found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
     if svg is not None:
         from robodyn.cli.drawings import write_drawings

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.options import PATH, AtType
+from robodyn.cli.reading_options import given, reading
 from robodyn.model import Model
 from robodyn.motion_input import read_motion
 from robodyn.robot_inertia.configuration import configuration, rates
@@ -33,25 +34,27 @@ def STATE(command: Callback) -> Callback:
 
 def state_of(
     model: Model, scene: Scene, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None
-) -> tuple[str, dict[str, Any]]:
-    """The state in words, and as what `free_bodies` takes."""
+) -> tuple[str, dict[str, Any], tuple[str, ...]]:
+    """The state in words, and as what `free_bodies` takes; and warnings about its table."""
     ctx = click.get_current_context()
     if traj is None:
-        if time is not None:
-            raise click.UsageError("--time goes with --traj", ctx)
+        if time is not None or given():
+            raise click.UsageError(f"{given() or '--time'} goes with --traj", ctx)
         if scene.columns:
             raise click.UsageError("the scene's wrenches need columns of a trajectory: give --traj and --time", ctx)
         words = ["at rest" if qd is None else "moving"] + ["accelerating"] * (qdd is not None)
         state = {"q": configuration(model, at or ()), "qd": rates(model, qd or ()), "qdd": rates(model, qdd or ())}
-        return ("as given" if at is not None else "at zero") + ", " + ", ".join(words), state
+        return ("as given" if at is not None else "at zero") + ", " + ", ".join(words), state, ()
     if at is not None or qd is not None or qdd is not None:
         raise click.UsageError("--traj says all of the state: leave out --at, --qd and --qdd", ctx)
     if time is None:
         raise click.UsageError("--traj needs --time", ctx)
-    with read_motion(traj, model, scene) as reader:
+    with read_motion(traj, model, scene, **reading()) as reader:
         row = row_at(reader, time)
-    words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s"
+    since = " after the first" if row.origin else ""
+    words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s{since}"
     if row.time[0] != time:
         words_of_row += f", the nearest to {time:.6g} s"
     columns = {name: float(values[0]) for name, values in row.extra.items()}
-    return words_of_row, {"q": row.q[0], "qd": row.qd[0], "qdd": row.qdd[0], "columns": columns}
+    found: dict[str, Any] = {"q": row.q[0], "qd": row.qd[0], "qdd": row.qdd[0], "columns": columns}
+    return words_of_row, found, (*(doubt.said for doubt in row.doubts), *row.notes)

@@ -10,7 +10,6 @@ from robodyn.cli.batch_options import is_batch
 from robodyn.cli.momentum_options import momentum_view
 from robodyn.cli.options import PATH, Vector
 from robodyn.cli.torques_options import OPTIONS
-from robodyn.trajectory.reader import Derivatives
 
 
 @click.command("torques", short_help="What every joint and bearing carries along a motion.")
@@ -23,8 +22,6 @@ def command(
     scene_file: str | None,
     gravity: Vector | None,
     out: str | None,
-    derivatives: Derivatives,
-    ignore_extra: bool,
     fail_on_limits: bool,
     accuracy: float | None,
     example: bool,
@@ -52,13 +49,10 @@ def command(
         for given, name in ((accuracy, "--accuracy"), (example, "--example")):
             if given:
                 raise click.UsageError(f"{name} is for one trajectory", click.get_current_context())
-        options |= {"derivatives": derivatives, "ignore_extra": ignore_extra}
         return run_batch(*robot, trajectories, out, report, options, form, fail_on_limits)
     from robodyn.cli.torques_single import run_single
 
     options["sizing"] = options["sizing"] or None
-    result = run_single(
-        *robot, trajectories[0], out, report, derivatives, ignore_extra, accuracy, example, form, options
-    )
+    result = run_single(*robot, trajectories[0], out, report, accuracy, example, form, options)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (fail_on_limits and result.within_limits is False))

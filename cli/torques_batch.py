@@ -18,6 +18,7 @@ from robodyn.cli.batch_progress import files_done
 from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.options import payloads
+from robodyn.cli.reading_options import reading
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
@@ -75,6 +76,7 @@ def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, A
         payloads=payloads(),
         executor=executor,
         threads=threads or 1,
+        reading=reading(),
         **options,
     )
     return setup, model.name

@@ -10,8 +10,8 @@ import click
 from robodyn.cli.batch_options import BATCH
 from robodyn.cli.momentum_options import MOMENTUM
 from robodyn.cli.options import DESCRIPTION, EXECUTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE
+from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT
-from robodyn.trajectory.reader import MODES
 
 _OPTIONS = (
     DESCRIPTION,
@@ -22,8 +22,7 @@ _OPTIONS = (
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
     MOMENTUM,
-    click.option("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; default auto."),
-    click.option("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
+    READING,
     click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),

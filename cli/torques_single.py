@@ -6,6 +6,7 @@ from typing import Any
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import Vector
+from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import drawing, pictured, reported
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
@@ -13,7 +14,6 @@ from robodyn.loads import torques
 from robodyn.motion_input import read_motion
 from robodyn.one_pass import output_names
 from robodyn.result import Result
-from robodyn.trajectory.reader import Derivatives
 
 
 def run_single(
@@ -24,8 +24,6 @@ def run_single(
     trajectory: str,
     out: str | None,
     report: str | None,
-    derivatives: Derivatives,
-    ignore_extra: bool,
     accuracy: float | None,
     example: bool,
     form: str,
@@ -46,10 +44,10 @@ def run_single(
         if accuracy is not None:
             from robodyn.cli.accuracy_asked import arithmetic_for
 
-            way = arithmetic_for(accuracy, trajectory, model, scene, derivatives, ignore_extra)
+            way = arithmetic_for(accuracy, trajectory, model, scene)
             options["executor"] = way.executor or options["executor"]
         names = output_names(model, options["reactions"], options["momentum"] is not None)
-        reader = read_motion(trajectory, model, scene, derivatives=derivatives, ignore_extra=ignore_extra)
+        reader = read_motion(trajectory, model, scene, **reading())
         with reader, sinks(out, names, reader) as gather:
             result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
         result = way.fulfilled(result) if way else result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -66,16 +67,20 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     return Accuracy(model.name, tuple(ladders), prices, _effects(a_plan, sources, len(samples)), tuple(notes))
 
 
-def file_accuracy(model: Model, scene: Scene, trajectory: str) -> Accuracy:
+def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -> Accuracy:
     """`torque_accuracy` of the first block of a trajectory in a file, 32768 samples.
+
+    Args:
+        reading: as for `read_motion`.
 
     Raises:
         InputError: the trajectory is wrong or empty, or what `torque_accuracy` raises.
     """
-    with read_motion(trajectory, model, scene) as reader:
+    with read_motion(trajectory, model, scene, **reading) as reader:
         for block in reader.blocks():
             if len(block):
-                return torque_accuracy(model, block, scene)
+                found = torque_accuracy(model, block, scene)
+                return replace(found, notes=(*(f"warning: {doubt.said}" for doubt in block.doubts), *found.notes))
     raise InputError("the trajectory has no samples", file=trajectory)
 
 

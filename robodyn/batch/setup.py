@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 from pathlib import Path
+from typing import Any
 
 from robodyn.assemble import load
 from robodyn.installed import code_digest, version_of
@@ -14,7 +16,6 @@ from robodyn.model import Model
 from robodyn.momentum import View
 from robodyn.scene import DEFAULT, Payload, Scene
 from robodyn.scene_file import parse_scene
-from robodyn.trajectory.reader import Derivatives
 
 VERSION = f"{version_of('robodyn')}, code {code_digest(Path(__file__).parents[1], without='cli')[:12]}"
 """Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
@@ -27,7 +28,7 @@ class Setup:
     Attributes:
         robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
-        reactions, sizing, momentum, derivatives, ignore_extra, explain: as for `torques`.
+        reactions, sizing, momentum, explain: as for `torques`; reading: as for `read_motion`.
         executor: "numpy" or "compiled"; threads: of each process.
         version: of robodyn and its code, which all machines must have.
     """
@@ -39,8 +40,7 @@ class Setup:
     reactions: bool
     sizing: bool
     momentum: View | None
-    derivatives: Derivatives
-    ignore_extra: bool
+    reading: Mapping[str, Any]
     explain: bool
     executor: str
     threads: int

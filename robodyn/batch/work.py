@@ -75,9 +75,8 @@ def _finished(job: Job, digest: str) -> dict[str, Any] | None:
 def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     model, scene = setup.loaded()
     names = output_names(model, setup.reactions, setup.momentum is not None)
-    how = {"derivatives": setup.derivatives, "ignore_extra": setup.ignore_extra}
     with ExitStack() as stack:
-        reader = stack.enter_context(read_motion(job.path, model, scene, **how))  # type: ignore[arg-type]
+        reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
         _make_folder(os.path.dirname(job.table))
         writer = stack.enter_context(open_writer(job.table, names))
         sink = stack.enter_context(behind(writer.write))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from robodyn.errors import InputError
 from robodyn.wording import alternatives, shown
@@ -18,7 +20,8 @@ class Asked:
     Attributes:
         targets: programs whose verdict RD901 gives.
         against: a git revision whose version of the file RD902 compares with.
-        trajectory: a file with a motion along which RD802 holds the limits against the loads.
+        trajectory: a file with a motion along which RD802 holds the limits against the loads; reading: how it is read,
+            as for `read_motion`.
 
     Raises:
         InputError: a target is not known.
@@ -27,6 +30,7 @@ class Asked:
     targets: tuple[str, ...] = ()
     against: str | None = None
     trajectory: str | None = None
+    reading: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for target in self.targets:

@@ -15,8 +15,14 @@ def check(context: Context) -> Iterator[Fault]:
     if context.asked.trajectory is None:
         return
     from robodyn.loads import torques
+    from robodyn.motion_input import read_motion
 
-    for excess in torques(context.model, context.asked.trajectory).exceeded:
+    with read_motion(context.asked.trajectory, context.model, **context.asked.reading) as motion:
+        result = torques(context.model, motion)
+    for doubt in motion.doubts:
+        what = f"limits along {context.asked.trajectory} hold only {doubt.clause}: {doubt.said}"
+        yield Fault(at=context.view.root.span, what=what, remedy="say which unit it is")
+    for excess in result.exceeded:
         joint = context.view.joint[excess.joint]
         assert joint.limit is not None, "a limit is exceeded"
         name: str = excess.quantity

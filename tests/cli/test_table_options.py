@@ -1,0 +1,256 @@
+"""Options that say how a table is to be read: joints that are held, names that are mapped."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_line import ARM, Outcome, run
+from example_robots import path_of
+
+import robodyn
+
+GRIPPER = """
+  <link name="left"><inertial><mass value="0.1"/>
+    <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <link name="right"><inertial><mass value="0.1"/>
+    <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+  <joint name="finger" type="prismatic"><parent link="fore"/><child link="left"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="1" lower="-0.05" upper="0.05"/></joint>
+  <joint name="other" type="prismatic"><parent link="fore"/><child link="right"/><axis xyz="0 1 0"/>
+    <limit effort="9" velocity="1" lower="-0.04" upper="-0.01"/><mimic joint="finger" multiplier="-1"/></joint>
+</robot>"""
+"""Two fingers, the second of which mimics the first and keeps away from zero."""
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.urdf").write_text(ARM.replace("</robot>", GRIPPER))
+    write("arm.csv", ("time", "q_shoulder", "q_elbow"))
+
+
+def write(path: str, names: tuple[str, ...], rows: int = 40) -> None:
+    time = np.arange(rows) / 100
+    columns = [time, *(0.2 * np.sin(3 * time + k) for k in range(len(names) - 1))]
+    lines = [",".join(names), *(",".join(f"{x:.12g}" for x in row) for row in zip(*columns, strict=True))]
+    Path(path).write_text("\n".join([*lines, ""]))
+
+
+def document(*args: str) -> dict[str, Any]:
+    outcome = run(*args, "--format", "json")
+    assert outcome.status == 0, outcome.err
+    found: dict[str, Any] = json.loads(outcome.out)
+    return found
+
+
+def refused(outcome: Outcome, line: str) -> None:
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {line}"), outcome.err
+
+
+def test_a_plan_of_the_arm_alone_is_refused_with_the_option_that_mends_it() -> None:
+    refused(run("torques", "arm.urdf", "arm.csv"), "arm.csv:1: no position of joint 'finger' (--hold rest keeps joints")
+
+
+def test_held_joints_are_in_text_json_and_page() -> None:
+    """At rest where the finger that mimics it is within its limits, too."""
+    outcome = run("torques", "arm.urdf", "arm.csv", "--hold", "rest", "--report", "page.html")
+    said = "Held still, for want of columns: at 0.01 m finger."
+    assert said in outcome.out
+    assert said in Path("page.html").read_text()
+    assert document("torques", "arm.urdf", "arm.csv", "--hold", "rest")["held"] == {"finger": 0.01}
+
+
+def test_held_joints_carry_what_they_would_with_columns() -> None:
+    write("full.csv", ("time", "q_shoulder", "q_elbow"))
+    lines = Path("full.csv").read_text().splitlines()
+    head, rest = f"{lines[0]},q_finger,qd_finger,qdd_finger", [f"{line},0.03,0,0" for line in lines[1:]]
+    Path("full.csv").write_text("\n".join([head, *rest, ""]))
+    whole = document("torques", "arm.urdf", "full.csv")
+    held = document("torques", "arm.urdf", "arm.csv", "--hold", "finger=0.03")
+    assert (held.pop("held"), whole.pop("held")) == ({"finger": 0.03}, {})
+    assert held == whole
+
+
+@pytest.mark.parametrize("stem", ["tiago", "panda"])
+def test_plans_of_arms_of_real_robots(stem: str) -> None:
+    """The seven columns of TIAGo's arm, and of a Panda's without its finger."""
+    robot = path_of(stem)
+    joints = [name for name in robodyn.load(robot).joint_names if "arm_" in name or "panda_joint" in name]
+    assert len(joints) == 7
+    write("plan.csv", ("time_from_start", *(f"{name}_position" for name in joints)))
+    refused(run("torques", str(robot), "plan.csv"), "plan.csv:1: no position of joint ")
+    found = document("torques", str(robot), "plan.csv", "--hold", "rest")
+    moving = [joint["name"] for joint in found["joints"] if joint["max_speed"]]
+    assert moving == joints
+    assert set(found["held"]) == {joint["name"] for joint in found["joints"]} - set(joints)
+
+
+def test_python_holds_joints() -> None:
+    model = robodyn.load("arm.urdf")
+    with robodyn.read_motion("arm.csv", model, hold={"finger": 0.02}) as motion:
+        assert robodyn.torques(model, motion).held == {"finger": 0.02}
+
+
+def test_wherever_a_table_is_read() -> None:
+    options = ("--hold", "rest", "--map", "q_elbow=e")
+    write("arm.csv", ("time", "q_shoulder", "e"))
+    assert run("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0.1", *options).status == 0
+    assert run("torques", "arm.urdf", "arm.csv", "--accuracy", "1e-6", *options).status == 0
+    outcome = run("torques", "arm.urdf", "arm.csv", *options, "--out", "results/", "--jobs", "1")
+    assert outcome.status == 0
+    assert json.loads(Path("results/arm.json").read_text())["held"] == {"finger": 0.01}
+    again = run("torques", "arm.urdf", "arm.csv", *options, "--hold", "finger=0.02", "--out", "results/", "--jobs", "1")
+    assert "finished before" not in again.out
+
+
+@pytest.mark.slow
+def test_accuracy_reads_tables_likewise() -> None:
+    assert run("accuracy", "arm.urdf", "arm.csv").status == 2
+    assert run("accuracy", "arm.urdf", "arm.csv", "--hold", "rest").status == 0
+
+
+def test_names_are_mapped_by_options_and_by_a_file() -> None:
+    write("own.csv", ("clock", "my shoulder", "Elbow=1"))
+    refused(
+        run("torques", "arm.urdf", "own.csv"), "own.csv:1: no column of time (name it 'time', or say which it is: --map"
+    )
+    Path("names.toml").write_text('q_shoulder = "my shoulder"\nq_elbow = "Elbow=1"\n')
+    hold = ("--hold", "rest", "--map", "time=clock")
+    by_file = run("torques", "arm.urdf", "own.csv", *hold, "--map", "names.toml")
+    one_by_one = run(
+        "torques", "arm.urdf", "own.csv", *hold, "--map", "q_shoulder=my shoulder", "--map", "q_elbow=Elbow=1"
+    )
+    assert by_file.out == one_by_one.out == run("torques", "arm.urdf", "arm.csv", "--hold", "rest").out
+
+
+def test_the_proposed_options_are_ready_to_be_typed() -> None:
+    write("own.csv", ("time", "Shoulder Angle", "Elbow Angle"))
+    outcome = run("torques", "arm.urdf", "own.csv")
+    assert "then --map 'q_shoulder=Shoulder Angle' --map 'q_elbow=Elbow Angle'; --hold rest" in outcome.err
+    maps = ("--map", "q_shoulder=Shoulder Angle", "--map", "q_elbow=Elbow Angle")
+    assert run("torques", "arm.urdf", "own.csv", *maps, "--hold", "rest").status == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (("--map", "q_elbow"), "invalid value for '--map': 'q_elbow' is not OURS=THEIRS, nor a file: No such file"),
+        (("--map", "=a"), "invalid value for '--map': '=a' is not OURS=THEIRS, such as q_elbow='Elbow angle'"),
+        (("--map", "bad.toml"), "invalid value for '--map': bad.toml: is not TOML"),
+        (("--map", "odd.toml"), "invalid value for '--map': odd.toml: 'q_elbow' is 3, not a name"),
+        (("--map", "q_elbw=q_elbow"), "arm.csv:1: a column is called 'q_elbw', which the robot does not know"),
+        (("--hold", "lying"), "'lying' is no place to hold a joint"),
+        (("--hold", "rest,elbo=1"), "arm.csv:1: no joint 'elbo' to hold (did you mean 'elbow'?)"),
+        (("--time-unit", "h"), "invalid value for '--time-unit': 'h' is not one of 's', 'ms', 'us', 'ns'"),
+    ],
+)
+def test_options_that_are_wrong(options: tuple[str, ...], line: str) -> None:
+    Path("bad.toml").write_text("q_elbow = ")
+    Path("odd.toml").write_text("q_elbow = 3")
+    refused(run("torques", "arm.urdf", "arm.csv", *options), line)
+
+
+def test_options_of_tables_need_a_table() -> None:
+    refused(run("fbd", "arm.urdf", "--at", "0,0,0", "--hold", "rest"), "--hold goes with --traj")
+    refused(run("accuracy", "mesh.stl", "--map", "a=b"), "--map is for the trajectory of a robot")
+
+
+def test_units_of_options_are_those_of_columns_that_do_not_tell() -> None:
+    """The same motion in other units, with the same loads."""
+    time = np.arange(40) / 100
+    q = 0.2 * np.sin(3 * time)
+    rows = [f"{1000 * t!r},{math.degrees(x)!r},{x!r}" for t, x in zip(time.tolist(), q.tolist(), strict=True)]
+    Path("odd.csv").write_text("\n".join(["time,q_shoulder,q_elbow [rad]", *rows, ""]))
+    write("arm.csv", ("time", "q_shoulder", "q_elbow"))
+    units = ("--time-unit", "ms", "--angle-unit", "deg", "--hold", "rest")
+    found = document("torques", "arm.urdf", "odd.csv", *units)["joints"]
+    assert found[0]["max_speed"] == pytest.approx(0.6, rel=1e-3)
+    assert found[1]["max_speed"] == pytest.approx(found[0]["max_speed"], rel=1e-6)
+
+
+def swing(path: str, ticks: float = 1.0, parts: float = 1.0, start: float = 0.0) -> None:
+    """A swing of the arm that is within all limits, with the finger still, in other units."""
+    time = np.arange(200) / 100
+    q = 0.3 * np.sin(3 * time) * parts
+    rows = [f"{(start + t) * ticks!r},{x!r},{-x!r},0.02" for t, x in zip(time.tolist(), q.tolist(), strict=True)]
+    Path(path).write_text("\n".join(["time,q_shoulder,q_elbow,q_finger", *rows, ""]))
+
+
+SLIPS = [
+    (1e3, 1.0, "if the stamps are seconds (assumed)", "--time-unit ms"),
+    (1e9, 1.0, "if the stamps are seconds (assumed)", "--time-unit ns"),
+    (1.0, 180 / math.pi, "if angles are radians (assumed)", "--angle-unit deg"),
+]
+
+
+@pytest.mark.parametrize(("ticks", "parts", "clause", "option"), SLIPS, ids=["ms", "ns", "deg"])
+def test_a_slip_of_units_is_told_everywhere_and_never_green(
+    ticks: float, parts: float, clause: str, option: str
+) -> None:
+    swing("arm.csv", ticks, parts)
+    call = ("torques", "arm.urdf", "arm.csv")
+    outcome = run(*call, "--report", "page.md")
+    assert f"({option}, or " in next(line for line in outcome.out.splitlines() if line.startswith("warning: "))
+    assert "No limit is exceeded.\n" not in outcome.out
+    assert f"({option}, or " in Path("page.md").read_text()
+    found = document(*call)
+    assert found["within_limits"] is not True
+    assert found["doubts"][0]["clause"] == clause
+    assert found["doubts"][0]["said"] == found["warnings"][0]
+    if ticks > 1.0:
+        assert f"No limit is exceeded {clause}" in outcome.out
+    mended = document(*call, *option.split())
+    assert (mended["doubts"], mended["warnings"], mended["within_limits"]) == ([], [], True)
+
+
+def test_a_slip_of_units_is_told_by_other_commands() -> None:
+    swing("arm.csv", 1e3)
+    said = "are the stamps milliseconds? (--time-unit ms, or --time-unit s if they are seconds)"
+    assert "warning: rows are 10 s apart" in run("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0").out
+    assert said in document("fbd", "arm.urdf", "--traj", "arm.csv", "--time", "0")["warnings"][0]
+    assert said in run("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802").out
+    assert said not in run("check", "arm.urdf", "--trajectory", "arm.csv", "--select", "RD802", "--time-unit", "ms").out
+    outcome = run("torques", "arm.urdf", "arm.csv", "--out", "results/", "--jobs", "1")
+    assert said in outcome.out
+    assert "No limit is exceeded.\n" not in outcome.out
+
+
+@pytest.mark.slow
+def test_a_slip_of_units_is_told_by_accuracy() -> None:
+    swing("arm.csv", 1e3)
+    assert "warning: rows are 10 s apart" in run("accuracy", "arm.urdf", "arm.csv").out
+
+
+def test_epoch_stamps_are_relative_in_reports_and_as_given_in_tables() -> None:
+    """The origin is told once; rows of the output can be joined to those of the input."""
+    swing("arm.csv", start=1_700_000_000.0)
+    outcome = run("torques", "arm.urdf", "arm.csv", "--out", "tau.csv", "--report", "page.html")
+    assert outcome.out.count("1700000000") == 1
+    assert "Times count from the first stamp of the table, 1700000000 s.\n" in outcome.out
+    assert Path("page.html").read_text().count("1700000000") == 1
+    found = document("torques", "arm.urdf", "arm.csv")
+    assert found["time_origin"] == 1_700_000_000.0
+    assert max(joint["peak_time"] for joint in found["joints"]) < 2.0
+    given, written = (np.loadtxt(name, delimiter=",", skiprows=1)[:, 0] for name in ("arm.csv", "tau.csv"))
+    np.testing.assert_array_equal(written, given)
+
+
+def test_epoch_stamps_change_no_load() -> None:
+    swing("zero.csv")
+    swing("epoch.csv", ticks=1e9, start=1_700_000_000.0)
+    lines = Path("epoch.csv").read_text().splitlines()
+    lines[1:] = [f"{1_700_000_000 * 10**9 + 10**7 * k},{line.partition(',')[2]}" for k, line in enumerate(lines[1:])]
+    Path("epoch.csv").write_text("\n".join([*lines, ""]))
+    zero, epoch = (
+        document("torques", "arm.urdf", "zero.csv"),
+        document("torques", "arm.urdf", "epoch.csv", "--time-unit", "ns"),
+    )
+    assert epoch.pop("time_origin") == 1.7e9
+    assert zero.pop("time_origin") == 0.0
+    assert epoch == zero
