@@ -18,7 +18,8 @@ class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     name = "codes"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        return tuple(code.strip().upper() for code in str(value).split(","))
+        codes = [code.strip() for code in str(value).split(",")]
+        return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
 
 
 class Programs(Codes):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -61,4 +62,26 @@ def _sentence(error: click.ClickException) -> str:
         near = alternatives(error.option_name, error.possibilities, "options")
         return f"no such option {error.option_name!r}; {near}"
     text = " ".join(error.format_message().split()).rstrip(".")
-    return text[:1].lower() + text[1:]
+    for pattern, plain in _PLAIN.items():
+        text = re.sub(pattern, plain, text)
+    return text[:1].lower() + text[1:] + _meant(error)
+
+
+_PLAIN = {
+    "is not a valid (float|float range)$": "is no number",
+    "is not a valid (integer|integer range)$": "is no whole number",
+    r"is not in the range x>=(\S+)$": r"is less than \1",
+}
+"""Sentences of click in words that need no mathematics."""
+_OPTIONS = {(".toml",): "--scene", (".csv", ".tsv", ".parquet", ".npz"): "--traj"}
+"""Options that take files which are given without one."""
+
+
+def _meant(error: click.ClickException) -> str:
+    """By which option a file is taken that is one too many."""
+    found = re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", error.message)
+    if found is None or not isinstance(error, click.UsageError) or error.ctx is None:
+        return ""
+    known = {name for each in error.ctx.command.params for name in each.opts}
+    options = [option for suffixes, option in _OPTIONS.items() if found[1].lower().endswith(suffixes)]
+    return f"; did you mean {options[0]} {found[1]}?" if options and options[0] in known else ""

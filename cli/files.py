@@ -7,7 +7,9 @@ import sys
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from robodyn.cli.options import Vector, lookup, payloads
+import click
+
+from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
 from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
@@ -16,6 +18,14 @@ if TYPE_CHECKING:
     from robodyn.urdf.description import Description
 
 STANDARD_INPUT = "-"
+ROBOT, TABLE, SCENE_FILE = "a robot description", "a table", "a scene"
+_KINDS = {
+    ROBOT: ROBOT_SUFFIXES,
+    TABLE: (".csv", ".tsv", ".parquet", ".pq", ".npz"),
+    SCENE_FILE: (".toml",),
+    "a mesh": (".stl", ".obj", ".ply", ".off", ".dae", ".glb", ".gltf", ".3mf"),
+}
+"""What files are, by suffixes that only such files have."""
 
 
 def robot_in_scene(
@@ -33,7 +43,7 @@ def robot_in_scene(
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene.changed(gravity, held=base_held)
-    model = load(source_of(urdf), moving_base=scene.moving_base, **lookup())
+    model = load(robot_source(urdf), moving_base=scene.moving_base, **lookup())
     check_scene(scene, model, scene_file)
     for payload in payloads():
         known("--payload", "link", payload.link, model.links)
@@ -58,7 +68,17 @@ def described(urdf: str) -> Description:
     """The description in a URDF or xacro file."""
     from robodyn.urdf.description import load_description
 
-    return load_description(source_of(urdf), **lookup())
+    return load_description(robot_source(urdf), **lookup())
+
+
+def robot_source(urdf: str) -> str | bytes:
+    """What describes a robot: the name of a file, or what is on standard input.
+
+    Raises:
+        InputError: by its suffix the file is of another kind.
+    """
+    expect(ROBOT, urdf)
+    return source_of(urdf)
 
 
 def source_of(urdf: str) -> str | bytes:
@@ -81,8 +101,24 @@ def check_names(inputs: list[str | None], output: str | None) -> None:
 def _scene(path: str) -> Scene:
     from robodyn.scene_file import load_scene, parse_scene
 
+    expect(SCENE_FILE, path)
     return parse_scene(_bytes(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
 
 
 def _bytes() -> bytes:
     return sys.stdin.buffer.read()
+
+
+def expect(kind: str, path: str) -> None:
+    """Raise if a file is of another kind by its suffix: arguments are swapped, or an option is missing."""
+    found = next((other for other, suffixes in _KINDS.items() if path.lower().endswith(suffixes)), kind)
+    ctx = click.get_current_context(silent=True)
+    if found == kind or ctx is None:
+        return
+    values = [ctx.params.get(each.name or "") for each in ctx.command.params if isinstance(each, click.Argument)]
+    given = [word for value in values for word in (value if isinstance(value, tuple) else (value,))]
+    right = [word for word in given if isinstance(word, str) and word.lower().endswith(_KINDS[kind])]
+    order = " ".join([ctx.command_path, *(piece for piece in ctx.command.collect_usage_pieces(ctx) if piece[0] != "[")])
+    remedy = "robodyn scene init URDF writes one" if kind == SCENE_FILE else f"the order: {order}"
+    swapped = f"is it swapped with {right[0]}? " if right else ""
+    raise InputError(f"this is {found}, and {kind} is expected here", remedy=swapped + remedy, file=path)

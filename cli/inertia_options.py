@@ -10,7 +10,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import DESCRIPTION, POSITIVE, VECTOR, AtType, PointType, finite_numbers
+from robodyn.cli.options import DESCRIPTION, POSITIVE, AtType, PointType, VectorType, finite_numbers
 from robodyn.errors import InputError
 from robodyn.inertia.composite import Pose
 from robodyn.spatial import rotation_from_rpy
@@ -39,7 +39,9 @@ def _both(*options: Callback) -> Callback:
 _POINT = click.option(
     "--about", type=PointType(), default="com", metavar="POINT", help="com (default), origin or X,Y,Z."
 )
-_AXES = click.option("--rpy", type=VECTOR, default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad.")
+_AXES = click.option(
+    "--rpy", type=VectorType("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."
+)
 _FORM = click.option(
     "--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."
 )
@@ -119,7 +121,21 @@ def check_use(use: str, ctx: click.Context) -> None:
         name = option.name or ""
         given = isinstance(option, click.Option) and ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if given and not (name in _ALLOWED[use] if use in _ALLOWED else _of_meshes(use, name)):
-            raise click.UsageError(f"{_written(option, ctx)} is not for {use}", ctx)
+            raise click.UsageError(f"{_written(option, ctx)} is not for {use}, but for {_calls(name)}", ctx)
+
+
+_CALLS = {
+    "a whole robot": "a URDF",
+    "a link as declared": "a URDF with --link NAME",
+    "a link's shapes": "a URDF with --link NAME --geometry visual",
+    "--compare": "a URDF with --compare",
+}
+
+
+def _calls(name: str) -> str:
+    """With what an option goes."""
+    meshes = [] if name in OF_ROBOTS else ["meshes with --combine" if name in ("place", "combine") else "meshes"]
+    return " or ".join([*meshes, *(call for use, call in _CALLS.items() if name in _ALLOWED[use])])
 
 
 def _of_meshes(use: str, name: str) -> bool:

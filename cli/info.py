@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from robodyn.cli.files import check_names, source_of
+from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
 from robodyn.cli.screen import page, show
 from robodyn.overview import overview
@@ -25,5 +25,5 @@ def command(urdf: str, form: str) -> None:
       robodyn info robots/puma.urdf
     """
     check_names([urdf], None)
-    found = overview(source_of(urdf), **lookup())
+    found = overview(robot_source(urdf), **lookup())
     show(overview_json(found) if form == "json" else overview_text(found, page()))

@@ -106,15 +106,19 @@ class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
 
     name = "vector"
 
+    def __init__(self, example: str) -> None:
+        """Args: example: of a value, for messages."""
+        self.example = example
+
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Vector:
         numbers = finite_numbers(str(value))
         if len(numbers) != 3:
-            self.fail(f"{value!r} is not three finite numbers between commas, such as 0,0,-9.81", param, ctx)
+            self.fail(f"{value!r} is not three finite numbers between commas, such as {self.example}", param, ctx)
         x, y, z = numbers
         return x, y, z
 
 
-VECTOR = VectorType()
+VECTOR = VectorType("0,0,-9.81")
 
 
 class PositiveType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -138,7 +142,12 @@ class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     name = "point"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        return value if value in ("com", "origin") else VECTOR.convert(value, param, ctx)
+        numbers = finite_numbers(str(value))
+        if value in ("com", "origin") or len(numbers) == 3:
+            return value if value in ("com", "origin") else tuple(numbers)
+        options = [] if ctx is None else [name for each in ctx.command.params for name in each.opts]
+        link = "".join(f"; {name} takes the name of a link" for name in ("--frame", "--link") if name in options)
+        return self.fail(f"{value!r} is neither com nor origin nor X,Y,Z in m, such as 0,0,0.1{link}", param, ctx)
 
 
 class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
@@ -158,6 +167,9 @@ class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
             names = [name.strip() for name, _, _ in pairs]
             if len(values) == len(pairs) and all(names) and len(set(names)) == len(names):
                 return dict(zip(names, values, strict=True))
+            if len(values) == len(pairs) and all(names):
+                twice = next(name for k, name in enumerate(names) if name in names[:k])
+                self.fail(f"{value!r} names {twice!r} twice", param, ctx)
         return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
 
 

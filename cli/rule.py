@@ -5,29 +5,31 @@ from __future__ import annotations
 import click
 
 from robodyn.checks.catalogue import RULES
+from robodyn.checks.find_rules import found_by, instead_of
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
 from robodyn.report.text_check_rules import rules_text
-from robodyn.wording import alternatives, shown
+from robodyn.wording import shown
 
 
 @click.command("rule", short_help="Explain the rules of check.")
-@click.argument("codes", nargs=-1, metavar="CODE...")
+@click.argument("asked", nargs=-1, metavar="CODE|WORD...")
 @click.option("--all", "everything", is_flag=True, help="Every rule.")
-def command(codes: tuple[str, ...], everything: bool) -> None:
-    """Explain rules of `robodyn check`, each with a bad and a good example.
-    Without a code, list them.
+def command(asked: tuple[str, ...], everything: bool) -> None:
+    """Explain rules of `robodyn check`, by codes or names, each with a bad and a good example; or list those whose
+    codes begin so, or whose documentation has a word. Without either, list them all.
 
     \b
-    Example:
+    Examples:
       robodyn rule RD207
+      robodyn rule inertia
     """
-    known = {key: rule for rule in RULES for key in (rule.code, rule.name)}
-    for code in codes:
-        if code not in known and code.upper() not in known:
-            raise InputError(f"there is no rule {shown(code)}", remedy=alternatives(code.upper(), known, "rules"))
-    chosen = RULES if everything else [known.get(code) or known[code.upper()] for code in codes]
-    if chosen:
+    found = {text: found_by(text, RULES) for text in asked}
+    for text, rules in found.items():
+        if not rules:
+            raise InputError(f"no rule has the code or the word {shown(text)}", remedy=instead_of(text, RULES))
+    chosen = RULES if everything or not asked else [rule for rules in found.values() for rule in rules]
+    if everything or (asked and all(len(rules) == 1 for rules in found.values())):
         show(rules_text(chosen))
     else:
-        show("".join(f"{rule.code} {rule.severity.value:7} {rule.summary}\n" for rule in RULES))
+        show("".join(f"{rule.code} {rule.severity.value:7} {rule.summary}\n" for rule in dict.fromkeys(chosen)))

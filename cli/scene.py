@@ -7,7 +7,7 @@ import os
 import click
 
 from robodyn.assemble import load
-from robodyn.cli.files import source_of
+from robodyn.cli.files import robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, lookup
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
@@ -42,7 +42,7 @@ def init(urdf: str, out: str | None) -> None:
     """
     if out is not None and os.path.lexists(out):
         raise InputError("there is a file of this name already", remedy="name another one with --out", file=out)
-    text = scene_toml(load(source_of(urdf), **lookup()))
+    text = scene_toml(load(robot_source(urdf), **lookup()))
     if out is None:
         show(text)
     else:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import Vector
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import drawing, pictured, reported
@@ -32,6 +32,8 @@ def run_single(
     """What was found, after it is shown and written."""
     for place in (out, report):
         check_names([urdf, trajectory, scene_file], place)
+    expect(ROBOT, urdf)
+    expect(TABLE, trajectory)
     with drawing(report, trajectory) as draw:
         model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
         said = ""

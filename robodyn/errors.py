@@ -59,6 +59,12 @@ class SceneError(InputError):
     """A scene asks for what does not exist or is not understood."""
 
 
+def unreadable(error: OSError | ValueError, file: str) -> SceneError:
+    """The error of a file of settings that cannot be opened."""
+    why = (getattr(error, "strerror", None) or str(error)).lower()
+    return SceneError(f"cannot be read: {why}", remedy="check the name", file=file)
+
+
 class MeshError(InputError):
     """A mesh cannot be read, or what is asked of it is not defined."""
 

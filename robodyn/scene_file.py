@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import sys
 from typing import Any
 
-from robodyn.errors import SceneError
+from robodyn.errors import unreadable
 from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene_loop import loops_of
 from robodyn.scene_motor import motors_of
 from robodyn.scene_simulation import simulated_of
-from robodyn.scene_table import SceneTable
+from robodyn.scene_table import WHOLE, SceneTable, read_toml
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
@@ -35,20 +34,13 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
         with open(path, "rb") as handle:
             data = handle.read()
     except (OSError, ValueError) as error:
-        raise SceneError(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=file) from None
+        raise unreadable(error, file) from None
     return parse_scene(data, file)
 
 
 def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
     """The scene that TOML text describes; see `load_scene`."""
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
-    try:
-        table = SceneTable(tomllib.loads(data.decode("utf-8")), "the scene", file)
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"is not TOML: {error or 'nested too deeply'}", file=file) from None
+    table = SceneTable(read_toml(data, file), WHOLE, file)
     scene = Scene(
         gravity=table.vector("gravity", Scene.gravity),
         friction={name: _friction(entry) for name, entry in table.tables("friction")},

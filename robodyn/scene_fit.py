@@ -20,14 +20,14 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         SceneError: an unknown name, with the closest valid one; or a base that moves in the scene and not in the model.
     """
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
-    for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
-        for name in named:
-            known(f"[{table}]", "joint", name, joints, file)
     own = [joint.name for joint in model.independent if joint.kind != "floating"]
     for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
         for name in driven:
             _leads(f"[{table}]", name, model, file)
             known(f"[{table}]", "joint", name, own, file)
+    for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
+        for name in named:
+            known(f"[{table}]", "joint", name, joints, file)
     for name in scene.initial_q:
         known("[initial] q", "coordinate", name, model.coordinates, file)
     for name in scene.initial_qd:

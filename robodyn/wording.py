@@ -9,6 +9,9 @@ _LONGEST = 60
 _LONGEST_PATH = 120
 _MOST_NAMES = 8
 _MOST_CANDIDATES = 1000
+_MOST_MEANT = 3
+_PART = 3
+"""Letters that two names must share at least to be like each other."""
 
 
 def shown(text: str) -> str:
@@ -34,12 +37,26 @@ def listed(names: Collection[str]) -> str:
 
 
 def alternatives(name: str, valid: Collection[str], kind: str) -> str:
-    """`did you mean 'x'?` where a valid name is close, otherwise the valid names."""
-    if len(name) <= _LONGEST:
-        from difflib import get_close_matches
-
-        candidates = [other for other in valid if abs(len(other) - len(name)) <= len(name) // 2 + 1]
-        near = get_close_matches(name, candidates[:_MOST_CANDIDATES], n=1)
-        if near:
-            return f"did you mean {shown(near[0])}?"
+    """`did you mean 'x'?` where valid names are near, otherwise the valid names."""
+    near = [shown(other) for other in nearest(name, valid)]
+    if len(near) > _MOST_MEANT:
+        return f"{kind} like it: {listed(nearest(name, valid))}"
+    if near:
+        return f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if near[1:] else near)}?"
     return f"{kind}: {listed(valid)}" if valid else f"there are no {kind}"
+
+
+def nearest(name: str, valid: Collection[str]) -> list[str]:
+    """Return the valid name that is spelled almost so, in any case, or else those that hold it, or that it holds."""
+    if not 0 < len(name) <= _LONGEST:
+        return []
+    from difflib import get_close_matches
+
+    folded = name.casefold()
+    candidates = [other for other in valid if abs(len(other) - len(name)) <= len(name) // 2 + 1][:_MOST_CANDIDATES]
+    spelled = {other.casefold(): other for other in reversed(candidates)}
+    close = get_close_matches(folded, spelled, n=1)
+    if close:
+        return [spelled[close[0]]]
+    long = [other for other in islice(valid, _MOST_CANDIDATES) if min(len(other), len(name)) >= _PART]
+    return [other for other in long if folded in other.casefold() or other.casefold() in folded]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
@@ -12,8 +11,8 @@ from typing import Any
 
 from robodyn.checks.context import DEFAULT, Thresholds
 from robodyn.checks.run import Options, rules_for
-from robodyn.errors import InputError, SceneError
-from robodyn.scene_table import SceneTable
+from robodyn.errors import InputError, SceneError, unreadable
+from robodyn.scene_table import SceneTable, read_toml
 
 NAMES = ("robodyn.toml", "pyproject.toml")
 """What is looked for in each folder, in this order."""
@@ -81,7 +80,7 @@ def read_config(path: str) -> Config:
     try:
         data = Path(path).read_bytes()
     except (OSError, ValueError) as error:
-        raise InputError(f"cannot be read: {getattr(error, 'strerror', None) or error}", file=path) from None
+        raise unreadable(error, path) from None
     config = parse_config(data, path)
     if config is None:
         raise InputError("there is no table [tool.robodyn.check]", remedy="write one, or name another file", file=path)
@@ -102,14 +101,7 @@ def parse_config(data: bytes, file: str) -> Config | None:
     Raises:
         InputError: as `read_config`.
     """
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
-    try:
-        values: Any = tomllib.loads(data.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"is not TOML: {error or 'nested too deeply'}", file=file) from None
+    values: Any = read_toml(data, file)
     for name in ("tool", "robodyn"):
         values = values.get(name) if isinstance(values, Mapping) else None
     if values is None:

@@ -10,6 +10,7 @@ from robodyn.checks.asked import NOTHING, Asked
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.context import DEFAULT, Context, Thresholds
 from robodyn.checks.excerpt import excerpt
+from robodyn.checks.find_rules import instead_of
 from robodyn.checks.reading import Reading, read
 from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
@@ -18,7 +19,7 @@ from robodyn.checks.view import Subject
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
 from robodyn.urdf.sources import content_of, is_xacro
-from robodyn.wording import alternatives, shown
+from robodyn.wording import shown
 
 Source = str | os.PathLike[str] | bytes
 
@@ -141,7 +142,7 @@ def rules_for(options: Options) -> tuple[Rule, ...]:
     for given in (*options.select, *options.ignore):
         if not given or not any(code.startswith(given) for code in codes):
             what = f"there is no rule {shown(given)}"
-            raise InputError(what, remedy=alternatives(given.upper(), codes, "rules"))
+            raise InputError(what, remedy=instead_of(given, RULES))
     select, ignore = options.select or ("",), options.ignore
     return tuple(rule for rule in RULES if rule.code.startswith(select) and not rule.code.startswith(ignore))
 

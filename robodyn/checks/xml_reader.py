@@ -12,7 +12,7 @@ from robodyn.urdf.places import BOM, Places, Span
 from robodyn.wording import shown
 
 MAX_DEPTH = 200
-RUN_XACRO = "expand the file first: xacro FILE.xacro > FILE.urdf"
+RUN_XACRO = "name it FILE.xacro, and it is expanded first"
 OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
 """Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
 _DOCTYPE = b"<!DOCTYPE"

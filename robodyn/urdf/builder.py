@@ -12,7 +12,7 @@ from robodyn.urdf.places import Places
 from robodyn.wording import shown
 
 MAX_DEPTH = 200
-RUN_XACRO = "expand it first: xacro FILE.xacro > FILE.urdf"
+RUN_XACRO = "name it FILE.xacro, and it is expanded first"
 _OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
 
 

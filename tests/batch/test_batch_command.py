@@ -235,7 +235,7 @@ CALLS = [
     ((*ONE, "--dask", "tcp://x:1"), "--dask goes with many trajectories: give several, or --out FOLDER/"),
     ((*MANY, "--out", "r", "--job", "2"), "no such option '--job'; did you mean '--jobs'?"),
     ((*MANY, "--out", "r", "--dsak", "x"), "no such option '--dsak'; did you mean '--dask'?"),
-    ((*MANY, "--out", "r", "--jobs", "0"), "invalid value for '--jobs': 0 is not in the range x>=1"),
+    ((*MANY, "--out", "r", "--jobs", "0"), "invalid value for '--jobs': 0 is less than 1"),
     ((*MANY, "--out", "r", "--momentum", "--frame", "hnad"), "no frame 'hnad'"),
     (("torques", "amr.urdf", "runs/*.csv", "--out", "r"), "amr.urdf: "),
 ]

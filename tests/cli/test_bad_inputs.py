@@ -199,7 +199,7 @@ def test_damaged_table(file: str, data: bytes) -> None:
     refused(torques(trajectory=file), f"{file}: ")
 
 
-@pytest.mark.parametrize("file", ["arm.xlsx", "arm", "arm.urdf"])
+@pytest.mark.parametrize("file", ["arm.xlsx", "arm"])
 def test_unknown_type_of_table(file: str) -> None:
     refused(torques(trajectory=file), f"{file}: unknown type of table .*\\.csv")
 

@@ -94,7 +94,7 @@ def test_standard_input() -> None:
         (("check", "absent.urdf"), "there is no such file"),
         (("check", str(ROBOTS), "--select", "RD999"), "there is no rule 'RD999'"),
         (("check", "-", "-"), "standard input is asked for twice"),
-        (("rule", "RD999"), "there is no rule 'RD999'"),
+        (("rule", "RD999"), "no rule has the code or the word 'RD999' (RD9 means RD901 to RD902)"),
     ],
 )
 def test_wrong_calls_are_one_line_and_status_2(call: tuple[str, ...], error: str) -> None:

@@ -168,8 +168,8 @@ def test_expanded_files(folder: Path) -> None:
         (("clean.urdf", "--unsafe-fixes"), "--unsafe-fixes needs --fix or --diff (try: robodyn check --help)"),
         (("-", "--fix"), "--fix cannot edit standard input; --diff shows the edit (try: robodyn check --help)"),
         (("clean.urdf", "--statistics", "--format", "json"), "--statistics is text; leave --format out (try: "),
-        (("clean.urdf", "--config", "no.toml"), "no.toml: cannot be read: No such file or directory"),
-        (("clean.urdf", "--config", "clean.urdf"), "clean.urdf: is not TOML: "),
+        (("clean.urdf", "--config", "no.toml"), "no.toml: cannot be read: no such file or directory"),
+        (("clean.urdf", "--config", "clean.urdf"), "clean.urdf:1: is not TOML: "),
         (
             ("clean.urdf", "--format", "xml"),
             "invalid value for '--format': 'xml' is not one of 'text', 'json'",

@@ -163,7 +163,10 @@ def test_a_part_that_looks_like_millimetres(tmp_path):
         (("--mass", "-1"), "a mass of -1 kg is not positive and finite"),
         (("--mass", "nan"), "a mass of nan kg is not positive and finite"),
         (("--shell", "inf"), "a thickness of inf m is not positive and finite"),
-        (("--about", "centre"), "'centre' is not three finite numbers between commas"),
+        (
+            ("--about", "centre"),
+            "'centre' is neither com nor origin nor X,Y,Z in m",
+        ),
     ],
 )
 def test_bad_calls(wedge, options, message):

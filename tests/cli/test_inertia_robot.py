@@ -208,7 +208,7 @@ def test_units_and_densities_for_each_mesh(boxes):
 
 
 WRONG = [
-    ((ARM, "--unit", "mm"), "--unit is not for a whole robot (try: robodyn inertia --help)"),
+    ((ARM, "--unit", "mm"), "--unit is not for a whole robot, but for meshes (try: robodyn inertia --help)"),
     ((ARM, "--density", "1"), "--density is not for a whole robot"),
     ((ARM, "--geometry", "visual"), "--geometry is not for a whole robot"),
     ((ARM, "--combine"), "--combine is not for a whole robot"),
@@ -226,7 +226,7 @@ WRONG = [
     ((ARM, "--at", "1,2"), f"{ARM}: 2 values for 5 coordinates (in the order: 'waist', 'shoulder', 'elbow', 'wrist', "),
     ((ARM, "--at", "elbw=1"), f"{ARM}: no joint 'elbw' to set (did you mean 'elbow'?)"),
     ((ARM, "--at", "right_finger_slide=1"), f"{ARM}: no joint 'right_finger_slide' to set (it follows 'finger_slide')"),
-    ((ARM, "--at", "elbow=1,elbow=2"), "invalid value for '--at': 'elbow=1,elbow=2' is neither numbers"),
+    ((ARM, "--at", "elbow=1,elbow=2"), "invalid value for '--at': 'elbow=1,elbow=2' names 'elbow' twice"),
     ((ARM, "--at", "nan"), "invalid value for '--at': 'nan' is neither numbers"),
     ((ARM, "--at", "elbow=,"), "invalid value for '--at'"),
     ((ARM, "--at", "=1"), "invalid value for '--at'"),

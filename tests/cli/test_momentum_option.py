@@ -87,7 +87,10 @@ def test_satellite_floats_with_no_momentum() -> None:
         (("--about", "com"), "--about goes with --momentum (try: robodyn torques --help)"),
         (("--frame", "base"), "--frame goes with --momentum (try: robodyn torques --help)"),
         (("--momentum", "--frame", "bse"), f"{SCARA[0]}: no frame 'bse' (did you mean 'base'?)"),
-        (("--momentum", "--about", "1,2"), "invalid value for '--about': '1,2' is not three finite numbers"),
+        (
+            ("--momentum", "--about", "1,2"),
+            "invalid value for '--about': '1,2' is neither com nor origin nor X,Y,Z in m",
+        ),
     ],
 )
 def test_wrong_calls(more: tuple[str, ...], line: str) -> None:

@@ -117,7 +117,7 @@ def test_unknown_keys_list_the_valid_ones(text):
     with pytest.raises(SceneError) as caught:
         parse_scene(text.encode())
     assert 'unknown key "' in caught.value.what
-    offered = caught.value.remedy.removeprefix("valid keys: ").split(", ")
+    offered = caught.value.remedy.removeprefix("valid keys: ").partition("; ")[0].split(", ")
     assert sorted(offered) == sorted(repr(key) for key in UNKNOWN[text])
 
 
@@ -188,7 +188,7 @@ WRONG = {
 def test_wrong_values(text):
     with pytest.raises(SceneError) as caught:
         parse_scene(text.encode(), "my.toml")
-    assert str(caught.value).startswith("my.toml: ")
+    assert str(caught.value).startswith("my.toml:")
     assert WRONG[text] in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -202,9 +202,9 @@ def test_integers_that_no_float_holds(text, digits):
 
 
 def test_files(tmp_path):
-    with pytest.raises(SceneError, match="No such file"):
+    with pytest.raises(SceneError, match="no such file"):
         load_scene(tmp_path / "missing.toml")
-    with pytest.raises(SceneError, match="Is a directory"):
+    with pytest.raises(SceneError, match="is a directory"):
         load_scene(tmp_path)
     binary = tmp_path / "binary.toml"
     binary.write_bytes(bytes(range(128, 256)))

@@ -69,9 +69,9 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "SDF": ("<!-- -->\n<sdf version='1.6'/>", 2, ("'sdf', not 'robot'", "SDF")),
     "MJCF": ("<mujoco/>", 1, ("'mujoco', not 'robot'", "MJCF")),
     "HTML": ("<html></html>", 1, ("'html', not 'robot'",)),
-    "xacro element": (robot("<xacro:arm side='left'/>"), 2, ("'xacro:arm'", "xacro FILE")),
-    "xacro expression": (robot("<link name='a'/>", "<link\nname='${side}_b'/>"), 4, ("'${side}_b'", "xacro FILE")),
-    "xacro substitution": (shape("<mesh filename='$(find p)/a.stl'/>"), 4, ("$(find p)", "xacro FILE")),
+    "xacro element": (robot("<xacro:arm side='left'/>"), 2, ("'xacro:arm'", "FILE.xacro")),
+    "xacro expression": (robot("<link name='a'/>", "<link\nname='${side}_b'/>"), 4, ("'${side}_b'", "FILE.xacro")),
+    "xacro substitution": (shape("<mesh filename='$(find p)/a.stl'/>"), 4, ("$(find p)", "FILE.xacro")),
     # names
     "robot without name": ("<robot>" + LINKS + "</robot>", 1, ("<robot>", "no attribute 'name'")),
     "no links": ("<robot name='r'>\n</robot>", 1, ("no links",)),
