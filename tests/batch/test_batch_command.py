@@ -125,7 +125,8 @@ def test_a_trajectory_that_fails_stops_no_other() -> None:
     assert [line.partition(":")[0] for line in outcome.out.splitlines()[:2]] == ["runs/one.csv", "runs/two.csv"]
     assert "\narm: 4 files, 2 computed, 2 failed\n" in outcome.out
     assert outcome.err.splitlines() == [
-        "error: runs/odd.csv:1: no position of joint 'elbow' (there is 'time', 'q_shoulder')",
+        "error: runs/odd.csv:1: no position of joint 'elbow' "
+        "(--hold rest keeps joints without columns still; there is 'time', 'q_shoulder')",
         "error: runs/none.csv: cannot be read: no such file or directory",
     ]
     assert sorted(listing(Path("r"))) == ["one.csv", "one.json", "two.csv", "two.json"]
