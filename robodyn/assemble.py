@@ -11,7 +11,7 @@ from robodyn.inertia.moments import Inertia, combined, inertia_of
 from robodyn.inertia.validity import unphysical
 from robodyn.joints import elementary, numbered, placement
 from robodyn.model import Body, Floats, Frame, Joint, Model
-from robodyn.spatial import snapped
+from robodyn.spatial import product, snapped
 from robodyn.urdf.description import Description, Inertial, load_description
 from robodyn.urdf.description import Joint as DescribedJoint
 
@@ -66,7 +66,7 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
         described = waiting.pop()
         body, R_link, p_link = frames[described.parent]
         R, p = placement(described.origin)
-        R, p = snapped(R_link @ R), p_link + R_link @ p
+        R, p = snapped(product(R_link, R)), p_link + product(R_link, p)
         for joint in elementary(described, R, p):
             parents.append(body)
             names.append(described.child)
@@ -96,7 +96,7 @@ def _base(description: Description, carried: dict[str, list[DescribedJoint]], mo
 
 def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
     turn, c = placement(inertial.origin)
-    return inertia_of(inertial.mass, c, turn @ _matrix(inertial) @ turn.T, R, p)
+    return inertia_of(inertial.mass, c, product(product(turn, _matrix(inertial)), turn.T), R, p)
 
 
 def _matrix(inertial: Inertial) -> Floats:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from robodyn.extremes import Greatest
 from robodyn.model import Joint, Model
 from robodyn.sizing_result import BearingLoad, Component, Vector
-from robodyn.statistics import Integrals
+from robodyn.spatial import length, product
+from robodyn.statistics import Integrals, resultant
 
 Floats = NDArray[np.float64]
 
@@ -72,15 +73,15 @@ def frame(axis: Floats) -> Floats:
         u = np.roll(np.eye(3)[k], 1)
     else:
         u = np.cross(axis, np.eye(3)[int(along.argmin())])
-        u /= np.linalg.norm(u)
+        u /= length(u)
     return np.array([u, np.cross(axis, u), axis])
 
 
 def _components(joint: Joint, turn: Floats, wrench: Floats) -> Floats:
     """(7, N) the five components, then radial force and tilting moment."""
-    f, m = turn @ wrench[:, :3].T, turn @ wrench[:, 3:].T
+    f, m = product(turn, wrench[:, :3].T), product(turn, wrench[:, 3:].T)
     kept = (f, m[:2]) if joint.kind == "revolute" else (f[:2], m)
-    return np.vstack((*kept, np.hypot(f[0], f[1]), np.hypot(m[0], m[1])))
+    return np.vstack((*kept, resultant(f[0], f[1]), resultant(m[0], m[1])))
 
 
 def _vector(row: Floats) -> Vector:

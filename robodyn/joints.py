@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.errors import DescriptionError
 from robodyn.model import Floats, Joint
-from robodyn.spatial import rotation_from_rpy, snapped
+from robodyn.spatial import length, rotation_from_rpy, snapped
 from robodyn.urdf.description import Description, Origin
 from robodyn.urdf.description import Joint as DescribedJoint
 
@@ -29,7 +29,7 @@ def elementary(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
         return [Joint(described.name, "floating", R, p, np.zeros(3))]
     axis = np.array(described.axis, dtype=float)
     axis /= np.abs(axis).max()
-    axis = snapped(axis / np.sqrt(axis @ axis))
+    axis = snapped(axis / length(axis))
     if described.type == "planar":
         first, second = _across(axis)
         still, here = np.eye(3), np.zeros(3)
@@ -66,7 +66,7 @@ def _across(normal: Floats) -> tuple[Floats, Floats]:
     first = np.zeros(3)
     first[(k + 1) % 3] = 1.0
     first -= normal * normal[(k + 1) % 3]
-    first = snapped(first / np.sqrt(first @ first))
+    first = snapped(first / length(first))
     return first, snapped(np.cross(normal, first))
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robodyn.frozen import Frozen
 from robodyn.inertia.moments import Inertia
+from robodyn.spatial import length
 
 if TYPE_CHECKING:
     from robodyn.urdf.parts import Description
@@ -149,8 +150,8 @@ class Model(Frozen):
             joint = body.joint
             slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
             before = lengths[body.parent] if body.parent >= 0 else 0.0
-            lengths.append(before + float(np.linalg.norm(joint.p)) + slide)
-        centres = (float(np.linalg.norm(body.inertia.centre_of_mass)) for body in self.bodies)
+            lengths.append(before + length(joint.p) + slide)
+        centres = (length(body.inertia.centre_of_mass) for body in self.bodies)
         return max(length + centre for length, centre in zip(lengths, centres, strict=True))
 
     @property

@@ -25,6 +25,7 @@ from robodyn.result import Checks, Result
 from robodyn.scene import Scene
 from robodyn.self_checks import LawResiduals, energy, laws, losses
 from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rates, position_of_rates, shares_at_peaks
+from robodyn.spatial import length
 from robodyn.statistics import COMPONENTS, Statistics
 from robodyn.trajectory.motion import Trajectory
 
@@ -225,4 +226,4 @@ class Pass:
         bar = np.array([joint.bar_acceleration_near(from_end) if joint else 0.0 for joint in joints])
         q = self.statistics.at_peak[k][1]["q"]
         M = mass_matrix(self.model, q, scene=self.scene, executor="numpy")[k + self.rates.start]
-        return float(np.linalg.norm(M * std)), float(np.linalg.norm(M * bar))
+        return length(M * std), length(M * bar)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
@@ -13,7 +13,8 @@ from robodyn.dynamics.projection import joint_torques
 from robodyn.dynamics.types import Motion, Wrench
 from robodyn.effects.catalogue import EFFECTS
 from robodyn.effects.effect import Effect, Sample, Still, Terms, Verdict
-from robodyn.model import Model
+from robodyn.inertia.moments import Inertia
+from robodyn.model import Frame, Model
 from robodyn.scene import Scene
 from robodyn.scene_fit import check_scene, refuse_loops
 from robodyn.spatial import Scalar
@@ -52,6 +53,19 @@ class Plan:
         """The effects that are on."""
         return tuple(effect for effect, verdict in self.verdicts if verdict.active)
 
+    @cached_property
+    def _scalars(self) -> Model:
+        """The model with its numbers as Python's floats, which NumPy multiplies and adds in order as traced scalars."""
+        bodies = []
+        for body in self.model.bodies:
+            joint, (m, mc, I) = body.joint, body.inertia
+            joint = replace(joint, R=joint.R.astype(object), p=joint.p.astype(object), axis=joint.axis.astype(object))
+            bodies.append(replace(body, joint=joint, inertia=Inertia(m, mc.astype(object), I.astype(object))))
+        links = {
+            name: Frame(body, R.astype(object), p.astype(object)) for name, (body, R, p) in self.model.links.items()
+        }
+        return replace(self.model, bodies=tuple(bodies), links=links)
+
     def sample(self, tape: Tape) -> Sample:
         """A sample whose scalars are the inputs of `tape`, or 0.0 where the motion is still."""
 
@@ -59,7 +73,7 @@ class Plan:
             return tuple(0.0 if (source, i) in self.still else tape.input(source, i) for i in range(count))
 
         columns = {name: tape.input("columns", i) for i, name in enumerate(self.scene.columns)}
-        return Sample(self.model, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
+        return Sample(self._scalars, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
 
     def torques(self) -> Program:
         """The program of tau alone, all effects together."""

@@ -19,7 +19,7 @@ from robodyn.plan import plan
 from robodyn.result import JointLoad
 from robodyn.scene import Scene
 from robodyn.sizing_result import Exceeded, FoundationLoad, JointSizing, Level, MotorLoad, Sizing
-from robodyn.statistics import Integrals
+from robodyn.statistics import Integrals, resultant
 from robodyn.ties import BEYOND, steady
 from robodyn.trajectory.motion import Trajectory
 
@@ -75,7 +75,7 @@ class SizingPass:
         tau, qd, qdd, static = (np.ascontiguousarray(x.T) for x in (loads[:, :n][:, self.rates], *motion))
         self.static.update(time, row, np.abs(static), value=static)
         f, m = loads[:, n : n + 3], loads[:, n + 3 : n + 6]
-        base = np.column_stack((np.hypot(f[:, 0], f[:, 1]), f[:, 2], np.hypot(m[:, 0], m[:, 1]), m[:, 2]))
+        base = np.column_stack((resultant(f[:, 0], f[:, 1]), f[:, 2], resultant(m[:, 0], m[:, 1]), m[:, 2]))
         self.base.update(time, base)
         pace = np.abs(qd)
         quantities = {

@@ -56,17 +56,33 @@ def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:
     return np.array((x, y, z))
 
 
+def product(A: Array, B: Array) -> Array:
+    """The product of a small matrix (3, 3) and a matrix or vector, summed in order.
+
+    `A @ B` means the same, and is what recursions say. On arrays of float64 it is BLAS, whose order of sums, and with
+    it the last digit, depends on the processor.
+    """
+    if B.ndim == 1:
+        return np.asarray((A * B).sum(axis=1))
+    return np.asarray((A[:, :, None] * B).sum(axis=1))
+
+
+def length(x: Array) -> float:
+    """The 2-norm of a few floats, summed in order."""
+    return float(np.sqrt((x * x).sum()))
+
+
 def cross(a: Array, b: Array) -> Array:
     """The cross product a x b."""
     a1, a2, a3 = a
     b1, b2, b3 = b
-    return np.array((a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1))
+    return np.array((a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1), dtype=np.result_type(a, b))
 
 
 def skew(a: Array) -> Array:
     """The matrix [a] with [a] b = a x b."""
     x, y, z = a
-    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)), dtype=np.result_type(a, float))
 
 
 def rotation_about(axis: Array, angle: Scalar) -> Array:

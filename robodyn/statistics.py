@@ -18,6 +18,11 @@ FOUNDATION = (*COMPONENTS, "fxy", "mxy")
 """Of the base wrench in reports: its components, and the resultants in the ground's plane that foundations bear."""
 
 
+def resultant(x: Floats, y: Floats) -> Floats:
+    """sqrt(x^2 + y^2), every step of which is rounded alike on all processors."""
+    return np.asarray(np.sqrt(x * x + y * y))
+
+
 @dataclass
 class Peak:
     """The values of largest magnitude of several columns, and the samples where they are; of ties the first counts."""
@@ -63,7 +68,7 @@ class Integrals:
         weights[1:] += after
         weights[0] += before
         for name, values in quantities.items():
-            total = 0.5 * np.einsum("...k,k->...", values, weights)  # BLAS would wake threads for less than they cost
+            total = 0.5 * np.einsum("...k,k->...", values, weights)
             if name in self._last:
                 total = total + 0.5 * before * self._last[name]
             self.totals[name] = self.totals.get(name, 0.0) + total
@@ -108,7 +113,7 @@ class Statistics:
             base: (6, N) base wrench f, n.
             state: (N, k) arrays of which a peak's sample is kept.
         """
-        base = np.vstack((base, np.hypot(base[0], base[1]), np.hypot(base[3], base[4])))
+        base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
         before = float(time[0] - self.end) if self.samples else 0.0
         steps = np.diff(time)
         self.start = self.start if self.samples else float(time[0])

@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.inertia.moments import Inertia
 from robodyn.model import Body, Floats, Frame, Joint, Model
-from robodyn.spatial import snapped
+from robodyn.spatial import cross, length, product, snapped
 
 UNDECIDED = 1e-6
 """Axes with a smaller sine between them count as parallel: they decide no direction."""
@@ -29,7 +29,7 @@ def aligned(model: Model) -> Model:
             first.setdefault(body.parent, body.joint)
     Q = [_axes(body.joint, first.get(i)) for i, body in enumerate(model.bodies)]
     bodies = tuple(_turned(body, Q[i], Q[body.parent] if i else np.eye(3)) for i, body in enumerate(model.bodies))
-    links = {name: Frame(i, Q[i].T @ R, Q[i].T @ p) for name, (i, R, p) in model.links.items()}
+    links = {name: Frame(i, product(Q[i].T, R), product(Q[i].T, p)) for name, (i, R, p) in model.links.items()}
     return Model(model.name, model.file, bodies, links, model.notes)
 
 
@@ -38,18 +38,23 @@ def _axes(joint: Joint, carried: Joint | None) -> Floats:
     if joint.kind not in ("revolute", "prismatic"):
         return np.eye(3)
     z = joint.axis
-    x = np.zeros(3) if carried is None else np.cross(z, carried.R @ carried.axis)
-    if np.sqrt(x @ x) < UNDECIDED:
+    x = np.zeros(3) if carried is None else cross(z, product(carried.R, carried.axis))
+    if length(x) < UNDECIDED:
         x = np.roll(np.eye(3)[int(np.argmax(np.abs(z)))], 1)
-    x = x / np.sqrt(x @ x)
-    x = x - z * (z @ x)
-    x = snapped(x / np.sqrt(x @ x))
-    return np.stack((x, np.cross(z, x), z), axis=1)
+    x = x / length(x)
+    x = x - z * (z * x).sum()
+    x = snapped(x / length(x))
+    return np.stack((x, cross(z, x), z), axis=1)
 
 
 def _turned(body: Body, Q: Floats, Q_parent: Floats) -> Body:
     m, mc, I = body.inertia
-    I = Q.T @ (np.triu(I) + np.triu(I, 1).T) @ Q
+    I = product(product(Q.T, np.triu(I) + np.triu(I, 1).T), Q)
     R, p, axis = body.joint.R, body.joint.p, body.joint.axis
-    joint = replace(body.joint, R=snapped(Q_parent.T @ R @ Q), p=Q_parent.T @ p, axis=snapped(Q.T @ axis))
-    return replace(body, joint=joint, inertia=Inertia(m, Q.T @ mc, 0.5 * (I + I.T)))
+    joint = replace(
+        body.joint,
+        R=snapped(product(product(Q_parent.T, R), Q)),
+        p=product(Q_parent.T, p),
+        axis=snapped(product(Q.T, axis)),
+    )
+    return replace(body, joint=joint, inertia=Inertia(m, product(Q.T, mc), 0.5 * (I + I.T)))
