@@ -11,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from program_values import evaluated
 
+from robodyn.execute.exponential import exponential
 from robodyn.execute.numpy_blocks import NumpyBlocks
 from robodyn.spatial import cos, exp, sign, sin
 from robodyn.trace.program import trace
@@ -22,7 +23,7 @@ BINARY = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator
 
 def _exp(x):
     with np.errstate(over="ignore"):
-        return float(np.exp(x))
+        return float(exponential(np.array([x]))[0])
 
 
 OF_TRACED = {"neg": operator.neg, "sin": sin, "cos": cos, "exp": exp, "sign": sign}
