@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Sequence
 from itertools import islice
 
 _LONGEST = 60
@@ -60,3 +61,25 @@ def nearest(name: str, valid: Collection[str]) -> list[str]:
         return [spelled[close[0]]]
     long = [other for other in islice(valid, _MOST_CANDIDATES) if min(len(other), len(name)) >= _PART]
     return [other for other in long if folded in other.casefold() or other.casefold() in folded]
+
+
+def shortened(names: Sequence[str], most: int) -> list[str]:
+    """Return different names of at most so many characters, cut in the middle, and still different.
+
+    Where one place to cut leaves some alike, they are cut elsewhere; what no cut tells apart stays as it is.
+    """
+    halves = range(1, most - 3)
+    places = sorted(halves, key=lambda head: (abs(2 * head - (most - 3)), head))
+    found = {name: _cut(name, most, places[0]) for name in names}
+    for place in [*places[1:], None]:
+        counts = Counter(found.values())
+        alike = [name for name, short in found.items() if counts[short] > 1]
+        if not alike:
+            break
+        found |= {name: name if place is None else _cut(name, most, place) for name in alike}
+    return [found[name] for name in names]
+
+
+def _cut(name: str, most: int, head: int) -> str:
+    """The name with at most so many characters, `head` of them before the dots."""
+    return name if len(name) <= most else f"{name[:head]}...{name[len(name) - (most - 3 - head) :]}"

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 
-VOID = {"meta", "link", "br", "img", "hr", "input"}
+VOID = {"meta", "link", "br", "wbr", "img", "hr", "input"}
 LARGEST = 3_000_000
 """Bytes of a page."""
 ADDRESS = re.compile(r"""(?:https?:|ftp:|file:|//)[^\s"'<>]*""", re.IGNORECASE)

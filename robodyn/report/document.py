@@ -54,6 +54,37 @@ class Table:
 
 
 @dataclass(frozen=True)
+class HeatMap:
+    """How much of several limits each of many things uses.
+
+    Attributes:
+        head: what the limits are of.
+        rows: names, and for each limit words and the share of it that is used, None where there is none.
+    """
+
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[tuple[str, float | None]]]]
+
+    @property
+    def table(self) -> Table:
+        """The same in words."""
+        rows = [(name, *(words for words, _ in cells)) for name, cells in self.rows]
+        return Table(self.caption, ("joint", *self.head), rows)
+
+
+HEAT = (0.25, 0.5, 0.75, 0.9, 1.0)
+"""Shares of a limit at which the colour of a heat map changes; beyond the last is beyond the limit."""
+
+
+def heat_level(share: float | None) -> str:
+    """Return the class of a cell of a heat map: h0 to h4 within the limit, over beyond, none without a limit."""
+    if share is None:
+        return "none"
+    return next((f"h{k}" for k, bound in enumerate(HEAT) if share <= bound), "over")
+
+
+@dataclass(frozen=True)
 class Figure:
     """A picture.
 
@@ -61,13 +92,11 @@ class Figure:
         caption: what it shows, which is said to everybody.
         alt: what is to be seen in it, for those who cannot.
         svg: an element whose colours are those of the page.
-        wide: whether it takes the width of the page; then it keeps its size where the page is narrower.
     """
 
     caption: str
     alt: str
     svg: str
-    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -105,7 +134,7 @@ class Downloads:
     notes: tuple[str, ...] = ()
 
 
-Block = Heading | Paragraph | Verdict | Facts | Table | Figure | Gallery | Findings | Downloads
+Block = Heading | Paragraph | Verdict | Facts | Table | HeatMap | Figure | Gallery | Findings | Downloads
 
 
 @dataclass(frozen=True)

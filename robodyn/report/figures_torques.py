@@ -11,8 +11,10 @@ import numpy as np
 from robodyn.history import Curves, Floats, History
 from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
-from robodyn.report.table import number, printable
+from robodyn.report.sizes import Sizes, speed_unit
+from robodyn.report.table import moment, number, printable
 from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
+from robodyn.wording import shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,15 +27,21 @@ _TALL = 660
 _LOW = 280
 _PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
 """Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
+_LETTERS = 52
+"""So many of a joint's name have room in a figure."""
+_TOGETHER = 14
+"""So many joints at most share a figure of bars."""
+_SEEN = 1e-3
+"""Effects of less than this share of every peak are not to be seen in a bar."""
 Lines = dict[str, tuple[Floats, Floats]]
 """Times and values by name."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
 
-def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int]) -> list[Figure]:
+def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int], size: Sizes) -> list[Figure]:
     """For some joints torque, speed and power against time, and torque against speed within the limits."""
-    return [_joint_figure(joints[k], curves, k) for k in columns]
+    return [_joint_figure(joints[k], curves, k, size) for k in columns]
 
 
 def first_figure() -> None:
@@ -54,8 +62,8 @@ def _sheet(height: int) -> Sheet:
     return Sheet(_WIDE, height)
 
 
-def _joint_figure(joint: JointLoad, curves: Curves, column: int) -> Figure:
-    speed = "m/s" if joint.unit == "N" else "rad/s"
+def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> Figure:
+    speed = speed_unit(joint.unit)
     what = "force" if joint.unit == "N" else "torque"
 
     def draw(canvas: Canvas) -> None:
@@ -68,7 +76,7 @@ def _joint_figure(joint: JointLoad, curves: Curves, column: int) -> Figure:
         axes[3].set_title(f"{what} [{joint.unit}] against speed [{speed}]")
 
     caption = printable(joint.name)
-    return Figure(caption, _joint_words(joint, what, speed), _sheet(_TALL).plot(draw, f"joint {column}"))
+    return Figure(caption, _joint_words(joint, what, size), _sheet(_TALL).plot(draw, f"joint {column}"))
 
 
 def _panels(canvas: Canvas) -> list[Axes]:
@@ -88,24 +96,25 @@ def _panel(canvas: Canvas, k: int) -> Axes:
     return axes
 
 
-def base_figures(loads: Sequence[ComponentLoad], history: History) -> list[Figure]:
-    """Forces and moments of the ground on the robot against time."""
+def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) -> list[Figure]:
+    """Forces and moments of the ground on the robot against time; none that are zero throughout."""
     found = []
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
         names = history.base.names[first : first + 3]
-
         lines = {name: history.base.line("load", first + k) for k, name in enumerate(names)}
+        if not any(values.any() for _, values in lines.values()):
+            continue
 
         def draw(canvas: Canvas, lines: Lines = lines, unit: str = unit) -> None:
             _lines(canvas, lines, unit, ({}, {}, {}))
 
-        peaks = [f"{part.name} {number(part.peak)} {unit}" for part in loads if part.name in names]
+        peaks = [f"{part.name} {number(part.peak, size[unit])} {unit}" for part in loads if part.name in names]
         alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
         found.append(Figure(f"Base {title}: ground on robot", alt, _sheet(_LOW).plot(draw, title)))
     return found
 
 
-def energy_figure(balance: EnergyBalance, history: History) -> Figure:
+def energy_figure(balance: EnergyBalance, history: History, size: Sizes) -> Figure:
     """Work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
 
     lines = {name: history.energy.line("energy", k) for k, name in enumerate(history.energy.names)}
@@ -114,29 +123,42 @@ def energy_figure(balance: EnergyBalance, history: History) -> Figure:
         _lines(canvas, lines, "J", ({"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}))
 
     fit = "agree" if balance.consistent else "disagree"
-    alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {number(balance.worst)} J"
+    worst = number(balance.worst, size["J"])
+    alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {worst} J"
     return Figure("Energy check: work less losses, and energy stored", alt, _sheet(_LOW).plot(draw, "energy"))
 
 
-def share_figure(joints: Sequence[JointLoad]) -> Figure:
-    """For every joint what each effect adds to its peak, in parts of the peak."""
-    names = list(dict.fromkeys(name for joint in joints for name, share in joint.shares.items() if share))
-    shown = [joint for joint in joints if joint.peak]
-    shares = np.array([[joint.shares.get(name, 0.0) / joint.peak for joint in shown] for name in names])
-    height = 26 * len(shown) + 24 * ((len(names) + 2) // 3) + 48
+def share_figures(joints: Sequence[JointLoad]) -> list[Figure]:
+    """For every joint what each effect adds to its peak, in parts of the peak, some joints in each figure."""
+    names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= _SEEN * abs(joint.peak)]
+    effects, many = list(dict.fromkeys(names)), -(-len(joints) // _TOGETHER)
+    size, found = -(-len(joints) // many), []
+    for k in range(many):
+        caption = "What makes the peaks" + (f", {k + 1} of {many}" if many > 1 else "")
+        found.append(_share_figure(joints[k * size : (k + 1) * size], effects, caption))
+    return found
+
+
+def _share_figure(joints: Sequence[JointLoad], names: Sequence[str], caption: str) -> Figure:
+    shares = np.array([[joint.shares.get(name, 0.0) / joint.peak for joint in joints] for name in names])
+    labels = shortened([printable(joint.name) for joint in joints], _LETTERS)
+    top = 24 * ((len(names) + 2) // 3) + 8
+    height = 38 * len(joints) + top + 40
 
     def draw(canvas: Canvas) -> None:
         axes = canvas.subplots()
-        top = 24 * ((len(names) + 2) // 3) + 8
-        canvas.subplots_adjust(left=0.3, right=0.965, top=1 - top / height, bottom=36 / height)
+        canvas.subplots_adjust(left=0.02, right=0.965, top=1 - top / height, bottom=36 / height)
         _bars(axes, shares, names)
-        axes.set_yticks(range(len(shown)), [_cut(joint.name) for joint in shown])
-        axes.invert_yaxis()
+        for row, label in enumerate(labels):
+            axes.text(0.0, row - 0.26, label, transform=axes.get_yaxis_transform(), fontsize=10, color=INK)
+        axes.set_yticks([])
+        axes.set_ylim(len(labels) - 0.5, -0.75)
+        axes.spines["left"].set_visible(False)
         axes.set_xlabel("share of the peak [%]")
-        axes.grid(visible=False, axis="y")
+        axes.grid(visible=False)
         canvas.legend(loc="upper left", ncols=3, fontsize=10, columnspacing=1.0, handlelength=1.0)
 
-    return Figure("What makes the peaks", _share_words(shown), plot(_WIDE, height, draw, "shares"))
+    return Figure(caption, _share_words(joints), plot(_WIDE, height, draw, caption))
 
 
 def pose_figure(description: Description, moving_base: bool, q: Floats, joint: str, when: str) -> tuple[Figure, str]:
@@ -215,30 +237,27 @@ def _bars(axes: Axes, shares: Floats, names: Sequence[str]) -> None:
     """Stacked to the right what makes a peak, to the left what lessens it."""
     from matplotlib.ticker import FuncFormatter
 
-    rows = np.arange(shares.shape[1])
+    rows = np.arange(shares.shape[1]) - 0.16
     right, left = np.zeros(len(rows)), np.zeros(len(rows))
     for k, (name, share) in enumerate(zip(names, shares, strict=True)):
         start = np.where(share >= 0.0, right, left)
-        axes.barh(rows, share, left=start, height=0.7, label=name, color=SERIES[k % len(SERIES)])
+        axes.barh(rows, share, left=start, height=0.42, align="edge", label=name, color=SERIES[k % len(SERIES)])
         right, left = right + np.maximum(share, 0.0), left + np.minimum(share, 0.0)
-    axes.axvline(0.0, color=INK, linewidth=1.0)
-    axes.axvline(1.0, color=GRID, linewidth=1.0)
+    for share, colour in ((0.0, INK), (1.0, GRID)):
+        axes.vlines(np.full(len(rows), share), rows - 0.04, rows + 0.46, color=colour, linewidth=1.0)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{100 * x:.0f}"))
 
 
-def _cut(name: str) -> str:
-    shown = printable(name)
-    return shown if len(shown) <= 17 else f"{shown[:8]}...{shown[-7:]}"
-
-
-def _joint_words(joint: JointLoad, what: str, speed: str) -> str:
+def _joint_words(joint: JointLoad, what: str, size: Sizes) -> str:
+    load, speed = size[joint.unit], speed_unit(joint.unit)
+    peak, fastest = number(joint.peak, load), number(joint.max_speed, size[speed])
+    least, most = (number(power, size["W"]) for power in (joint.least_power, joint.peak_power))
     limits = [] if joint.effort_limit is None else [f"limit {joint.effort_limit:g} {joint.unit}"]
     limits += [] if joint.velocity_limit is None else [f"limit {joint.velocity_limit:g} {speed}"]
     return (
         f"Joint {printable(joint.name)}: {what}, speed and power against time, and {what} against speed. "
-        f"Peak {what} {number(joint.peak)} {joint.unit} at {joint.peak_time:.6g} s, largest speed "
-        f"{number(joint.max_speed)} {speed}, power from {number(joint.least_power)} to {number(joint.peak_power)} W"
-        + (f"; {', '.join(limits)}" if limits else "")
+        f"Peak {what} {peak} {joint.unit} at {moment(joint.peak_time, joint.peak, load)} s, largest speed "
+        f"{fastest} {speed}, power from {least} to {most} W" + (f"; {', '.join(limits)}" if limits else "")
     )
 
 

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from robodyn.report.document import Document, Download, Heading, code_lines
+from robodyn.report.document import Document, Download, Heading, code_lines, heat_level
+from robodyn.report.glossary import explained
 from robodyn.report.table import is_numeric, printable
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
 _ASSETS = Path(__file__).parent / "assets"
 
@@ -23,7 +28,7 @@ def html(document: Document) -> str:
 
     strict: dict[str, Any] = {"autoescape": True, "undefined": StrictUndefined}
     room = Environment(loader=FileSystemLoader(_ASSETS), trim_blocks=True, lstrip_blocks=True, **strict)
-    room.filters |= {"words": printable, "code": code_lines, "data": _data}
+    room.filters |= {"words": printable, "name": _name, "unit": _unit, "code": code_lines, "data": _data}
     room.tests["block"] = lambda block, name: type(block).__name__ == name
     script = _asset("page.js")
     digest = base64.b64encode(hashlib.sha256(f"\n{script}\n".encode()).digest()).decode()
@@ -34,9 +39,23 @@ def html(document: Document) -> str:
         digest=digest,
         sections=[block.text for block in document.blocks if isinstance(block, Heading)],
         numeric=_numeric,
+        explained=explained,
+        heat=heat_level,
         svg=lambda figure: Markup(figure.svg),
     )
     return str(page)
+
+
+def _name(text: str) -> Markup:
+    """Words in which a long name may go on in the next line after an underscore or a slash."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"([_/])(?=\w{3})", r"\1<wbr>", str(escape(printable(text)))))
+
+
+def _unit(title: str) -> str:
+    """A title whose unit in brackets stays on one line."""
+    return re.sub(r"\[[^\]]*\]", lambda unit: unit[0].replace(" ", "\u00a0"), printable(title))
 
 
 def _asset(name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from robodyn.doubts import Doubt
 from robodyn.limits import Coverage, Excess, Unchecked
@@ -11,7 +12,7 @@ from robodyn.report.table import number, printable
 from robodyn.result import JointLoad, Result
 from robodyn.ties import ranked
 
-_LINES = 15
+LINES = 15
 """So many limits are named at the top of a page."""
 _NAMES = 4
 """So many joints are named of those that have no limit."""
@@ -88,9 +89,9 @@ def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
 
 def _shortened(lines: list[str]) -> tuple[str, ...]:
     """The first of many lines; the tables have all."""
-    if len(lines) <= _LINES + 1:
+    if len(lines) <= LINES + 1:
         return tuple(lines)
-    return (*lines[:_LINES], f"{len(lines) - _LINES} more limits are exceeded: see the table of the joints.")
+    return (*lines[:LINES], f"{len(lines) - LINES} more limits are exceeded: see the table below.")
 
 
 def exceeded_words(excess: Excess) -> str:
@@ -106,6 +107,20 @@ def exceeded_words(excess: Excess) -> str:
     what = "force" if unit == "N" else "torque"
     when = "" if excess.time is None else f" at {excess.time:.6g} s"
     return f"{name} needs a {what} of {number(value)} {unit}{when}, {percent}"
+
+
+def offenders(result: Result) -> frozenset[str]:
+    """Return the names of the joints that exceed a limit of the description, or of their motor or gear."""
+    sized = result.sizing.joints if result.sizing else ()
+    return frozenset((*(each.joint for each in result.exceeded), *(joint.name for joint in sized if joint.exceeded)))
+
+
+def offenders_first(result: Result) -> Result:
+    """Return the result with the joints that exceed a limit before the others, each in the order of the robot."""
+    over, sizing = offenders(result), result.sizing
+    if sizing is not None:
+        sizing = replace(sizing, joints=tuple(sorted(sizing.joints, key=lambda joint: joint.name not in over)))
+    return replace(result, joints=tuple(sorted(result.joints, key=lambda joint: joint.name not in over)), sizing=sizing)
 
 
 def worst_joint(result: Result) -> int | None:

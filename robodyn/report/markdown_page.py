@@ -14,6 +14,7 @@ from robodyn.report.document import (
     Findings,
     Gallery,
     Heading,
+    HeatMap,
     Paragraph,
     Table,
     Verdict,
@@ -61,6 +62,8 @@ def _block(block: Block) -> str:
         return "\n".join(_fact(*item) for item in block.items)
     if isinstance(block, Findings):
         return "\n".join(_finding(*item) for item in block.items)
+    if isinstance(block, HeatMap):
+        block = block.table
     return _table(block) if isinstance(block, Table) else ""
 
 

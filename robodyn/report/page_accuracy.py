@@ -80,8 +80,12 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
         canvas.set_layout_engine("constrained")
         with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
             draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
-        for axes in canvas.axes:
-            axes.set_title("")
+        (axes,) = canvas.axes
+        axes.set_title("")
+        beside = axes.get_legend()
+        assert beside is not None
+        beside.remove()
+        canvas.legend(loc="outside lower left", ncols=2, fontsize="small")
 
     words = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}"
-    return Figure(ladder.title, words, plot(820, 440, draw, f"ladder {k}"), wide=True)
+    return Figure(ladder.title, words, plot(400, 500, draw, f"ladder {k}"))

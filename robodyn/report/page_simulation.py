@@ -21,13 +21,12 @@ from robodyn.report.document import (
 )
 from robodyn.report.json_simulation import simulation_json
 from robodyn.report.sizes import simulation_sizes
-from robodyn.report.table import drift_text, number, printable, relative_text
+from robodyn.report.table import drift_text, is_noise, number, printable, relative_text
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
 PLOTTED = 12
@@ -83,16 +82,31 @@ def _plots(result: Simulation) -> list[Block]:
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
     shown = sorted(sorted(joints, key=lambda joint: -travel[joint.name])[:PLOTTED], key=joints.index)
-    figures = []
+    size, figures = simulation_sizes(result), []
     for joint in shown:
-        values = (result.q[:, joint.coordinate], result.qd[:, joint.rate], result.tau[:, joint.rate])
-        figures.append(_joint(joint.name, joint.kind == "prismatic", result.time, values))
-    blocks: list[Block] = [Heading("Along the motion")]
-    if len(shown) < len(joints):
-        blocks.append(Paragraph(f"The {len(shown)} joints that move most; the tables have all {len(joints)}."))
+        at, rate = joint.coordinate, joint.rate
+        given = (
+            (result.q[:, at], size.q[at]),
+            (result.qd[:, rate], size.qd[rate]),
+            (result.tau[:, rate], size.tau[rate]),
+        )
+        values = tuple(_quiet(*each) for each in given)
+        if any(each.any() for each in values):
+            figures.append(_joint(joint.name, joint.kind == "prismatic", result.time, values))
+    blocks: list[Block] = [Heading("Along the motion")] if figures else []
+    if len(figures) < len(joints):
+        count = f"{len(figures)} of {len(joints)} joints"
+        blocks.append(Paragraph(f"The joints that move most, {count}, without plots of zeros; the tables have all."))
     if figures:
         blocks.append(Gallery(tuple(figures)))
-    return [*blocks, Heading("Energy"), Gallery(tuple(_energies(result)))]
+    if energies := _energies(result):
+        blocks += [Heading("Energy"), Gallery(tuple(energies))]
+    return blocks
+
+
+def _quiet(values: Floats, scale: float) -> Floats:
+    """Zeros for what is rounding noise throughout."""
+    return np.zeros_like(values) if is_noise(float(np.abs(values).max()), scale) else values
 
 
 def _curves(time: Floats, names: tuple[str, ...], values: tuple[Floats, ...]) -> Curves:
@@ -106,58 +120,56 @@ def _joint(name: str, slides: bool, time: Floats, values: tuple[Floats, ...]) ->
 
     units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N m")
     what = ("position", "speed", "drive's force" if slides else "drive's torque")
-    curves = _curves(time, what, values)
+    curves, panels = _curves(time, what, values), [k for k in range(len(what)) if values[k].any()]
+    height = 130 * len(panels) + 20
 
     def draw(canvas: Canvas) -> None:
-        for k, bottom in enumerate((292, 162, 32)):
-            axes = canvas.add_axes((0.16, bottom / 410, 0.8, 96 / 410))
+        for row, k in enumerate(panels, start=1):
+            bottom = height - 130 * row + 12
+            axes = canvas.add_axes((0.16, bottom / height, 0.8, 96 / height))
             axes.plot(*curves.line("value", k), color=SERIES[k])
             axes.set_title(f"{what[k]} [{units[k]}]")
-            axes.tick_params(labelbottom=k == 2)
+            axes.tick_params(labelbottom=row == len(panels))
             few_ticks(axes)
         axes.set_xlabel("time [s]", labelpad=1)
 
-    ranges = (
-        f"{each} {number(v.min())} to {number(v.max())} {u}" for each, v, u in zip(what, values, units, strict=True)
-    )
+    ranges = [f"{what[k]} {number(values[k].min())} to {number(values[k].max())} {units[k]}" for k in panels]
     alt = f"Joint {printable(name)} against time: {', '.join(ranges)}"
-    return Figure(printable(name), alt, plot(380, 410, draw, f"joint {name}"))
+    return Figure(printable(name), alt, plot(380, height, draw, f"joint {name}"))
 
 
 def _energies(result: Simulation) -> list[Figure]:
+    """Energies and work that are not zero throughout, and the drift where it is more than rounding."""
+    figures, size, work = result.figures, simulation_sizes(result).energy, result.work - result.work[0]
+    stored = figures.energy - figures.energy[0]
+    given = {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
+    parts = {name: quiet for name, values in given.items() if (quiet := _quiet(values, size)).any()}
+    found = []
+    if parts:
+        what = "Energies, and work done by drives and wrenches"
+        largest = f"Against time; the largest kinetic energy is {number(figures.kinetic.max(), size)} J"
+        found.append(Figure(what, largest, _lines(result.time, parts, "parts", 0)))
+    if not is_noise(result.energy_drift, size):
+        off = f"Stored energy less work done against time, at most {drift_text(result.energy_drift, size)} J from zero"
+        drift = _lines(result.time, {"drift": stored - work}, "drift", 5)
+        found.append(Figure("Drift: stored energy less work", off, drift))
+    return found
+
+
+def _lines(time: Floats, parts: dict[str, Floats], name: str, colour: int) -> str:
+    """Energies against time, named where there are several."""
     from robodyn.report.figures import SERIES, few_ticks, plot
 
-    figures, work = result.figures, result.work - result.work[0]
-    stored = figures.energy - figures.energy[0]
-    names = ("kinetic", "potential", "work done")
-    parts = _curves(result.time, names, (figures.kinetic, figures.energy - figures.kinetic, work))
-    drift = _curves(result.time, ("drift",), (stored - work,))
+    curves = _curves(time, tuple(parts), tuple(parts.values()))
 
-    def style(axes: Axes) -> None:
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.add_axes((0.2, 0.15, 0.76, 0.68))
+        for k, label in enumerate(parts):
+            axes.plot(*curves.line("value", k), color=SERIES[colour + k], label=label)
+        if len(parts) > 1:
+            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3, columnspacing=1.0)
         axes.set_title("[J]")
         axes.set_xlabel("time [s]")
         few_ticks(axes, up=6)
 
-    def draw_parts(canvas: Canvas) -> None:
-        axes = canvas.add_axes((0.16, 0.15, 0.8, 0.68))
-        for k, name in enumerate(names):
-            axes.plot(*parts.line("value", k), color=SERIES[k], label=name)
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3, columnspacing=1.0)
-        style(axes)
-
-    def draw_drift(canvas: Canvas) -> None:
-        axes = canvas.add_axes((0.2, 0.15, 0.76, 0.68))
-        axes.plot(*drift.line("value", 0), color=SERIES[5])
-        style(axes)
-
-    largest = f"the largest kinetic energy is {number(figures.kinetic.max())} J"
-    size = simulation_sizes(result).energy
-    off = f"Stored energy less work done against time, at most {drift_text(result.energy_drift, size)} J from zero"
-    return [
-        Figure(
-            "Energies, and work done by drives and wrenches",
-            f"Against time; {largest}",
-            plot(380, 280, draw_parts, "parts"),
-        ),
-        Figure("Drift: stored energy less work", off, plot(380, 280, draw_drift, "drift")),
-    ]
+    return plot(380, 280, draw, name)

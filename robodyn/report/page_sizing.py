@@ -12,6 +12,7 @@ from robodyn.model import Model
 from robodyn.motor import Curve
 from robodyn.motors import load_torque, motor_torque, train_of
 from robodyn.report.document import Block, Facts, Figure, Gallery, Heading, Level, Verdict
+from robodyn.report.limits_words import offenders, offenders_first
 from robodyn.report.table import Page, number, printable
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_sizing import in_words, sizing_parts
@@ -37,9 +38,10 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
     yield Heading("Motors, bearings, foundation")
     if not sizing.exceeded:
         yield sizing_verdict(result)
-    figures = [] if curves is None else list(_figures(result, sizing, model, scene, curves))
+    figures = {} if curves is None else dict(_figures(sizing, model, scene, curves))
     if figures:
-        yield Gallery(tuple(figures))
+        over = offenders(result)
+        yield Gallery(tuple(figures[name] for name in sorted(figures, key=lambda name: name not in over)))
     for block in blocks_of(lambda page: "\n".join(_tables(result, page))):
         if not isinstance(block, Facts):
             yield block
@@ -47,7 +49,7 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
 
 def _tables(result: Result, page: Page) -> Iterator[str]:
     """The text without its verdicts, which come first here."""
-    for part in sizing_parts(result, page):
+    for part in sizing_parts(offenders_first(result), page):
         if not part.startswith("Verdicts"):
             yield part
 
@@ -71,8 +73,8 @@ def sizing_verdict(result: Result) -> Verdict:
     return Verdict(level, count if len(sizing.joints) > 1 else "The joint asks more than its drive bears", reasons)
 
 
-def _figures(result: Result, sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[Figure]:
-    """For each motor torque against speed at its shaft, with its curves."""
+def _figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[tuple[str, Figure]]:
+    """For each joint with a motor torque against speed at its shaft, with its curves."""
     joints = joint_of_rates(model)[6 if model.floating else 0 :]
     for k, (joint, sized) in enumerate(zip(joints, sizing.joints, strict=True)):
         train = train_of(joint, scene)
@@ -81,7 +83,7 @@ def _figures(result: Result, sizing: Sizing, model: Model, scene: Scene, curves:
         samples = curves.samples(k)
         tau, qd, qdd = samples["torque"], samples["speed"], samples["acceleration"]
         torque = motor_torque(train, load_torque(train, tau, qdd), qd, qdd)
-        yield _figure(sized.name, sized.motor, train.gear * qd, torque, k)
+        yield sized.name, _figure(sized.name, sized.motor, train.gear * qd, torque, k)
 
 
 def _figure(name: str, motor: MotorLoad, speed: Floats, torque: Floats, k: int) -> Figure:

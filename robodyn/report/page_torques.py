@@ -22,7 +22,8 @@ from robodyn.report.document import (
 from robodyn.report.drawing import Draw, at_once
 from robodyn.report.input_words import input_words
 from robodyn.report.json_torques import torques_json
-from robodyn.report.limits_words import effort_use, limits_verdict, speed_use
+from robodyn.report.limits_words import effort_use, limits_verdict, offenders_first, speed_use
+from robodyn.report.page_limits import limits_blocks
 from robodyn.report.page_trust import trust
 from robodyn.report.page_worst import heaviest_load
 from robodyn.report.plots_torques import Plots
@@ -49,6 +50,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     history = result.history if pictures else None
     plots = Plots(result, history, model, draw) if history else None
     files = list(_files(result, history))  # before any figure is waited for
+    ordered = offenders_first(result)
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
         from robodyn.report.page_sizing import sizing_verdict
@@ -60,8 +62,8 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
     blocks += [Paragraph(line) for line in input_words(result, most=None)]
     if result.joints:
-        blocks += [_facts(result), *heaviest_load(result, model, scene, plots)]
-        blocks += [Heading("Joints"), Table("What each joint carries", *load_table(result))]
+        blocks += [_facts(result), *limits_blocks(ordered), *heaviest_load(result, model, scene, plots)]
+        blocks += [Heading("Joints"), Table("What each joint carries", *load_table(ordered))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
             from robodyn.report.page_sizing import sizing_blocks
@@ -76,11 +78,12 @@ def _facts(result: Result) -> Facts:
     """The figures that are looked for first."""
     joints, size = result.joints, result_sizes(result)
     powerful = max(joints, key=lambda joint: joint.peak_power)
-    items = [("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name))]
+    items = []
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
         joint = max(joints, key=use)
         if use(joint):
-            items.insert(0, (f"Largest use of a limit of {what}", f"{100 * use(joint):.0f} %", printable(joint.name)))
+            items.append((f"Largest use of a limit of {what}", f"{100 * use(joint):.0f} %", printable(joint.name)))
+    items.append(("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name)))
     work = sum(joint.work_positive for joint in joints)
     back = -sum(joint.work_negative for joint in joints)
     items.append(("Work of all joints", f"{number(work, size['J'])} J", f"{number(back, size['J'])} J returned"))
@@ -88,14 +91,17 @@ def _facts(result: Result) -> Facts:
 
 
 def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
-    if plots is None:
+    if plots is None or not plots.shown:
         return
     yield Heading("Along the motion")
-    if len(plots.shown) < len(result.joints):
+    if len(plots.shown) + len(plots.still) < len(result.joints):
         yield Paragraph(
-            f"The {len(plots.shown)} joints that use most of their limits of effort; the tables have all "
-            f"{len(result.joints)}."
+            f"The joints beyond a limit, and those that use most of their limits of effort, {len(plots.shown)} of "
+            f"{len(result.joints)}; the tables have all."
         )
+    if plots.still:
+        names = ", ".join(printable(result.joints[k].name) for k in plots.still)
+        yield Paragraph(f"Without a plot, because they neither move nor carry anything: {names}.")
     if result.samples > 2 * SPANS:
         yield Paragraph(
             f"Drawn from the least and the greatest of every {result.duration / SPANS:.2g} s, so that no peak is lost."
@@ -107,7 +113,7 @@ def _shares(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Heading("What makes the peaks")
     if plots is not None and (shares := plots.shares()):
         yield Gallery(tuple(shares))
-    yield Table("What each effect adds to the peak of a joint", *share_table(result))
+    yield Table("What each effect adds to the peak of a joint", *share_table(offenders_first(result)))
 
 
 def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
@@ -116,8 +122,8 @@ def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
     if all(row[-1] == "0" for row in rows):
         yield Paragraph("No force and no moment between ground and robot throughout.")
         return
-    if plots is not None:
-        yield Gallery(tuple(plots.base()))
+    if plots is not None and (base := plots.base()):
+        yield Gallery(tuple(base))
     yield Table("Ground on robot, about the base's origin", head, rows)
 
 

@@ -42,8 +42,8 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
         yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
     else:
         yield Verdict("good", "Energy and momentum balance", tuple(reasons))
-    if plots is not None:
-        yield Gallery((plots.energy(),))
+    if plots is not None and (energy := plots.energy()):
+        yield Gallery(tuple(energy))
 
 
 def _grounds(result: Result) -> Iterator[Block]:

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.errors import RobodynError
+from robodyn.free_body.types import FreeBodies, FreeBody
 from robodyn.history import History
 from robodyn.model import Model
-from robodyn.report.document import Block, Figure, Gallery, Heading, Paragraph
+from robodyn.report.document import Block, Figure, Gallery, Heading, Paragraph, Table
 from robodyn.report.plots_torques import Plots
+from robodyn.report.sizes import Sizes, free_body_sizes
+from robodyn.report.svg_text import NOTES, symbols
 from robodyn.report.table import printable
+from robodyn.report.text_free_body import action_table
 from robodyn.result import Result
 from robodyn.scene import Scene
 
@@ -19,30 +23,40 @@ def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | Non
     if plots is None or plots.worst is None:
         return
     yield Heading("At the heaviest load")
-    drawing = _free_body(model, scene, plots.history, plots.worst, result.joints[plots.worst].name, plots.when)
+    name = result.joints[plots.worst].name
+    found = _free_bodies(model, scene, plots.history, plots.worst)
+    carried = [body for body in found.bodies if model.bodies[body.number].joint.name == name] if found else []
     picture, why = plots.picture()
-    yield Gallery((picture,) if drawing is None else (picture, drawing))
+    if found is None or not carried:
+        yield Gallery((picture,))
+    else:
+        (body,), size = carried, free_body_sizes(found)
+        yield Gallery((picture, _drawing(body, size, name)))
+        head, rows = action_table(body, size)
+        named = [(symbols(action, size), *row) for action, row in zip(body.actions, rows, strict=False)]
+        what = f"Forces and moments on {printable(body.name)}, {plots.when}"
+        yield Table(what, ("symbol", "what", *head[1:]), [*named, ("sum", "", *rows[-1][1:])], note=" ".join(NOTES))
     if why:
         yield Paragraph(why)
 
 
-def _free_body(model: Model, scene: Scene, history: History, k: int, name: str, when: str) -> Figure | None:
+def _free_bodies(model: Model, scene: Scene, history: History, k: int) -> FreeBodies | None:
+    """The robot at the peak of a joint; None where it cannot be taken apart."""
     from robodyn.free_body.bodies import free_bodies
-    from robodyn.report.figures import of_page
-    from robodyn.report.sizes import free_body_sizes
-    from robodyn.report.svg_free_body import drawing
 
-    number_of = next((i for i, body in enumerate(model.bodies) if body.joint.name == name), None)
-    if number_of is None:
-        return None
     state = history.states[k]
     columns = dict(zip(scene.columns, state["columns"], strict=False))
     try:
-        found = free_bodies(model, state["q"], state["qd"], state["qdd"], scene=scene, columns=columns)
+        return free_bodies(model, state["q"], state["qd"], state["qdd"], scene=scene, columns=columns)
     except RobodynError:
         return None
-    body = found.bodies[number_of]
-    svg = of_page(drawing(body, f"{printable(model.name)}, at {when}", free_body_sizes(found)))
+
+
+def _drawing(body: FreeBody, size: Sizes, name: str) -> Figure:
+    from robodyn.report.figures import of_page
+    from robodyn.report.svg_free_body import page_drawing
+
     forces = ", ".join(action.what for action in body.actions)
     alt = f"Free-body diagram of {printable(body.name)} with its forces and moments: {printable(forces)}"
-    return Figure(f"What acts on {printable(body.name)}, which {printable(name)} carries", alt, svg, wide=True)
+    caption = f"What acts on {printable(body.name)}, which {printable(name)} carries"
+    return Figure(caption, alt, of_page(page_drawing(body, size)))

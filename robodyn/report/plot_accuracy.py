@@ -51,13 +51,13 @@ def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
     panel.plot(*line, color=ink, lw=1.2, zorder=0, label="front")
     if target is not None:
         panel.axhline(target, color=ink, lw=1, ls="--", label=f"target {target:g}")
-    panel.set(xscale="log", yscale="log", xlabel=f"time [{unit}], median and quartiles", ylabel="largest error")
+    across = f"time [{unit}], median and quartiles\nerrors against {ladder.reference}"
+    panel.set(xscale="log", yscale="log", xlabel=across, ylabel="largest error")
     panel.margins(x=0.04)
     log_axis(panel.xaxis)
     log_axis(panel.yaxis, zero=zero)
     panel.grid(visible=True, which="major", alpha=0.3)
     panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
-    panel.text(0.0, -0.14, f"errors against {ladder.reference}", transform=panel.transAxes, fontsize="small")
 
 
 def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import hypot
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +15,20 @@ from robodyn.report.svg_labels import Box, Point, Segment, place, text_width
 from robodyn.report.svg_text import COLOURS, component_table, short, signed, svg_text, table_height
 from robodyn.report.table import number
 
-WIDTH, TOP, BOTTOM = 800, 76, 560
-"""The drawing lies between TOP and BOTTOM; the table follows."""
+
+class Paper(NamedTuple):
+    """The room of a drawing [px]: arrows lie between `top` and `bottom`, and leave the edges of the page to labels."""
+
+    width: int
+    top: int
+    bottom: int
+    edges: tuple[float, float]
+
+
+SHEET = Paper(800, 76, 560, (440.0, 310.0))
+"""Of a file: with a title above and a table below."""
+PAGE = Paper(520, 0, 440, (400.0, 290.0))
+"""Of a report, which has its own title and table."""
 _SIZE = 15
 PAPERS = ("#ffffff", "#16181d")
 STYLE = """<style>
@@ -43,36 +56,47 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
     Args:
         size: of forces and moments on the robot, beside which noise vanishes.
     """
-    height = BOTTOM + table_height(body)
-    points, spots = _layout(body)
-    vectors, marks = arrows(body, spots, size), _apart(points)
+    width, height = SHEET.width, SHEET.bottom + table_height(body)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" height="{height}">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}">',
         STYLE,
-        f'<rect class="paper" width="{WIDTH}" height="{height}"/>',
+        f'<rect class="paper" width="{width}" height="{height}"/>',
         svg_text(24, 36, f"Body {body.number}: {short(body.name, 48)}", 20, "ink", bold=True),
         svg_text(24, 60, short(title, 95), 13, "soft"),
-        *_shape([*points, *spots.values()]),
-        *(_arrow(vector) for vector in vectors),
-        *_marks(body, marks),
-        *_labels(marks, vectors),
-        *_triad(70.0, BOTTOM - 58.0, np.eye(3), "ground"),
-        *_triad(190.0, BOTTOM - 58.0, body.pose.R, "body"),
-        *component_table(body, BOTTOM, WIDTH, size),
+        *_scene(body, size, SHEET),
+        *component_table(body, SHEET.bottom, width, size),
         "</svg>\n",
     ]
     return "\n".join(parts)
 
 
-def _layout(body: FreeBody) -> tuple[list[Point], dict[int, Point]]:
+def page_drawing(body: FreeBody, size: Sizes) -> str:
+    """The same without words around it, for a page whose width it takes."""
+    box = f"0 0 {PAGE.width} {PAGE.bottom + 8}"
+    return "\n".join((f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">', *_scene(body, size, PAGE), "</svg>"))
+
+
+def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
+    """The body, its arrows with their labels, and the axes of ground and body."""
+    points, spots = _layout(body, paper)
+    vectors, marks = arrows(body, spots, size), _apart(points)
+    yield from _shape([*points, *spots.values()])
+    yield from map(_arrow, vectors)
+    yield from _marks(body, marks)
+    yield from _labels(marks, vectors, paper)
+    yield from _triad(70.0, paper.bottom - 58.0, np.eye(3), "ground")
+    yield from _triad(190.0, paper.bottom - 58.0, body.pose.R, "body")
+
+
+def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]]:
     """Origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
     places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
     everything = np.array([on_paper(body.pose.R @ p) for p in [*places, *(a.point for a in body.actions)]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     spread = high - low
-    room = np.array([WIDTH - 440.0, BOTTOM - TOP - 310.0])
+    room = np.array([paper.width, paper.bottom - paper.top]) - paper.edges
     scale = min((r / s for r, s in zip(room, spread, strict=True) if s > 1e-9), default=1.0)
-    centre = np.array([WIDTH / 2, (TOP + BOTTOM) / 2])
+    centre = np.array([paper.width / 2, (paper.top + paper.bottom) / 2])
     at = [(float(x), float(y)) for x, y in (everything - (low + high) / 2) * scale + centre]
     return at[: len(places)], dict(enumerate(at[len(places) :]))
 
@@ -134,14 +158,14 @@ def _head(x: float, y: float, dx: float, dy: float, colour: str) -> str:
     return f'<polygon points="{" ".join(f"{a:.1f},{b:.1f}" for a, b in corners)}" fill="{colour}"/>'
 
 
-def _labels(points: list[Point], vectors: list[Arrow]) -> Iterator[str]:
+def _labels(points: list[Point], vectors: list[Arrow], paper: Paper) -> Iterator[str]:
     """Symbol and size of each arrow beside its tip."""
     lines: list[Segment] = [(vector.start, vector.end) for vector in vectors]
     discs = [*points, *(vector.start for vector in vectors if vector.start == vector.end)]
     taken = [Box(x - 11, y - 11, x + 11, y + 11) for x, y in discs]
-    taken.append(Box(0, BOTTOM - 112, 250, BOTTOM))
+    taken.append(Box(0, paper.bottom - 112, 250, paper.bottom))
     taken += [Box(x - 8, y - 8, x + 8, y + 8) for x, y in (vector.end for vector in vectors)]
-    page = Box(8, TOP, WIDTH - 8, BOTTOM)
+    page = Box(8, paper.top, paper.width - 8, paper.bottom)
     for vector in vectors:
         label = f"{signed(vector.symbol)} = {number(vector.value)} {vector.unit}"
         size = (text_width(label, _SIZE), 20.0)

@@ -11,6 +11,7 @@ import numpy as np
 from robodyn.free_body.types import Action, Floats, FreeBody
 from robodyn.report.sizes import Sizes
 from robodyn.report.table import is_noise
+from robodyn.wording import shortened
 
 COLOURS = {
     "weight": "#2b8a3e",
@@ -27,9 +28,11 @@ COLOURS = {
 }
 """By kind of action; each can be read on white and on black."""
 _ROW = 22
+_LETTERS = 42
+"""So many of what an action is and by whom have room in the table."""
 _PARTS = ("force", "moment")
 _HEADS = ((24, "symbol"), (134, "action, by"), (400, "force [N]"), (600, "moment [N m]"))
-_NOTES = (
+NOTES = (
     "Components in body axes; forces and moments add up to zero. Arrows are to scale, but none is too short to see.",
     "Numbered disc: joint. Quartered disc: mass centre. Dashed arrow with two heads: moment, by the right-hand rule.",
     "Ring with a dot: towards the reader; with a cross: away.",
@@ -38,7 +41,7 @@ _NOTES = (
 
 def table_height(body: FreeBody) -> int:
     """Of `component_table` [px]."""
-    return _ROW * (len(body.actions) + len(_NOTES)) + 56
+    return _ROW * (len(body.actions) + len(NOTES)) + 56
 
 
 def component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
@@ -48,28 +51,36 @@ def component_table(body: FreeBody, top: float, width: float, size: Sizes) -> It
     for x, head in _HEADS:
         yield svg_text(x, y, head, 13, "soft")
     scales = [max((float(np.abs(getattr(a, name)).max()) for a in body.actions), default=0.0) for name in _PARTS]
-    for action in body.actions:
+    whats = shortened([f"{action.what}, by {action.by}" for action in body.actions], _LETTERS)
+    for action, what in zip(body.actions, whats, strict=True):
         y += _ROW
-        cells = _cells(action, scales, size)
+        cells = _cells(action, what, scales, size)
         yield svg_text(24, y, cells[0], 12, None, bold=True, fill=COLOURS[action.kind])
         for (x, _), cell in zip(_HEADS[1:], cells[1:], strict=True):
             yield svg_text(x, y, cell, 12, "ink")
-    for note in _NOTES:
+    for note in NOTES:
         y += _ROW
         yield svg_text(24, y, note, 12, "soft")
 
 
-def _cells(action: Action, scales: list[float], size: Sizes) -> tuple[str, str, str, str]:
+def _cells(action: Action, what: str, scales: list[float], size: Sizes) -> tuple[str, str, str, str]:
     vectors = []
-    symbols = []
-    for name, unit, scale, symbol in zip(_PARTS, ("N", "N m"), scales, action.symbols, strict=True):
+    for name, unit, scale in zip(_PARTS, ("N", "N m"), scales, strict=True):
         vector = getattr(action, name)
-        shown = not is_noise(float(np.linalg.norm(vector)), size[unit])
+        shown = not is_noise(_length(vector), size[unit])
         vectors.append(_components(vector, scale) if shown else "0")
-        if shown and symbol and signed(symbol) not in symbols:
-            symbols.append(signed(symbol))
-    what = f"{action.what}, by {action.by}"
-    return ", ".join(symbols) or "-", short(what, 38), vectors[0], vectors[1]
+    return symbols(action, size), what, vectors[0], vectors[1]
+
+
+def symbols(action: Action, size: Sizes) -> str:
+    """The symbols of those of its force and moment that are no noise."""
+    parts = zip((action.force, action.moment), ("N", "N m"), action.symbols, strict=True)
+    shown = (signed(symbol) for vector, unit, symbol in parts if symbol and not is_noise(_length(vector), size[unit]))
+    return ", ".join(dict.fromkeys(shown)) or "-"
+
+
+def _length(vector: Floats) -> float:
+    return float(np.linalg.norm(vector))
 
 
 def _components(vector: Floats, scale: float) -> str:

@@ -84,12 +84,16 @@ def _body(body: FreeBody, size: Sizes, page: Page) -> str:
     others = [name for name in body.links if name != body.name]
     fixed = f" with {', '.join(map(printable, others))}" if others else ""
     mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
-    rows = [_row(action, size) for action in body.actions]
-    rows.append(("sum", "", "", *_vector(body.force, size["N"]), *_vector(body.moment, size["N m"])))
-    head = ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz")
     title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
     where = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
-    return f"{title}\n{where}\n{page.table((head, rows))}"
+    return f"{title}\n{where}\n{page.table(action_table(body, size))}"
+
+
+def action_table(body: FreeBody, size: Sizes) -> Content:
+    """Every force and moment on a body, and their sums."""
+    rows = [_row(action, size) for action in body.actions]
+    rows.append(("sum", "", "", *_vector(body.force, size["N"]), *_vector(body.moment, size["N m"])))
+    return ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"), rows
 
 
 def _row(action: Action, size: Sizes) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robodyn.limits import Excess
 from robodyn.report.input_words import input_words
-from robodyn.report.limits_words import limits_verdict, unchecked_words
+from robodyn.report.limits_words import limits_verdict, offenders_first, unchecked_words
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import PLAIN, Content, Page, is_noise, moment, number, printable, relative_text
 from robodyn.report.text_joints import derivation_table, share_table
@@ -17,6 +17,7 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
     Args:
         explain: add why each effect is on or off, what it costs, and the plan.
     """
+    result = offenders_first(result)
     parts = [_head(result)]
     if result.joints:
         parts += [page.table(load_table(result)), f"What makes the peaks\n{page.table(share_table(result))}"]
@@ -141,17 +142,22 @@ def _checks(result: Result) -> str:
 
 
 def _limits(result: Result, page: Page) -> str:
-    exceeded = result.exceeded
     unchecked = "".join(f"{line}\n" for line in unchecked_words(result.limits))
-    if not exceeded:
+    if not result.exceeded:
         return f"{limits_verdict(result).headline}.\n{unchecked}" if result.joints or result.doubts else ""
+    head, rows = exceeded_table(result)
+    title = f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}"
+    return f"{title}\n{page.table((head, rows))}{unchecked}"
+
+
+def exceeded_table(result: Result) -> Content:
+    """The limits that are exceeded, joint by joint."""
     found: dict[str, dict[str, list[str]]] = {}
-    for excess in exceeded:
+    for excess in result.exceeded:
         found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
     quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
     rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
-    title = f"LIMITS EXCEEDED by {len(found)} of {count(len(result.joints), 'joint')}"
-    return f"{title}\n{page.table((('joint', *quantities), rows))}{unchecked}"
+    return ("joint", *quantities), rows
 
 
 def _over(excess: Excess) -> str:

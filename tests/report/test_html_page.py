@@ -12,6 +12,7 @@ from html_pages import Page, checked
 
 from robodyn.report import html_page
 from robodyn.report.document import (
+    HEAT,
     LARGEST,
     Document,
     Download,
@@ -123,10 +124,15 @@ def _luminance(colour: str) -> float:
 
 @pytest.mark.parametrize("scheme", _schemes(), ids=["light", "dark"])
 def test_contrast(scheme: dict[str, str]) -> None:
-    words = [name for name in scheme if name not in ("paper", "raised", "grid", "rule")]
+    heat = [name for name in scheme if re.fullmatch(r"h\d", name)]
+    assert len(heat) == len(HEAT)
+    words = [name for name in scheme if name not in ("paper", "raised", "grid", "rule", *heat)]
     for front, back in product(words, ("paper", "raised")):
         darker, lighter = sorted((_luminance(scheme[front]), _luminance(scheme[back])))
         assert (lighter + 0.05) / (darker + 0.05) >= 4.5, (front, back)
+    for back in heat:
+        darker, lighter = sorted((_luminance(scheme["ink"]), _luminance(scheme[back])))
+        assert (lighter + 0.05) / (darker + 0.05) >= 4.5, back
     for front in ("rule",):
         darker, lighter = sorted((_luminance(scheme[front]), _luminance(scheme["paper"])))
         assert (lighter + 0.05) / (darker + 0.05) >= 3.0, front

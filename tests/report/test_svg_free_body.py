@@ -14,7 +14,7 @@ import robodyn
 from robodyn.effects.catalogue import EFFECTS
 from robodyn.report.sizes import free_body_sizes
 from robodyn.report.svg_arrows import LONGEST, SHORTEST, arrows
-from robodyn.report.svg_free_body import BOTTOM, PAPERS, STYLE, TOP, WIDTH, _apart, drawing, drawings
+from robodyn.report.svg_free_body import PAGE, PAPERS, SHEET, STYLE, _apart, drawing, drawings, page_drawing
 from robodyn.report.svg_labels import Box, place, text_width
 from robodyn.report.svg_text import COLOURS
 
@@ -34,10 +34,10 @@ def texts(svg):
     ]
 
 
-def boxes(svg):
+def boxes(svg, paper):
     out = []
     for x, y, anchor, size, text in texts(svg):
-        if TOP < y < BOTTOM and " = " in text:
+        if paper.top < y < paper.bottom and " = " in text:
             width = text_width(text, size)
             assert anchor == "middle"
             out.append(Box(x - width / 2, y - size + 2, x + width / 2, y + 3))
@@ -46,10 +46,13 @@ def boxes(svg):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_labels_stay_on_the_page_and_apart(name):
-    for _, svg in drawings(found(name), "somewhere"):
-        labels = boxes(svg)
+    robot = found(name)
+    sheets = [(svg, SHEET) for _, svg in drawings(robot, "somewhere")]
+    pages = [(page_drawing(body, free_body_sizes(robot)), PAGE) for body in robot.bodies]
+    for svg, paper in (*sheets, *pages):
+        labels = boxes(svg, paper)
         for box in labels:
-            assert box.inside(Box(0, TOP, WIDTH, BOTTOM))
+            assert box.inside(Box(0, paper.top, paper.width, paper.bottom))
         for one, other in combinations(labels, 2):
             assert not one.meets(other), name
 

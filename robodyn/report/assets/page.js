@@ -3,9 +3,9 @@ for (const table of document.querySelectorAll("table")) {
   const body = table.tBodies[0];
   const heads = [...table.tHead.rows[0].cells];
   if (body.rows.length < 2) continue;
-  const number = (text) => {
-    const found = /^[^\d+\-.]{0,2}([+-]?\d*\.?\d+(?:e[+-]?\d+)?)/i.exec(text);
-    return found ? parseFloat(found[1]) : NaN;
+  const size = (text) => {
+    const found = /^(<?)[^\d.]{0,4}?(\d*\.?\d+(?:e[+-]?\d+)?)/i.exec(text);
+    return found ? parseFloat(found[2]) * (found[1] ? 0.99 : 1) : NaN;
   };
   heads.forEach((head, column) => {
     if (head.tagName !== "TH") return;
@@ -14,12 +14,13 @@ for (const table of document.querySelectorAll("table")) {
     button.append(...head.childNodes);
     head.append(button);
     button.addEventListener("click", () => {
-      const down = head.getAttribute("aria-sort") === "ascending";
+      const before = head.getAttribute("aria-sort");
+      const down = before ? before === "ascending" : head.classList.contains("n");
       for (const other of heads) other.removeAttribute("aria-sort");
       head.setAttribute("aria-sort", down ? "descending" : "ascending");
       const rows = [...body.rows].map((row, place) => {
         const text = row.cells[column].textContent.trim();
-        return { row, place, text, value: number(text) };
+        return { row, place, text, value: size(text) };
       });
       rows.sort((a, b) => {
         const empty = (a.text === "" || a.text === "-") - (b.text === "" || b.text === "-");

@@ -1,0 +1,98 @@
+"""Reports on robots with many joints: offenders first, none dropped, every name told from the others."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from html_pages import Page, checked
+from oracles import ROBOTS, robot
+
+import robodyn
+from robodyn.report.document import HEAT, heat_level
+from robodyn.report.figures_torques import share_figures
+from robodyn.report.html_page import html
+from robodyn.report.limits_words import LINES
+from robodyn.report.markdown_page import markdown
+from robodyn.report.page_torques import torques_page
+from robodyn.report.text_torques import torques_text
+from robodyn.result import Result
+from robodyn.wording import shortened
+
+SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]
+
+
+@cache
+def many() -> Result:
+    """Forty joints, every second of which is beyond its limit of effort."""
+    found = robodyn.torques(robot("puma560"), ROBOTS / "puma560_sweep.csv")
+    joints = []
+    for k, name in enumerate(SIDES):
+        joint = replace(found.joints[k % 6], name=name)
+        joints.append(replace(joint, effort_limit=(0.5 if k % 2 else 2.0) * abs(joint.peak)))
+    return replace(found, joints=tuple(joints))
+
+
+def page() -> Page:
+    return checked(html(torques_page(many(), robot("puma560"), robodyn.Scene(), pictures=False)))
+
+
+def first_column(text: str) -> list[str]:
+    lines = text.splitlines()
+    start = next(k for k, line in enumerate(lines) if line.startswith("joint "))
+    return [line.split()[0] for line in lines[start + 1 : start + 1 + len(SIDES)]]
+
+
+ORDER = [*SIDES[1::2], *SIDES[::2]]
+"""Offenders, then the others, each in the order of the robot."""
+
+
+def test_offenders_lead_the_tables_and_none_is_dropped() -> None:
+    assert first_column(torques_text(many())) == ORDER
+    rows = [each.text for each in page().all("th") if each.attributes["scope"] == "row" and each.text in SIDES]
+    count = len(SIDES)
+    assert rows[: count // 2] == SIDES[1::2], "the limits that are exceeded, more than the verdict names"
+    assert count // 2 > LINES + 1
+    assert rows[count // 2 : count // 2 + count] == ORDER, "what each joint carries"
+    assert rows[count // 2 + count :] == ORDER, "what makes the peaks"
+
+
+def test_offenders_lead_the_map_of_limits_and_none_is_dropped() -> None:
+    found = page()
+    cells = [each for each in found.elements if each.tag == "li" and "ul" in each.parents and "effort" in each.text]
+    names = [each.text.partition(" ")[0] for each in cells if each.text.partition(" ")[0] in SIDES]
+    assert names == ORDER
+    spans = [each for each in found.all("span") if each.text.startswith("effort ")]
+    assert [each.attributes["class"] for each in spans] == ["over"] * 20 + ["h1"] * 20
+    assert [each.text.split("%")[0] for each in spans] == ["effort 200"] * 20 + ["effort 50"] * 20
+    lists = [each for each in found.all("ul") if each.attributes.get("class") == "heat"]
+    assert [bool(each.attributes.get("aria-label")) for each in lists] == [True]
+    assert f"| {SIDES[1]} | 200% of".replace("_", r"\_") in markdown(
+        torques_page(many(), robot("puma560"), robodyn.Scene(), pictures=False)
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "level"), [(None, "none"), (0.0, "h0"), (0.3, "h1"), (0.95, "h4"), (HEAT[-1], "h4"), (1.001, "over")]
+)
+def test_colours_follow_the_use_of_a_limit(share: float | None, level: str) -> None:
+    assert heat_level(share) == level
+
+
+def test_bars_have_every_joint_by_its_whole_name() -> None:
+    texts = [
+        text for each in share_figures(many().joints) for text in re.findall(r"<text[^>]*>([^<]*)</text>", each.svg)
+    ]
+    assert [text for text in texts if text.startswith("hand_")] == SIDES
+
+
+@pytest.mark.parametrize("most", [17, 20, 24])
+def test_shortened_names_differ(most: int) -> None:
+    names = ["gripper_left_joint", "gripper_right_joint", "gripper_left_inner_joint", "arm", "arm", *SIDES]
+    found = shortened(names, most)
+    assert len(set(found)) == len(set(names))
+    assert found[3:5] == ["arm", "arm"]
+    whole = [name for name, short in zip(names, found, strict=True) if short == name]
+    assert all(len(short) <= most for short in set(found) - set(whole))
