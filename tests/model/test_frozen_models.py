@@ -17,9 +17,10 @@ from robodyn.model import Body, Frame, Joint, Model
 
 
 def _inside(value):
+    """A value and everything that it holds, but for the description that a model was made of, which is not computed."""
     yield value
     if is_dataclass(value):
-        parts = [getattr(value, field.name) for field in fields(value)]
+        parts = [getattr(value, field.name) for field in fields(value) if field.name != "description"]
     elif hasattr(value, "items"):
         parts = value.values()
     else:
