@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from math import prod
 from types import MappingProxyType
 
@@ -19,16 +19,29 @@ Floats = NDArray[np.float64]
 
 
 def still(sources: Mapping[str, Floats]) -> Still:
-    """The (source, column) pairs that are zero in every sample."""
+    """Return the (source, column) pairs that are zero in every sample."""
     out = []
-    for source, values in sources.items():
-        if source == "columns":
-            continue
-        rows = values[:1] if values.strides[0] == 0 else values
+    for source, rows in _rows(sources):
         for column, first in enumerate(rows[0].tolist() if len(rows) else ()):
             if first == 0.0 and not rows[:, column].any():
                 out.append((source, column))
     return frozenset(out)
+
+
+def still_sources(sources: Mapping[str, Floats]) -> Still:
+    """Return the pairs of those sources that are zero altogether: of a robot at rest, or left to itself.
+
+    There are few such patterns, so that calls with zeros in ever other columns share their programs.
+    """
+    zero = [(source, rows.shape[1]) for source, rows in _rows(sources) if len(rows) and not rows.any()]
+    return frozenset((source, column) for source, count in zero for column in range(count))
+
+
+def _rows(sources: Mapping[str, Floats]) -> Iterator[tuple[str, Floats]]:
+    """What may be zero of each source; one row where all are the same."""
+    for source, values in sources.items():
+        if source != "columns":
+            yield source, values[:1] if values.strides[0] == 0 else values
 
 
 def arrays_of(

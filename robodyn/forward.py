@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from robodyn.accelerations import acceleration_program
-from robodyn.arrays import arrays_of, fill, still, target
+from robodyn.arrays import arrays_of, fill, still_sources, target
 from robodyn.errors import InputError
 from robodyn.execute.runner import Runner
 from robodyn.inverse import bias_forces, mass_matrix, runner_of
@@ -35,8 +35,9 @@ def forward_dynamics(
 ) -> Floats:
     """qdd = M(q)^-1 (tau - c(q, qd) - g(q) - friction - springs + J^T w), M with payloads and rotors.
 
-    The recursion of `robodyn.dynamics.articulated_body`, traced once per model, scene and pattern of zero columns, then
-    run over all samples. Coulomb friction is that of the motion, none at rest, so it holds nothing still.
+    The recursion of `robodyn.dynamics.articulated_body`, traced once per model and scene, and once more without speeds
+    or torques, then run over all samples. Coulomb friction is that of the motion, none at rest, so it holds nothing
+    still.
 
     Args:
         model: of `robodyn.load`.
@@ -61,7 +62,7 @@ def forward_dynamics(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     out = target(out, (*shape, model.n), dtype)
-    fill(out, acceleration_runner(plan(model, scene, still(sources))), sources, executor, threads)
+    fill(out, acceleration_runner(plan(model, scene, still_sources(sources))), sources, executor, threads)
     _refuse_singular(model, scene, sources, out)
     return out
 

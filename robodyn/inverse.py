@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from robodyn.arrays import arrays_of, fill, still, target
+from robodyn.arrays import arrays_of, fill, still_sources, target
 from robodyn.dynamics.system_matrices import mass_matrix as mass_matrix_of
 from robodyn.effects import payload
 from robodyn.effects.rotor_inertia import reflected
@@ -39,8 +39,8 @@ def inverse_dynamics(
 ) -> Floats:
     """tau = M(q) qdd + c(q, qd) + g(q) + friction + armature qdd + springs - J^T w.
 
-    The recursion of `robodyn.dynamics.newton_euler`, traced once per model, scene and pattern of zero columns, then
-    run over all samples.
+    The recursion of `robodyn.dynamics.newton_euler`, traced once per model and scene, and once more without speeds or
+    accelerations, then run over all samples.
 
     Args:
         model: of `robodyn.load`.
@@ -67,7 +67,7 @@ def inverse_dynamics(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     out = target(out, (*shape, model.n), dtype)
-    fill(out, torque_runner(plan(model, scene, still(sources))), sources, executor, threads)
+    fill(out, torque_runner(plan(model, scene, still_sources(sources))), sources, executor, threads)
     return out
 
 

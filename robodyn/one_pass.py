@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.arrays import still
+from robodyn.arrays import still, still_sources
 from robodyn.effects.effect import Still
 from robodyn.energy_ledger import EnergyLedger
 from robodyn.execute.choice import Choice
@@ -65,26 +65,30 @@ class Options(NamedTuple):
     history: bool = False
 
 
-class _Programs(NamedTuple):
-    """What runs for one pattern of zero columns."""
+class _Checks(NamedTuple):
+    """What runs beside the loads."""
 
-    wrenches: Runner
     losses: Runner
     energy: Runner
     laws: Runner
 
 
 @lru_cache(maxsize=16)
-def _programs(a_plan: Plan, reactions: bool) -> _Programs:
-    programs = (a_plan.wrenches(reactions), *(check(a_plan) for check in (losses, energy, laws)))
-    return _Programs(*(runner_of(program, a_plan) for program in programs))
+def _loads(a_plan: Plan, reactions: bool) -> Runner:
+    return runner_of(a_plan.wrenches(reactions), a_plan)
+
+
+@lru_cache(maxsize=16)
+def _checks(a_plan: Plan) -> _Checks:
+    return _Checks(*(runner_of(check(a_plan), a_plan) for check in (losses, energy, laws)))
 
 
 class Pass:
     """Figures gathered over the blocks of a trajectory, one after another.
 
     Attributes:
-        still: what has been zero in every block so far.
+        still: what has been zero in every block so far, which the program of the loads leaves out; sources: of this,
+            whole sources alone, for programs beside it, which motions of other joints share.
         whole, checked: how many samples there are in all, by the largest estimate so far, and those of the laws.
     """
 
@@ -99,6 +103,7 @@ class Pass:
             np.array([binding(joint.velocity) or np.inf for joint in self.joints]),
         )
         self.still: Still | None = None
+        self.sources: Still = frozenset()
         self.choice: Choice | None = None
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
@@ -123,10 +128,11 @@ class Pass:
     def take(self, block: Trajectory, left: int) -> Floats:
         """The output columns of one block, whose statistics are gathered; `left` samples may come, with these."""
         sources = sources_of(block, self.scene)
-        pattern = still(sources)
-        self.still = pattern if self.still is None else self.still & pattern
-        wrenches = self.options.reactions or self.sizing is not None
-        programs = _programs(plan(self.model, self.scene, pattern), wrenches)
+        found, whole = still(sources), still_sources(sources)
+        self.sources = whole if self.still is None else self.sources & whole
+        self.still = found if self.still is None else self.still & found
+        reactions = self.options.reactions or self.sizing is not None
+        checks = _checks(plan(self.model, self.scene, self.sources))
         samples, n = len(block), self.model.n
 
         rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
@@ -137,26 +143,32 @@ class Pass:
             how = self.options
             return runner.run(given, len(given["q"]), executor=how.executor, threads=how.threads, expected=expected)
 
-        loads, self.choice = run(programs.wrenches, sources, self.whole)
+        def over_block(runner: Runner) -> Floats:
+            return run(runner, sources, self.whole).values
+
+        loads, self.choice = run(_loads(plan(self.model, self.scene, self.still), reactions), sources, self.whole)
         check_loads(loads, self.names, block.first_row, self.file)
         tau, base = loads[:, :n], loads[:, n : n + 6]
-        net = np.einsum("ij,ij->i", tau, block.qd) - run(programs.losses, sources, self.whole).values[:, 0]
+        net = np.einsum("ij,ij->i", tau, block.qd) - over_block(checks.losses)[:, 0]
         checked = {name: values[rows] for name, values in sources.items()}
-        expected = run(programs.laws, checked, self.checked).values
+        expected = run(checks.laws, checked, self.checked).values
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
-        energies = self.ledger.update(block.time, net, rows, run(programs.energy, checked, self.checked).values[:, 0])
+        energies = self.ledger.update(block.time, net, rows, run(checks.energy, checked, self.checked).values[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
-            self.sizing.take(block, loads, pattern, lambda runner: run(runner, sources, self.whole).values)
+            self.sizing.take(block, loads, over_block)
         columns = loads if self.options.reactions else tau
         if self.momentum is None:
             return columns
         return np.hstack(
-            (columns, self.momentum.take(block, tau, pattern, lambda runner: run(runner, sources, self.whole).values))
+            (
+                columns,
+                self.momentum.take(block, tau, self.sources, over_block),
+            )
         )
 
     @np.errstate(all="ignore")

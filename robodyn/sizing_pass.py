@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.bearing_pass import BearingPass
-from robodyn.effects.effect import Still
 from robodyn.execute.runner import Runner
 from robodyn.extremes import Extremes, Greatest
 from robodyn.inverse import mass_matrix, torque_runner
@@ -52,16 +51,15 @@ class SizingPass:
         self,
         block: Trajectory,
         loads: Floats,
-        pattern: Still,
         run: Callable[[Runner], Floats],
     ) -> None:
         """Take in a block.
 
         Args:
             loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
-            pattern: what is zero in the block; run: runs a program over it.
+            run: runs a program over the block.
         """
-        static = run(self._static_runner(pattern))
+        static = run(self._static_runner())
         for start in range(0, len(block), PIECE):
             k = slice(start, start + PIECE)
             motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
@@ -92,10 +90,10 @@ class SizingPass:
         self.samples += len(time)
         self.end = float(time[-1])
 
-    def _static_runner(self, pattern: Still) -> Runner:
+    def _static_runner(self) -> Runner:
         """The torques of standing still in each pose."""
-        rates = {(source, k) for source in ("qd", "qdd") for k in range(self.model.n)}
-        return torque_runner(plan(self.model, self.scene, pattern | rates))
+        rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
+        return torque_runner(plan(self.model, self.scene, rates))
 
     @property
     def figures(self) -> Iterator[Floats]:

@@ -88,7 +88,7 @@ def test_motions_before_this_one_change_no_digit(monkeypatch):
 
 
 def test_a_block_at_rest_between_blocks_that_move():
-    """Zero columns fold away in that block alone; what is on is what is on in any block."""
+    """What has moved once does not fold away again; what is on is what is on in any block."""
     model = robot("puma560")
     trajectory = waves(model, np.linspace(0, 3, 300))
     still = np.ones((300, 1))
