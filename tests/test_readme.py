@@ -48,7 +48,8 @@ def test_every_block_shows_something():
 def test_what_is_not_run_here_is_run_by_ci():
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert re.search(r'^pip install .*"\.\[test\]"$', script, re.MULTILINE)
-    assert re.search(r"^pytest$", script, re.MULTILINE)
+    assert re.search(r'^ .* pytest "\$@" >', script, re.MULTILINE)
+    assert re.search(r"^suite plain$", script, re.MULTILINE)
     assert set(ELSEWHERE) == {"pip install .", 'pip install ".[test]"', "pytest"}
 
 
