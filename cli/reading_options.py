@@ -50,27 +50,37 @@ class ColumnsType(PlaceType):
 
 def READING(command: Callback) -> Callback:
     """The options whose values are those of `reading`."""
-
-    def kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
-        ctx.meta.setdefault(_READING, {})[param.name] = value
-
-    how: dict[str, Any] = {"expose_value": False, "callback": kept}
     hold = "Joints without columns: at rest (near zero), a position, or JOINT=POSITION,...; repeatable."
-    columns = "The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable."
-    unit = "Of {} whose columns do not tell; default {}."
     derived, more = "Of missing columns; default auto.", "Leave out columns that the robot does not know."
-    pairs = "OURS=THEIRS|FILE"
+    angle = "Of joints whose columns do not tell; default rad."
     options = (
-        click.option("--hold", metavar="rest|POSITION|...", multiple=True, help=hold, **how),
-        click.option("--map", "columns", type=ColumnsType("file"), metavar=pairs, multiple=True, help=columns, **how),
-        click.option("--time-unit", type=click.Choice(get_args(TimeUnit)), help=unit.format("stamps", "s"), **how),
-        click.option("--angle-unit", type=click.Choice(get_args(AngleUnit)), help=unit.format("joints", "rad"), **how),
-        click.option("--derivatives", type=click.Choice(MODES), default="auto", help=derived, **how),
-        click.option("--ignore-extra", is_flag=True, help=more, **how),
+        click.option("--hold", metavar="rest|POSITION|...", multiple=True, help=hold, **_HOW),
+        TABLE,
+        click.option("--angle-unit", type=click.Choice(get_args(AngleUnit)), help=angle, **_HOW),
+        click.option("--derivatives", type=click.Choice(MODES), default="auto", help=derived, **_HOW),
+        click.option("--ignore-extra", is_flag=True, help=more, **_HOW),
     )
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def TABLE(command: Callback) -> Callback:
+    """Those of them that hold for any table: --map and --time-unit."""
+    pairs = "OURS=THEIRS|FILE"
+    columns = "The table's name of a column, as q_elbow='Elbow angle'; or a TOML file of these; repeatable."
+    time = "Of stamps whose columns do not tell; default s."
+    names = click.option(
+        "--map", "columns", type=ColumnsType("file"), metavar=pairs, multiple=True, help=columns, **_HOW
+    )
+    return names(click.option("--time-unit", type=click.Choice(get_args(TimeUnit)), help=time, **_HOW)(command))
+
+
+def _kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+    ctx.meta.setdefault(_READING, {})[param.name] = value
+
+
+_HOW: dict[str, Any] = {"expose_value": False, "callback": _kept}
 
 
 def reading() -> dict[str, Any]:

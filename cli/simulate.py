@@ -8,6 +8,7 @@ import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, AtType, Vector
+from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
 from robodyn.execute.choice import EXECUTORS
@@ -16,6 +17,7 @@ from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.initial import begun_at
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
+from robodyn.simulation.table import read_table
 from robodyn.trajectory.write import open_writer
 
 
@@ -26,6 +28,7 @@ from robodyn.trajectory.write import open_writer
 @GRAVITY
 @click.option("--at", type=AtType(), metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
+@TABLE
 @click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")
 @click.option("--step", type=float, metavar="S", help="s, of a fixed step; default 0.001, less where stiff.")
 @click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
@@ -69,14 +72,18 @@ def command(
     model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
     scene = begun_at(model, scene, at or ())
     check_table(table, scene, scene_file)
+    if table is None and given():
+        raise click.UsageError(f"{given()} goes with --traj", click.get_current_context())
+    how = {name: reading()[name] for name in ("columns", "time_unit")}
+    rows = None if table is None else read_table(table, scene, **how)
     if accuracy is None:
-        result = simulate(model, scene, duration, table=table, step=step, rtol=rtol, method=method, executor=executor)
+        result = simulate(model, scene, duration, table=rows, step=step, rtol=rtol, method=method, executor=executor)
     else:
         from robodyn.accuracy.simulate_within import simulate_within
 
         if step or rtol or method:
             raise click.UsageError("--accuracy chooses method, step and tolerance", click.get_current_context())
-        result = simulate_within(model, scene, duration, accuracy, table=table, executor=executor)
+        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=executor)
     written = ""
     if out is not None:
         with open_writer(out, result.names) as writer:

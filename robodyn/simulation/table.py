@@ -20,6 +20,7 @@ from robodyn.trajectory.header import listing
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.table import open_table
+from robodyn.trajectory.units import TimeUnit
 
 Floats = NDArray[np.float64]
 LOAD, REFERENCE, RATE = "load", "reference", "rate"
@@ -39,30 +40,41 @@ class Table:
     Attributes:
         time: (N,) s, increasing; a simulation begins at the first.
         columns: (N,) each.
+        origin: the stamp [s] that time counts from; 0 where these are the stamps.
     """
 
     file: str | None
     time: Floats
     columns: Mapping[str, Floats]
+    origin: float = 0.0
 
     @property
     def duration(self) -> float:
         return float(self.time[-1] - self.time[0])
 
 
-Source = str | os.PathLike[str] | Mapping[str, ArrayLike]
+Source = str | os.PathLike[str] | Mapping[str, ArrayLike] | Table
 
 
-def read_table(source: Source, scene: Scene) -> Table:
-    """The columns that a scene names, of a file or of arrays.
+def read_table(
+    source: Source,
+    scene: Scene,
+    columns: Mapping[str, str] | None = None,
+    time_unit: TimeUnit | None = None,
+) -> Table:
+    """Return the columns that a scene names, of a file or of arrays.
 
     Args:
-        source: a file that `robodyn torques` reads (`-` is standard input), or arrays by name, `time` among them.
+        source: a file that `robodyn torques` reads (`-` is standard input), arrays by name, `time` among them, or what
+            has been read already.
+        columns: the scene's name -> the table's; time_unit: of stamps whose column does not tell, s by default.
 
     Raises:
         TrajectoryError: the file cannot be read, a column is missing or not finite, or time does not increase.
         SceneError: the scene names no column.
     """
+    if isinstance(source, Table):
+        return source
     names = scene.table_columns
     if not names:
         what = "the scene names no column of the table"
@@ -72,10 +84,12 @@ def read_table(source: Source, scene: Scene) -> Table:
     else:
         table = open_table(source)  # type: ignore[assignment]
         file = os.fspath(source)
-    with TrajectoryReader(table, Signals(()), names, Reading(ignore_extra=True)) as reader:
+    reading = Reading(ignore_extra=True, columns=columns or {}, time_unit=time_unit)
+    with TrajectoryReader(table, Signals(()), names, reading) as reader:
         blocks = list(reader.blocks())
     time = np.concatenate([block.time for block in blocks])
-    return Table(file, time, {name: np.concatenate([block.extra[name] for block in blocks]) for name in names})
+    found = {name: np.concatenate([block.extra[name] for block in blocks]) for name in names}
+    return Table(file, time, found, blocks[0].origin)
 
 
 def curves(scene: Scene) -> tuple[Curve, ...]:
@@ -205,8 +219,8 @@ class Signal:
         kinds = {curve.kind for curve in self.curves}
         between = "held until the next, from the first step on that begins there or later" if self.held else "straight"
         parts = [f"table {table.file or 'of arrays'}: {len(table.time)} rows over {table.duration:.6g} s"]
-        if table.time[0]:
-            parts.append(f"its first row, {table.time[0]:.6g} s, is time 0")
+        if first := table.origin + float(table.time[0]):
+            parts.append(f"its first row, {first:.6g} s, is time 0")
         if kinds & {REFERENCE, RATE}:
             parts.append("references are cubic splines" + (", with their slopes for speeds" if RATE in kinds else ""))
         if LOAD in kinds:

@@ -254,3 +254,21 @@ def test_epoch_stamps_change_no_load() -> None:
     assert epoch.pop("time_origin") == 1.7e9
     assert zero.pop("time_origin") == 0.0
     assert epoch == zero
+
+
+def test_a_simulation_reads_stamps_and_names_likewise() -> None:
+    """A drive that follows a table in ms since 1970, whose column has another name."""
+    time = np.arange(50) / 100
+    for name, stamps, column in (("plain.csv", time, "ref"), ("odd.csv", 1.7e12 + 1000 * time, "my ref")):
+        rows = [f"{t!r},{x!r}" for t, x in zip(stamps.tolist(), (0.1 * np.sin(3 * time)).tolist(), strict=True)]
+        Path(name).write_text("\n".join([f"time,{column}", *rows, ""]))
+    Path("scene.toml").write_text(
+        '[drive]\nelbow = { kp = 20, kd = 2, reference = "ref" }\n[initial]\nq = {finger = 0.02}\n'
+    )
+    call = ("simulate", "arm.urdf", "--scene", "scene.toml", "--duration", "0.2")
+    plain = run(*call, "--traj", "plain.csv", "--out", "plain_out.csv")
+    odd = run(*call, "--traj", "odd.csv", "--map", "ref=my ref", "--time-unit", "ms", "--out", "odd_out.csv")
+    assert (plain.status, odd.status) == (0, 0), odd.err
+    assert "its first row, 1.7e+09 s, is time 0" in odd.out
+    assert Path("plain_out.csv").read_text() == Path("odd_out.csv").read_text()
+    refused(run("simulate", "arm.urdf", "--time-unit", "ms"), "--time-unit goes with --traj")
