@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from robodyn.checks.fix import Fixed, Made
@@ -29,8 +30,7 @@ def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
 
 
 def _lines(data: bytes) -> list[str]:
-    text = data.decode("utf-8", "surrogateescape")
-    return [line for line in text.replace("\n", "\n\0").split("\0") if line]
+    return re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape"))
 
 
 def _place(finding: Finding) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from clean_arm import IDENTITY, arm
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.checks.fix import Fixed, fixed
@@ -55,6 +55,7 @@ def test_no_change_no_diff() -> None:
     assert check_diff(repaired(arm().encode())) == ""
 
 
+@example(b"", b"\0")
 @given(st.binary(max_size=30), st.binary(max_size=30))
 def test_any_bytes(before: bytes, after: bytes) -> None:
     diff = check_diff(Fixed("a", before, after))
