@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.result import EnergyBalance
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +41,8 @@ class EnergyLedger:
         self._energies = [*self._energies[:1], *energy.tolist()]
         done, stored = work[rows + carried], energy - self._energies[0]
         residual = done - stored
-        self._worst = max(self._worst, *residual.tolist(), key=abs)
+        found = [self._worst, *residual.tolist()]
+        self._worst = found[first_largest(np.abs(found))]
         self._stored_most = max(self._stored_most, float(np.abs(energy).max()))
         errors = self._quadrature + np.cumsum(quadrature_errors(steps, power))
         self._quadrature_most = max(self._quadrature_most, float(np.abs(errors).max(initial=0.0)))

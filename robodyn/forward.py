@@ -16,6 +16,7 @@ from robodyn.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.model import Model
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 
@@ -122,6 +123,6 @@ def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], 
 def _weakest(model: Model, M: Floats) -> str:
     """The joint that moves most in the motion that M resists least."""
     moments, motions = np.linalg.eigh(M.reshape(-1, model.n, model.n))
-    worst = np.unravel_index(np.argmin(np.abs(moments)), moments.shape)
-    name = model.rates[int(np.argmax(np.abs(motions[worst[0], :, worst[1]])))]
+    worst = np.unravel_index(first_largest(-np.abs(moments)), moments.shape)
+    name = model.rates[first_largest(np.abs(motions[worst[0], :, worst[1]]))]
     return f'hardly anything resists "{name}" (smallest eigenvalue of M {moments[worst]:.1g})'

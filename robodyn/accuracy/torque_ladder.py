@@ -25,6 +25,7 @@ from robodyn.overflow import REMEDY
 from robodyn.plan import Plan, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.scene_fit import check_moves
+from robodyn.ties import first_largest
 from robodyn.trace.program import Program
 from robodyn.trajectory.motion import Trajectory
 
@@ -143,7 +144,7 @@ def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, .
     for effect in a_plan.effects:
         share = a_plan.share(effect)
         tau = abs(NumpyBlocks(share, runner_of(share, a_plan).widths)(sources, count)).max(axis=0)
-        place = int(np.argmax(tau))
+        place = first_largest(tau)
         saved = total - a_plan.without(effect).size
         found.append(EffectPrice(effect.name, float(tau[place]), _unit(model, place), model.rates[place], saved))
     return tuple(found)

@@ -12,6 +12,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror_names import named_pairs
 from robodyn.inertia.exact import Floats
 from robodyn.joints import placement
+from robodyn.ties import first_largest
 from robodyn.urdf.description import Description, Inertial, Joint, Link
 
 _NEAR = 2e-3
@@ -134,7 +135,8 @@ def _plane(proposed: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Plan
     lengths = np.linalg.norm(apart, axis=1)
     if not (lengths > near).any():
         return None
-    widest = apart[lengths.argmax()] / lengths.max()
+    longest = first_largest(lengths)
+    widest = apart[longest] / lengths[longest]
     planes = []
     for normal in (*np.eye(3), widest):
         offset = median(((left + right) @ normal).tolist()) / 2.0

@@ -14,6 +14,7 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.inertia.exact import Floats
 from robodyn.inverse import inverse_dynamics
 from robodyn.model import Joint, Model
+from robodyn.ties import first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""
@@ -145,7 +146,7 @@ def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[floa
     difference = np.abs(tau[1] - tau[0]).max(axis=1)
     largest = np.maximum(np.abs(tau[0]).max(axis=1), np.abs(tau[1]).max(axis=1))
     relative = difference / np.where(largest > 0.0, largest, 1.0)
-    worst = int(np.argmax(relative))
+    worst = first_largest(relative)
     return float(relative[worst]), float(difference[worst])
 
 

@@ -11,6 +11,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.static_sweep import Sweep, around
 from robodyn.inertia.exact import Floats
 from robodyn.model import Joint, Model
+from robodyn.ties import first_largest
 
 STARTS = 4
 MOST_BODIES = 150
@@ -83,7 +84,7 @@ def _worst(model: Model, joints: Sequence[Joint], targets: Sequence[int]) -> Ite
         last = now
     torques, poses = GRAVITY * sweep.torques(), sweep.poses()
     for k, joint in enumerate(joints):
-        worst = int(np.argmax(np.abs(torques[k])))
+        worst = first_largest(np.abs(torques[k]))
         matter = [model.bodies[i].joint.coordinate for i in around(model.parents, frozenset({targets[k]}))[1:]]
         q = np.clip(np.zeros(model.n), low, high)
         q[matter] = poses[k, worst, matter]

@@ -10,9 +10,9 @@ from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import Floats, exact, rounded
 from robodyn.inertia.second import principal_moments
 from robodyn.spatial import IDENTITY, Array, cross
+from robodyn.ties import first_largest
 
 EQUAL = 1e-9
-_TIE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,14 +116,11 @@ def _oriented(axes: Floats, groups: tuple[tuple[int, ...], ...]) -> Floats:
 
 def _pointed(axis: Floats) -> Floats:
     """The axis or its opposite, with the largest component (the first of several) positive."""
-    size = np.abs(axis)
-    largest = axis[np.argmax(size >= size.max() * (1 - _TIE))]
-    return np.asarray(axis * np.sign(largest), dtype=float)
+    return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
 
 
 def _nearest_in_plane(normal: Floats) -> Floats:
     """The unit projection of the coordinate axis (the first of several) nearest to the plane with this normal."""
-    size = np.abs(normal)
-    nearest = IDENTITY[np.argmax(size <= size.min() + _TIE)]
+    nearest = IDENTITY[first_largest(-np.abs(normal), noise=EQUAL)]
     projection = nearest - normal * (normal @ nearest)
     return np.asarray(projection / np.linalg.norm(projection), dtype=float)

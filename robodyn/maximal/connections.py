@@ -10,6 +10,7 @@ import numpy as np
 
 from robodyn.maximal.equations import Across, Along, Equation
 from robodyn.spatial import Array
+from robodyn.ties import first_largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ def basis_about(axis: Array) -> Basis:
     k = int(np.argmax(np.abs(axis)))
     if abs(axis[k]) == 1.0:
         return PLAIN._replace(last=k)
-    first = np.cross(PLAIN.vectors[int(np.argmin(np.abs(axis)))], axis)
+    first = np.cross(PLAIN.vectors[first_largest(-np.abs(axis), noise=1e-9)], axis)
     first = first / np.sqrt(first @ first)
     return Basis((first, np.cross(axis, first), axis), ("1", "2", "a"))
 

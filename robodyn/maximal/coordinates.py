@@ -9,6 +9,7 @@ from robodyn.maximal.consistent import flat_speeds, projected
 from robodyn.maximal.equations import stacked, values
 from robodyn.maximal.posed import Posed, own_rates
 from robodyn.maximal.state import State
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 
@@ -38,7 +39,7 @@ def quaternion(R: Floats) -> Floats:
     Source: Shepperd, *Quaternion from rotation matrix* (1978).
     """
     squares = np.array([*(1.0 + 2.0 * np.diag(R) - np.trace(R)), 1.0 + np.trace(R)])
-    k = int(np.argmax(squares))
+    k = first_largest(squares)
     h = np.empty(4)
     h[3] = squares[3]
     if k == 3:
@@ -47,6 +48,8 @@ def quaternion(R: Floats) -> Floats:
         i, j = (k + 1) % 3, (k + 2) % 3
         h[k], h[i], h[j], h[3] = squares[k], R[i, k] + R[k, i], R[j, k] + R[k, j], R[j, i] - R[i, j]
     h = h / np.sqrt(h @ h)
+    if abs(h[3]) <= 1e-15:  # half a turn: the largest component is positive, whichever sign rounding gives w
+        h[3] = 0.0
     found: Floats = -h if h[3] < 0.0 else h
     return found
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.spatial import IDENTITY, Array
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -152,7 +153,7 @@ def differing_volume(one: Hits, other: Hits, cell: float) -> float:
 
 def frame_along(direction: Array) -> Floats:
     """Orthonormal rows, the last along a unit vector, the others in no special position to the coordinate axes."""
-    nearest = np.eye(3)[np.argmin(np.abs(direction))]
+    nearest = np.eye(3)[first_largest(-np.abs(direction), noise=1e-9)]
     across = np.cross(direction, nearest)
     across /= np.linalg.norm(across)
     other = np.cross(direction, across)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.spatial import Array
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +42,7 @@ def mirror_angles(axial: Array) -> list[float]:
     Seen from such an angle all moments are real: it is the phase of the strongest one, over its frequency.
     """
     size = np.abs(axial)
-    m, k = np.unravel_index(np.argmax(size), size.shape)
+    m, k = np.unravel_index(first_largest(size), size.shape)
     frequency = int(m) + 1
     if size[m, k] <= _LEVELS[0]:
         return []

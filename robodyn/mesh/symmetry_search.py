@@ -16,6 +16,10 @@ from robodyn.mesh.columns import Floats, frame_along
 from robodyn.mesh.higher_moments import FREQUENCIES, axial_moments
 from robodyn.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
 from robodyn.spatial import Array, rotation_about
+from robodyn.ties import ranked
+
+NOISE = 1e-12
+"""Asymmetries below this are those of rounding."""
 
 _APART = 1e-3
 """Angle between planes that are told apart."""
@@ -51,14 +55,14 @@ class Search:
         for direction in self.special:
             if not any(_parallel(direction, axis.direction) for axis in found):
                 found += self._first(direction, _SOLID_FOLDS)
-        return tuple(sorted(found, key=lambda axis: axis.asymmetry))
+        return tuple(ranked(found, lambda axis: -axis.asymmetry, NOISE))
 
     def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
         """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
         others = [self._plane(normal) for normal in self._wanted_normals(tuple(axes))]
         listed = [*self._always.values(), *(plane for plane in others if plane.verdict != "none")]
         kept: list[Plane] = []
-        for plane in sorted(listed, key=lambda plane: plane.asymmetry):
+        for plane in ranked(listed, lambda plane: -plane.asymmetry, NOISE):
             if not any(_parallel(plane.normal, other.normal) for other in kept):
                 kept.append(plane)
         return tuple(kept)
@@ -128,7 +132,7 @@ class Search:
             if axis.holds:
                 return [axis]
             near += [axis] if axis.verdict == "near" else []
-        return sorted(near, key=lambda axis: axis.asymmetry)[:1]
+        return ranked(near, lambda axis: -axis.asymmetry, NOISE)[:1]
 
     def _wanted_normals(self, axes: tuple[Axis, ...]) -> list[Floats]:
         """Further normals; of planes that an axis of revolution implies those with the same triangles, or else two."""

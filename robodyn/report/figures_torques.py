@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, fe
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
 from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
+from robodyn.ties import ranked
 from robodyn.wording import shortened
 
 if TYPE_CHECKING:
@@ -261,9 +262,14 @@ def _joint_words(joint: JointLoad, what: str, size: Sizes) -> str:
     )
 
 
+def _part(joint: JointLoad, share: tuple[str, float]) -> float:
+    """Of the joint's peak."""
+    return share[1] / joint.peak
+
+
 def _share_words(joints: Sequence[JointLoad]) -> str:
     said = []
     for joint in joints:
-        name, share = max(joint.shares.items(), key=lambda item: item[1] / joint.peak, default=("nothing", 0.0))
+        name, share = ranked([*joint.shares.items()] or [("nothing", 0.0)], partial(_part, joint))[0]
         said.append(f"{printable(joint.name)} {name} {100 * share / joint.peak:.0f} %")
     return f"Bars of what each effect adds to the peak of each joint; the largest: {', '.join(said)}"

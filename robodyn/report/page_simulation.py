@@ -25,6 +25,7 @@ from robodyn.report.table import drift_text, is_noise, number, printable, relati
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
+from robodyn.ties import ranked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -81,7 +82,7 @@ def _plots(result: Simulation) -> list[Block]:
     model = result.model
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
-    shown = sorted(sorted(joints, key=lambda joint: -travel[joint.name])[:PLOTTED], key=joints.index)
+    shown = sorted(ranked(joints, key=lambda joint: travel[joint.name])[:PLOTTED], key=joints.index)
     size, figures = simulation_sizes(result), []
     for joint in shown:
         at, rate = joint.coordinate, joint.rate

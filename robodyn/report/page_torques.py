@@ -33,6 +33,7 @@ from robodyn.report.text_joints import share_table
 from robodyn.report.text_torques import base_table, count, load_table
 from robodyn.result import Result
 from robodyn.scene import Scene
+from robodyn.ties import ranked
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:
@@ -77,10 +78,10 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
 def _facts(result: Result) -> Facts:
     """The figures that are looked for first."""
     joints, size = result.joints, result_sizes(result)
-    powerful = max(joints, key=lambda joint: joint.peak_power)
+    powerful = ranked(joints, key=lambda joint: joint.peak_power)[0]
     items = []
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
-        joint = max(joints, key=use)
+        joint = ranked(joints, key=use)[0]
         if use(joint):
             items.append((f"Largest use of a limit of {what}", f"{100 * use(joint):.0f} %", printable(joint.name)))
     items.append(("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name)))

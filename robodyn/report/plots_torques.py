@@ -16,6 +16,7 @@ from robodyn.report.limits_words import effort_use, offenders, worst_joint
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, printable
 from robodyn.result import JointLoad, Result
+from robodyn.ties import ranked
 
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""
@@ -36,7 +37,9 @@ class Plots:
         joints, size = result.joints, result_sizes(result)
         self.history = history = _without_noise(history, joints, size)
         over = offenders(result)
-        order = sorted(range(len(joints)), key=lambda k: (joints[k].name not in over, -effort_use(joints[k]), k))
+        order = sorted(
+            ranked(range(len(joints)), key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over
+        )
         self.still = [k for k in order if _rests(joints[k], size)]
         moving = [k for k in order if k not in self.still]
         self.shown = _in_order(moving[: max(PLOTTED, len(over))], over, joints)

@@ -17,6 +17,7 @@ from robodyn.report.table import PLAIN, Page, number, printable
 from robodyn.report.text_body import AXES, inertia_table, point_text, principal_table
 from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
 from robodyn.robot_inertia.from_shapes import LinkShapes
+from robodyn.ties import ranked
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked
@@ -109,7 +110,7 @@ def _point(body: MassProperties, reach: float) -> tuple[str, ...]:
 
 def _by_mass(rows: list[tuple[str, ...]], bodies: Iterable[MassProperties]) -> list[tuple[str, ...]]:
     masses = [body.mass for body in bodies]
-    return [rows[k] for k in sorted(range(len(rows)), key=lambda k: -masses[k])]
+    return [rows[k] for k in ranked(range(len(rows)), masses.__getitem__)]
 
 
 def _sums(body: MassProperties, reach: float = 0.0, remark: str = "") -> str:

@@ -8,6 +8,7 @@ from robodyn.maximal.dae import Dae
 from robodyn.maximal.equations import Across
 from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, Page, number, printable, relative_text
+from robodyn.ties import first_largest
 
 MOST = 16
 """Rows of a table."""
@@ -126,4 +127,4 @@ def both_text(found: Dae) -> str:
 def _weakest(found: Dae) -> str:
     """The rate that moves most in the motion that the mass matrix resists least."""
     sizes, motions = np.linalg.eigh(found.reduced.M)
-    return printable(found.robot.model.rates[int(np.argmax(np.abs(motions[:, np.argmin(np.abs(sizes))])))])
+    return printable(found.robot.model.rates[first_largest(np.abs(motions[:, first_largest(-np.abs(sizes))]))])

@@ -8,6 +8,7 @@ from robodyn.report.sizes import MotionSizes, simulation_sizes
 from robodyn.report.table import PLAIN, Content, Page, drift_text, number, printable, relative_text
 from robodyn.report.text_loops import loops_text
 from robodyn.simulation.result import Simulation
+from robodyn.ties import first_largest
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
@@ -61,7 +62,7 @@ def _rates(result: Simulation, size: MotionSizes) -> Content:
             name,
             *(number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max())),
             number(np.abs(qdd).max(), size.qdd[k]),
-            number(tau[np.abs(tau).argmax()], size.tau[k]) if k in driven else "-",
+            number(tau[first_largest(np.abs(tau))], size.tau[k]) if k in driven else "-",
         )
         for k, (name, qd, qdd, tau) in enumerate(
             zip(result.model.rates, result.qd.T, result.qdd.T, result.tau.T, strict=True)

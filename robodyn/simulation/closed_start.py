@@ -140,7 +140,7 @@ def _rotation_vector(R: Floats) -> Floats:
     across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
     axis = across[:, int(np.argmax(np.diag(across)))]
     axis = axis / np.sqrt(axis @ axis)
-    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if axis @ v >= 0.0 else -1.0))
+    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if axis @ v >= -NOTHING else -1.0))
 
 
 def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:

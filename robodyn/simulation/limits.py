@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from robodyn.errors import InputError
 from robodyn.model import Joint, Model
+from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
 
@@ -66,7 +67,7 @@ class Limits:
 
     def nearest(self, q: Floats) -> Stop:
         """The limit that q (nq) is nearest to, or farthest beyond."""
-        return self.stops[int(np.argmin(self.room(q)))]
+        return self.stops[first_largest(-self.room(q))]
 
 
 def moment(beyond: Callable[[float], bool], end: float) -> float:

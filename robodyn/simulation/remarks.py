@@ -12,6 +12,7 @@ from robodyn.effects.friction import rubbing
 from robodyn.model import Joint, Model
 from robodyn.scene import Scene
 from robodyn.simulation.limits import Limits
+from robodyn.ties import first_largest, ranked
 
 Floats = NDArray[np.float64]
 SLOW = 3.0
@@ -74,7 +75,7 @@ def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None
     room = limits.room(q)
     if not limits.stops or room.min() >= 0.0:
         return None
-    row, place = (int(k) for k in np.unravel_index(np.argmin(room), room.shape))
+    row, place = (int(k) for k in np.unravel_index(first_largest(-room), room.shape))
     stop = limits.stops[place]
     approach = stop.side * stop.joint.multiplier * qd[:, stop.joint.rate]
     when, depth = _peak(time, -room[:, place], approach, row)
@@ -89,6 +90,6 @@ def _peak(time: Floats, x: Floats, xd: Floats, row: int) -> tuple[float, float]:
         h, s = time[k + 1] - time[k], np.linspace(0.0, 1.0, 65)
         start, end = (1 + 2 * s) * (1 - s) ** 2 * x[k], s * s * (3 - 2 * s) * x[k + 1]
         curve = start + end + h * (s * (1 - s) ** 2 * xd[k] - s * s * (1 - s) * xd[k + 1])
-        top = int(np.argmax(curve))
-        best = max(best, (float(time[k] + s[top] * h), float(curve[top])), key=lambda pair: pair[1])
+        top = first_largest(curve)
+        best = ranked([best, (float(time[k] + s[top] * h), float(curve[top]))], key=lambda pair: pair[1])[0]
     return best

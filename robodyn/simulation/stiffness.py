@@ -15,6 +15,7 @@ from robodyn.inverse import inverse_dynamics
 from robodyn.model import Joint
 from robodyn.plan import Plan
 from robodyn.simulation.methods import Method
+from robodyn.ties import first_largest, ranked
 
 Floats = NDArray[np.float64]
 FRICTION = "Coulomb friction near rest"
@@ -123,9 +124,9 @@ def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
         return None
     if not np.isfinite(values).all() or values[-1] <= 0.0:
         return None
-    place = int(np.argmax(np.abs(vectors[:, -1])))
+    place = first_largest(np.abs(vectors[:, -1]))
     here = [slope for slope in slopes if slope.joint.rate == place]
-    most = max(here, key=lambda slope: slope.joint.multiplier**2 * slope.value)
+    most = ranked(here, key=lambda slope: slope.joint.multiplier**2 * slope.value)[0]
     return Stiffest(float(values[-1]) ** power, most.cause, most.joint.name)
 
 

@@ -14,6 +14,7 @@ from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.unit_slips import slips
 from robodyn.inertia.boxes import Box
 from robodyn.inertia.exact import Floats
+from robodyn.ties import first_largest
 from robodyn.wording import figure
 
 FAR = 4.0
@@ -73,7 +74,7 @@ def _beyond_box(body: Body) -> Fault | None:
         return None
     bound = np.where(bound > _EDGE * sides**2, bound, sides**2 / 4)
     spread = np.diagonal(S) / body.mass
-    axis = int(np.argmax(spread / bound))
+    axis = first_largest(spread / bound)
     ratio = float(spread[axis] / bound[axis])
     if ratio <= _SLIGHT:
         return None
