@@ -8,7 +8,7 @@ from robodyn.trajectory.columns import Quantity, Signals, worded
 from robodyn.trajectory.units import split_unit
 
 _ALIKE = 0.7
-_OPTIONS = 4
+_OPTIONS = 8
 """So many options are written out."""
 
 

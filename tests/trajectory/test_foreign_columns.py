@@ -236,3 +236,11 @@ def test_a_moving_base_without_columns_is_told_what_it_needs() -> None:
     wanted = "base_x base_y base_z base_qx base_qy base_qz base_qw"
     assert f"no column says where 'base' is, which moves freely (give {wanted}" in str(caught.value)
     assert "--hold base=rest" in str(caught.value)
+
+
+def test_the_options_for_arrays_of_a_whole_arm_are_written_out() -> None:
+    """Seven of them, ready to be typed."""
+    arm = Signals(tuple(Signal(f"a{i}", "angle") for i in range(7)))
+    with pytest.raises(TrajectoryError) as caught:
+        resolve(Header(("time", *(f"position[{i}]" for i in range(7)))), arm)
+    assert [f"q_a{i}=position[{i}]" in str(caught.value) for i in range(7)] == [True] * 7
