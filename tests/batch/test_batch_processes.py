@@ -21,7 +21,7 @@ from robodyn.batch.jobs import jobs_of
 from robodyn.batch.processes import ATTEMPTS, worked_here
 from robodyn.cli.torques_batch import _setup
 
-OPTIONS = {"reactions": False, "sizing": False, "momentum": None, "derivatives": "auto", "ignore_extra": False}
+OPTIONS = {"reactions": False, "sizing": False, "momentum": None}
 
 
 @pytest.fixture(autouse=True)

@@ -68,7 +68,7 @@ def test_what_mimics_follows_and_is_reflected():
 
 
 def test_other_libraries_see_links_and_joints_alone():
-    root = ElementTree.fromstring(bare_description(robot("gripper").file))
+    root = ElementTree.fromstring(bare_description(robot("gripper")))
     assert {part.tag for part in root} == {"link", "joint"}
     assert {detail.tag for part in root for detail in part} <= {
         *("inertial", "origin", "parent", "child", "axis", "limit"),
