@@ -35,6 +35,8 @@ from robodyn.trajectory.write import open_writer
 @click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
 @click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")
 @click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
+@click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion.")
+@click.option("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn.")
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
 @click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
 @REPORT
@@ -51,11 +53,13 @@ def command(
     method: str | None,
     accuracy: float | None,
     out: str | None,
+    fail_on_limits: bool,
+    base_held: bool,
     explain: bool,
     executor: str,
     report: str | None,
     form: str,
-) -> None:
+) -> int:
     """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base,
     closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
     neither --at nor the scene says a position begin at 0, or within their limits. A file named - is standard input.
@@ -69,7 +73,7 @@ def command(
     check_names([urdf, scene_file, table], out)
     check_names([urdf, scene_file, table], report)
     get_ready(report)
-    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
+    model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held, loops=True)
     scene = begun_at(model, scene, at or ())
     check_table(table, scene, scene_file)
     if table is None and given():
@@ -94,3 +98,4 @@ def command(
 
         written += reported(report, lambda pictures: simulation_page(result, pictures))
     show(simulation_json(result) if form == "json" else simulation_text(result, explain, page()) + written)
+    return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))

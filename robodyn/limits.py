@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.doubts import Doubt
+from robodyn.ties import BEYOND
 
 if TYPE_CHECKING:
     from robodyn.model import Joint, Model
@@ -55,6 +56,31 @@ class Coverage:
     unchecked: tuple[Unchecked, ...]
 
 
+class Reached(Protocol):
+    """What a joint reaches along a motion, and its limits: the fields of `JointLoad` of these names."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def peak(self) -> float: ...
+    @property
+    def peak_time(self) -> float: ...
+    @property
+    def effort_limit(self) -> float | None: ...
+    @property
+    def seconds_over_effort(self) -> float: ...
+    @property
+    def max_speed(self) -> float: ...
+    @property
+    def max_speed_time(self) -> float: ...
+    @property
+    def velocity_limit(self) -> float | None: ...
+    @property
+    def seconds_over_velocity(self) -> float: ...
+
+
 def binding(limit: float | None) -> float | None:
     """Return a limit of effort or velocity, None where there is none: by the practice of URDF 0 means none."""
     return limit if limit is not None and limit > 0.0 else None
@@ -76,6 +102,18 @@ def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
             tuple(Unchecked(joint.name, None) for joint in ranged if not _ends(joint)),
         ),
     )
+
+
+def reached_beyond(joint: Reached) -> list[Excess]:
+    """Return the limits of effort and velocity that a joint exceeds."""
+    speed, out = "rad/s" if joint.unit == "N m" else "m/s", []
+    if joint.effort_limit is not None and abs(joint.peak) > BEYOND * joint.effort_limit:
+        when = (joint.peak_time, joint.seconds_over_effort)
+        out.append(Excess(joint.name, "effort", abs(joint.peak), joint.effort_limit, joint.unit, *when))
+    if joint.velocity_limit is not None and abs(joint.max_speed) > BEYOND * joint.velocity_limit:
+        when = (joint.max_speed_time, joint.seconds_over_velocity)
+        out.append(Excess(joint.name, "velocity", abs(joint.max_speed), joint.velocity_limit, speed, *when))
+    return out
 
 
 def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:

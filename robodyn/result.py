@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from robodyn.doubts import Doubt
 from robodyn.effects.effect import Verdict
-from robodyn.limits import Coverage, Excess, within
+from robodyn.limits import Coverage, Excess, reached_beyond, within
 from robodyn.ties import BEYOND
 from robodyn.trajectory.motion import Derivation
 
@@ -78,15 +78,7 @@ class JointLoad:
     @property
     def exceeded(self) -> tuple[Excess, ...]:
         """The limits that the motion exceeds."""
-        speed = "rad/s" if self.unit == "N m" else "m/s"
-        place = speed.partition("/")[0]
-        out = []
-        if self.effort_limit is not None and abs(self.peak) > BEYOND * self.effort_limit:
-            when = (self.peak_time, self.seconds_over_effort)
-            out.append(Excess(self.name, "effort", abs(self.peak), self.effort_limit, self.unit, *when))
-        if self.velocity_limit is not None and abs(self.max_speed) > BEYOND * self.velocity_limit:
-            when = (self.max_speed_time, self.seconds_over_velocity)
-            out.append(Excess(self.name, "velocity", abs(self.max_speed), self.velocity_limit, speed, *when))
+        place, out = "rad" if self.unit == "N m" else "m", reached_beyond(self)
         if self.lower is not None and self.lower - self.q_min > (BEYOND - 1.0) * abs(self.lower):
             out.append(Excess(self.name, "position", self.q_min, self.lower, place))
         if self.upper is not None and self.q_max - self.upper > (BEYOND - 1.0) * abs(self.upper):

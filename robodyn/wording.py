@@ -37,6 +37,11 @@ def listed(names: Collection[str]) -> str:
     return text if len(names) <= _MOST_NAMES else f"{text}, ... ({len(names)} in all)"
 
 
+def count(amount: int, noun: str) -> str:
+    """Return a number with its noun in the singular or the plural."""
+    return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
+
+
 def alternatives(name: str, valid: Collection[str], kind: str) -> str:
     """`did you mean 'x'?` where valid names are near, otherwise the valid names."""
     near = [shown(other) for other in nearest(name, valid)]

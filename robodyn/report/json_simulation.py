@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
+from robodyn.report.json_torques import limits_data
+from robodyn.report.limits_words import simulation_limits
 from robodyn.simulation.loop_figures import PARTS, LoopFigures
 from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Simulation
@@ -24,10 +27,8 @@ def simulation_json(result: Simulation) -> str:
         "executor": result.executor,
         "ended": result.ended or None,
         **({"accuracy": {"target": result.target, "expected": result.expected_error}} if result.target else {}),
-        "final": {
-            "q": dict(zip(result.model.coordinates, result.q[-1].tolist(), strict=True)),
-            "qd": dict(zip(result.model.rates, result.qd[-1].tolist(), strict=True)),
-        },
+        "start": _state(result, 0),
+        "final": _state(result, -1),
         "energy": {
             "start": float(energy[0]),
             "end": float(energy[-1]),
@@ -44,9 +45,24 @@ def simulation_json(result: Simulation) -> str:
         "effects": [
             {"name": effect.name, "active": why.active, "reason": why.reason} for effect, why in result.effects
         ],
+        "joints": [asdict(joint) for joint in result.joints],
+        "limits_exceeded": [asdict(excess) for excess in result.exceeded],
+        "limits": limits_data(result.limits),
+        "within_limits": result.within_limits,
+        "verdict": asdict(simulation_limits(result)),
+        "doubts": [asdict(doubt) for doubt in result.doubts],
+        "warnings": [doubt.said for doubt in result.doubts],
         "notes": list(result.notes),
     }
     return json.dumps(document, indent=2) + "\n"
+
+
+def _state(result: Simulation, row: int) -> dict[str, dict[str, float]]:
+    """The positions and speeds of a row, by name."""
+    return {
+        "q": dict(zip(result.model.coordinates, result.q[row].tolist(), strict=True)),
+        "qd": dict(zip(result.model.rates, result.qd[row].tolist(), strict=True)),
+    }
 
 
 def _limit(result: Simulation) -> dict[str, Any] | None:

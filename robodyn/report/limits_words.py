@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from robodyn.doubts import Doubt
-from robodyn.limits import Coverage, Excess, Unchecked
+from robodyn.limits import Coverage, Excess, Reached, Unchecked
 from robodyn.report.document import Level, Verdict
-from robodyn.report.table import number, printable
-from robodyn.result import JointLoad, Result
+from robodyn.report.table import Content, Page, is_noise, number, printable
+from robodyn.result import Result
 from robodyn.ties import ranked
+from robodyn.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.simulation.result import Simulation
 
 LINES = 15
 """So many limits are named at the top of a page."""
@@ -21,8 +26,14 @@ _NAMES = 4
 def limits_verdict(result: Result) -> Verdict:
     """Return whether the motion keeps to the limits of the description, as far as that was checked."""
     of = " of the description" if result.sizing is not None and result.sizing.exceeded else ""
-    nearest = tuple(_nearest(result.joints))
+    nearest = tuple(nearest_limits(result.joints))
     return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest, of)
+
+
+def simulation_limits(result: Simulation) -> Verdict:
+    """Return whether a simulated motion keeps to the limits of speeds and drives, as far as that was checked."""
+    nearest = tuple(nearest_limits(result.joints))
+    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest)
 
 
 def verdict_on_limits(
@@ -45,10 +56,10 @@ def verdict_on_limits(
     doubtful = tuple(doubt.said for doubt in doubts)
     over = len({excess.joint for excess in exceeded})
     if over:
-        count = f"{over} of {joints} joints" if joints > 1 else "The joint"
+        who = f"{over} of {joints} joints" if joints > 1 else "The joint"
         verb = "exceeds its limits" if over == 1 else "exceed their limits"
         reasons = (*doubtful, *_shortened([exceeded_words(excess) for excess in exceeded]), *unchecked_words(limits))
-        return Verdict("bad", f"{count} {verb}", reasons)
+        return Verdict("bad", f"{who} {verb}", reasons)
     clauses = "".join(f", {doubt.clause}" if k else f" {doubt.clause}" for k, doubt in enumerate(doubts))
     if not any(each.checked for each in limits):
         why = "the description gives no limits" if joints else "the robot has no joints"
@@ -134,17 +145,55 @@ def worst_joint(result: Result) -> int | None:
     )[0]
 
 
-def effort_use(joint: JointLoad) -> float:
+def effort_use(joint: Reached) -> float:
     """|peak| / limit; 0 without a limit."""
     return abs(joint.peak) / joint.effort_limit if joint.effort_limit else 0.0
 
 
-def speed_use(joint: JointLoad) -> float:
+def speed_use(joint: Reached) -> float:
     """|speed| / limit; 0 without a limit."""
     return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
 
 
-def _nearest(joints: Sequence[JointLoad]) -> Iterator[str]:
+def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
+    """Return sentences on the joints that come nearest to their limits."""
     for use, what in ((effort_use, "effort"), (speed_use, "speed")):
         for joint in ranked((joint for joint in joints if use(joint)), key=use)[:1]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
+
+
+def limits_text(joints: int, exceeded: Sequence[Excess], limits: Sequence[Coverage], headline: str, page: Page) -> str:
+    """Return the verdict's headline, or a table of what is exceeded, and what could not be checked.
+
+    Args:
+        joints: how many there are.
+        headline: of the verdict, where nothing is exceeded.
+    """
+    unchecked = "".join(f"{line}\n" for line in unchecked_words(limits))
+    if not exceeded:
+        return f"{headline}.\n{unchecked}"
+    head, rows = exceeded_table(exceeded)
+    return f"LIMITS EXCEEDED by {len(rows)} of {count(joints, 'joint')}\n{page.table((head, rows))}{unchecked}"
+
+
+def exceeded_table(exceeded: Sequence[Excess]) -> Content:
+    """Return the limits that are exceeded, joint by joint."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for excess in exceeded:
+        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
+    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
+    return ("joint", *quantities), [
+        (joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()
+    ]
+
+
+def _over(excess: Excess) -> str:
+    return f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
+
+
+def use(value: float, limit: float | None) -> str:
+    """Return how much of a limit a value takes, in percent."""
+    if limit is None:
+        return "-"
+    percent = 0.0 if is_noise(abs(value), limit) else 100.0 * abs(value) / limit
+    return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"

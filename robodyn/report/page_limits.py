@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.report.document import Block, Heading, HeatMap, Table
-from robodyn.report.limits_words import LINES, effort_use, speed_use
-from robodyn.report.text_torques import exceeded_table, use
+from robodyn.report.limits_words import LINES, effort_use, exceeded_table, speed_use, use
 from robodyn.result import Result
 
 
@@ -21,7 +20,7 @@ def limits_blocks(result: Result) -> Iterator[Block]:
         return
     yield Heading("Use of limits")
     if len(result.exceeded) > LINES + 1:
-        yield Table("Limits that are exceeded", *exceeded_table(result))
+        yield Table("Limits that are exceeded", *exceeded_table(result.exceeded))
     yield found
 
 

@@ -14,12 +14,14 @@ from robodyn.report.document import (
     Figure,
     Gallery,
     Heading,
+    Level,
     Paragraph,
     Verdict,
     csv_text,
     downloads,
 )
 from robodyn.report.json_simulation import simulation_json
+from robodyn.report.limits_words import simulation_limits
 from robodyn.report.sizes import simulation_sizes
 from robodyn.report.table import drift_text, is_noise, number, printable, relative_text
 from robodyn.report.text_blocks import blocks_of
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
 _HOW = "robodyn simulate --format json and --out write it to a file"
+_WORST_FIRST: tuple[Level, ...] = ("bad", "doubtful", "neutral", "good")
 _DRIFT = 1e-3
 """Relative to the largest kinetic energy; above it steps are too long."""
 
@@ -40,7 +43,8 @@ _DRIFT = 1e-3
 def simulation_page(result: Simulation, pictures: bool = True) -> Document:
     """How the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
-    blocks: list[Block] = [_verdict(result)]
+    verdicts = [_verdict(result), *([simulation_limits(result)] if result.joints or result.doubts else [])]
+    blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
         blocks += [*_poses(result), *_plots(result)]
     blocks += [Heading("In numbers"), *blocks_of(lambda page: simulation_text(result, True, page), "Motion")]

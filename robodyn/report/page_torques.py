@@ -30,10 +30,11 @@ from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
 from robodyn.report.text_joints import share_table
-from robodyn.report.text_torques import base_table, count, load_table
+from robodyn.report.text_torques import base_table, load_table
 from robodyn.result import Result
 from robodyn.scene import Scene
 from robodyn.ties import ranked
+from robodyn.wording import count
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:

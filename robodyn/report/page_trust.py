@@ -9,8 +9,9 @@ from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, number, relative_text
 from robodyn.report.text_joints import derivation_table
-from robodyn.report.text_torques import count, effect_table
+from robodyn.report.text_torques import effect_table
 from robodyn.result import Result
+from robodyn.wording import count
 
 
 def trust(result: Result, plots: Plots | None) -> Iterator[Block]:

@@ -83,7 +83,7 @@ def simulation_sizes(result: Simulation) -> MotionSizes:
     speed, and beside gravity; a load also beside the robot's weight.
     """
     model, figures, reach = result.model, result.figures, result.model.reach
-    lengths, sliding = _linear(model)
+    lengths, sliding = linear(model)
     gravity = float(np.linalg.norm(result.scene.gravity))
     place = [1.0, max(reach, _largest(result.q[:, lengths]))]
     turns, slides = _largest(result.qd[:, ~sliding]), _largest(result.qd[:, sliding])
@@ -98,7 +98,7 @@ def simulation_sizes(result: Simulation) -> MotionSizes:
     return MotionSizes(np.choose(lengths, place), next(rates), next(rates), next(rates), energy)
 
 
-def _linear(model: Model) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def linear(model: Model) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return which coordinates are lengths, and which rates those of lengths."""
     q, qd = [], []
     for joint in model.independent:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robodyn.batch_result import Batch, Outcome, Status, Worst
-from robodyn.report.limits_words import unchecked_words, verdict_on_limits
+from robodyn.report.limits_words import unchecked_words, use, verdict_on_limits
 from robodyn.report.table import PLAIN, Content, Page, number, printable
-from robodyn.report.text_torques import count, use
+from robodyn.wording import count
 
 _LISTED = 3
 """Exceeded limits that a line names."""

@@ -8,7 +8,7 @@ from statistics import median
 
 from robodyn.bench.result import Bench, ExecutorBench, PeerBench, PeersBench, Timing
 from robodyn.report.table import PLAIN, Content, Page, printable
-from robodyn.report.text_torques import count
+from robodyn.wording import count
 
 
 def bench_text(bench: Bench, page: Page = PLAIN) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.report.sizes import MotionSizes, simulation_sizes
-from robodyn.report.table import PLAIN, Content, Page, drift_text, number, printable, relative_text
+from robodyn.report.limits_words import limits_text, simulation_limits, use
+from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, speed_unit
+from robodyn.report.table import PLAIN, Content, Page, drift_text, moment, number, printable, relative_text
 from robodyn.report.text_loops import loops_text
 from robodyn.simulation.result import Simulation
-from robodyn.ties import first_largest
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
@@ -21,15 +21,20 @@ def simulation_text(result: Simulation, explain: bool = False, page: Page = PLAI
         explain: add why each effect is on or off.
     """
     size = simulation_sizes(result)
-    tables = page.table(_coordinates(result, size)), page.table(_rates(result, size))
-    parts = [_head(result), *tables, _drift(result, size)]
+    tables = _coordinates(result, size), _rates(result, size), *([_limits(result, size)] if result.joints else [])
+    parts = [_head(result), *map(page.table, tables), _drift(result, size)]
     if result.loops:
         parts.append(loops_text(result.loops, page, result.model.reach))
     if explain:
         rows = [(effect.name, "on" if why.active else "off", why.reason) for effect, why in result.effects]
         parts.append(f"Effects\n{page.table((('effect', '', 'why'), rows))}")
     if result.ended:
-        parts.append(f"ENDED EARLY: {printable(result.ended)}\n")
+        how = 'joint_limits = "spring" or "ignore" in a scene goes on'
+        parts.append(f"ENDED EARLY: {printable(result.ended)} ({how})\n")
+    if result.joints:
+        headline = simulation_limits(result).headline
+        parts.append(limits_text(len(result.joints), result.exceeded, result.limits, headline, page))
+    parts.append("".join(f"warning: {printable(doubt.said)}\n" for doubt in result.doubts))
     parts.append("".join(f"note: {printable(line)}\n" for line in result.notes))
     return "\n".join(part for part in parts if part)
 
@@ -48,27 +53,42 @@ def _head(result: Simulation) -> str:
 
 
 def _coordinates(result: Simulation, size: MotionSizes) -> Content:
-    rows = [
-        (name, *(number(x, scale) for x in (q[0], q[-1], q.min(), q.max())))
-        for name, q, scale in zip(result.model.coordinates, result.q.T, size.q, strict=True)
-    ]
-    return ("position", "at the start", "at the end", "least", "largest"), rows
+    lengths, _ = linear(result.model)
+    floating = (joint.name for joint in result.model.independent if joint.kind == "floating")
+    turns = {f"{name}_{part}" for name in floating for part in ("qx", "qy", "qz", "qw")}
+    rows = []
+    for k, (name, q) in enumerate(zip(result.model.coordinates, result.q.T, strict=True)):
+        unit = "m" if lengths[k] else "" if name in turns else "rad"
+        rows.append((name, unit, *(number(x, size.q[k]) for x in (q[0], q[-1], q.min(), q.max()))))
+    return ("position", "unit", "at the start", "at the end", "least", "largest"), rows
 
 
 def _rates(result: Simulation, size: MotionSizes) -> Content:
-    driven = set(result.driven)
-    rows = [
-        (
-            name,
-            *(number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max())),
-            number(np.abs(qdd).max(), size.qdd[k]),
-            number(tau[first_largest(np.abs(tau))], size.tau[k]) if k in driven else "-",
+    _, sliding = linear(result.model)
+    rows = []
+    for k, (name, qd, qdd) in enumerate(zip(result.model.rates, result.qd.T, result.qdd.T, strict=True)):
+        unit = "m/s" if sliding[k] else "rad/s"
+        speeds = (number(x, size.qd[k]) for x in (qd[0], qd[-1], np.abs(qd).max()))
+        rows.append((name, unit, *speeds, f"{number(np.abs(qdd).max(), size.qdd[k])} {unit}^2"))
+    return ("speed", "unit", "at the start", "at the end", "largest", "largest acceleration"), rows
+
+
+def _limits(result: Simulation, size: MotionSizes) -> Content:
+    rows = []
+    for k, joint in zip(result.driven, result.joints, strict=True):
+        load, speed = size.tau[k], size.qd[k]
+        peak = (f"{number(joint.peak, load)} {joint.unit}", moment(joint.peak_time, joint.peak, load))
+        rows.append(
+            (
+                joint.name,
+                f"{number(joint.max_speed, speed)} {speed_unit(joint.unit)}",
+                moment(joint.max_speed_time, joint.max_speed, speed),
+                use(joint.max_speed, joint.velocity_limit),
+                *(peak if joint.driven else ("-", "-")),
+                use(joint.peak, joint.effort_limit),
+            )
         )
-        for k, (name, qd, qdd, tau) in enumerate(
-            zip(result.model.rates, result.qd.T, result.qdd.T, result.tau.T, strict=True)
-        )
-    ]
-    return ("speed", "at the start", "at the end", "largest", "acceleration", "drive's peak"), rows
+    return ("joint", "max speed", "at [s]", "of velocity limit", "drive's peak", "at [s]", "of effort limit"), rows
 
 
 def _drift(result: Simulation, size: MotionSizes) -> str:

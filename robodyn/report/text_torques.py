@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from robodyn.limits import Excess
 from robodyn.report.input_words import input_words
-from robodyn.report.limits_words import limits_verdict, offenders_first, unchecked_words
+from robodyn.report.limits_words import limits_text, limits_verdict, offenders_first, use
 from robodyn.report.sizes import result_sizes, speed_unit
-from robodyn.report.table import PLAIN, Content, Page, is_noise, moment, number, printable, relative_text
+from robodyn.report.table import PLAIN, Content, Page, moment, number, printable, relative_text
 from robodyn.report.text_joints import derivation_table, share_table
 from robodyn.result import Result
+from robodyn.wording import count
 
 
 def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:
@@ -55,10 +55,6 @@ def _head(result: Result) -> str:
     )
 
 
-def count(amount: int, noun: str) -> str:
-    return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
-
-
 def load_table(result: Result) -> Content:
     """What each joint carries."""
     size = result_sizes(result)
@@ -82,14 +78,6 @@ def load_table(result: Result) -> Content:
         )
     head = ("joint", "peak", "at [s]", "RMS", "cubic mean", "max speed", "peak power [W]", "work [J]", "returned [J]")
     return (*head, "of effort limit", "of velocity limit"), rows
-
-
-def use(value: float, limit: float | None) -> str:
-    """How much of a limit a value takes, in percent."""
-    if limit is None:
-        return "-"
-    percent = 0.0 if is_noise(abs(value), limit) else 100.0 * abs(value) / limit
-    return f"{'<1' if 0.0 < percent < 0.5 else f'{percent:.0f}'}% of {limit:g}"
 
 
 def base_table(result: Result) -> Content:
@@ -142,23 +130,6 @@ def _checks(result: Result) -> str:
 
 
 def _limits(result: Result, page: Page) -> str:
-    unchecked = "".join(f"{line}\n" for line in unchecked_words(result.limits))
-    if not result.exceeded:
-        return f"{limits_verdict(result).headline}.\n{unchecked}" if result.joints or result.doubts else ""
-    head, rows = exceeded_table(result)
-    title = f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}"
-    return f"{title}\n{page.table((head, rows))}{unchecked}"
-
-
-def exceeded_table(result: Result) -> Content:
-    """The limits that are exceeded, joint by joint."""
-    found: dict[str, dict[str, list[str]]] = {}
-    for excess in result.exceeded:
-        found.setdefault(excess.joint, {}).setdefault(excess.quantity, []).append(_over(excess))
-    quantities = [name for name in ("effort", "velocity", "position") if any(name in row for row in found.values())]
-    rows = [(joint, *("; ".join(row.get(name, ())) for name in quantities)) for joint, row in found.items()]
-    return ("joint", *quantities), rows
-
-
-def _over(excess: Excess) -> str:
-    return f"{excess.value:.6g} {excess.unit}, limit {excess.limit:.6g}"
+    if not (result.joints or result.doubts):
+        return ""
+    return limits_text(len(result.joints), result.exceeded, result.limits, limits_verdict(result).headline, page)

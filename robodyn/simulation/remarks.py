@@ -66,7 +66,7 @@ class Deepest(NamedTuple):
         unit = "m" if self.joint.kind == "prismatic" else "rad"
         others = f", the most of {self.limits} limits that are passed" if self.limits > 1 else ""
         where = f'"{self.joint.name}" passes its {self.side} limit of {self.value:g} {unit}'
-        return f"springs at limits: {where} by at most {self.depth:.4g} {unit}, at {self.time:.4g} s{others}"
+        return f"{where} by at most {self.depth:.4g} {unit}, at {self.time:.4g} s{others}"
 
 
 def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None:

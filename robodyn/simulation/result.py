@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.doubts import Doubt
 from robodyn.effects.effect import Effect, Verdict
+from robodyn.limits import Coverage, Excess, within
 from robodyn.model import Model
 from robodyn.scene import Scene
 from robodyn.simulation.free import is_free
+from robodyn.simulation.joint_use import JointUse, doubts, joint_use, limits_checked
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
 
@@ -81,6 +85,38 @@ class Simulation:
     @property
     def tau(self) -> Floats:
         return self.figures.tau
+
+    @cached_property
+    def joints(self) -> tuple[JointUse, ...]:
+        """What each hinge and slide reaches."""
+        return tuple(
+            joint_use(joint, joint.name in self.scene.drive, self.time, self.qd[:, joint.rate], self.tau[:, joint.rate])
+            for joint in self.model.independent
+            if joint.kind != "floating"
+        )
+
+    @property
+    def exceeded(self) -> tuple[Excess, ...]:
+        """Every limit of speed and effort that the motion exceeds."""
+        return tuple(excess for joint in self.joints for excess in joint.exceeded)
+
+    @cached_property
+    def limits(self) -> tuple[Coverage, ...]:
+        """Which limits the motion is held against."""
+        return limits_checked(self.model, self.scene)
+
+    @cached_property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What else keeps "No limit is exceeded" from being the whole truth."""
+        return tuple(doubts(self.model, self.scene, self.time, self.q, self.qd))
+
+    @property
+    def within_limits(self) -> bool | None:
+        """False if a limit of speed or effort is exceeded; None if some could not be checked or something is in doubt.
+
+        A position is never beyond its limit: the motion ends there, or a spring pushes back.
+        """
+        return within(bool(self.exceeded), self.limits, self.doubts)
 
     @property
     def energy_drift(self) -> float:

@@ -23,6 +23,7 @@ from robodyn.simulation.fixed import SHORTER, FixedSteps, Motion
 from robodyn.simulation.free import check_free
 from robodyn.simulation.how import How, how_of, way
 from robodyn.simulation.initial import initial_state, limits_at_start
+from robodyn.simulation.joint_use import assumed
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
@@ -107,12 +108,13 @@ def simulate(
             *model.notes,
             *signal.said,
             *notes,
+            *assumed(model, scene),
             *limits_at_start(model, scene),
             *start_notes(model, scene, motion.states[0], begun),
             *stiff,
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
             *map(str, held(model, scene, motion.time, qd)),
-            *([str(pushed or "no joint reaches a limit")] if scene.limit_spring else []),
+            *([f"springs at limits: {pushed or 'no joint reaches a limit'}"] if scene.limit_spring else []),
         ),
     )
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from robodyn.errors import TrajectoryError
 from robodyn.statistics import COMPONENTS
 from robodyn.trajectory.columns import Place, Signals
 from robodyn.trajectory.header import Header, listing
-from robodyn.trajectory.loop_columns import loops_in
 from robodyn.trajectory.proposals import asked, meant
 
 _HEADER = re.compile(r"(?:.*[./_])?header[./_](?:seq|frame_id)")
@@ -52,3 +51,20 @@ def header_names(signals: Signals) -> tuple[str, ...]:
     """Return the usual column names of a robot's positions: `time`, `q_<joint>`; of a floating joint `<joint>_x`..."""
     floating = tuple(f"{joint.name}_" for joint in signals.joints if joint.kind == "floating")
     return ("time", *(stem if floating and stem.startswith(floating) else f"q_{stem}" for stem in signals.positions))
+
+
+def loops_in(columns: Sequence[str], joints: Collection[str]) -> list[str]:
+    """Return the names of the loops whose wrenches are among some columns, as nothing but their names tells.
+
+    A loop has all six of `fx_<loop>` to `mz_<loop>`. Those of joints may be what `torques --reactions` writes, which
+    writes them for every joint; a loop that bears a joint's name is known by the joints that have none.
+
+    Args:
+        columns: that mean nothing to the robot.
+        joints: of the robot.
+    """
+    there = set(columns)
+    names = [column[3:] for column in columns if column.startswith(f"{COMPONENTS[0]}_")]
+    whole = [name for name in names if there >= {f"{part}_{name}" for part in COMPONENTS}]
+    reactions = set(joints) if set(joints) <= set(whole) else set()
+    return [name for name in whole if name not in reactions]

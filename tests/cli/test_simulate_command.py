@@ -72,8 +72,9 @@ def test_a_free_robot_comes_back_without_loads(tmp_path: Path) -> None:
 def test_json() -> None:
     document = json.loads(simulate(*SWING, "--duration", "0.5", "--format", "json", "--method", "gauss4"))
     assert list(document) == [
-        *("robot", "duration", "gravity", "method", "steps", "evaluations", "executor", "ended", "final", "energy"),
-        *("momentum_drift", "loops", "held", "limit_spring", "effects", "notes"),
+        *("robot", "duration", "gravity", "method", "steps", "evaluations", "executor", "ended", "start", "final"),
+        *("energy", "momentum_drift", "loops", "held", "limit_spring", "effects", "joints", "limits_exceeded"),
+        *("limits", "within_limits", "verdict", "doubts", "warnings", "notes"),
     ]
     assert document["method"] == {"name": "gauss4", "order": 4, "step": 0.001, "rtol": None}
     assert document["ended"] is document["momentum_drift"] is None

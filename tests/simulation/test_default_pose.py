@@ -107,7 +107,7 @@ def test_a_pose_on_the_command_line_wins_over_the_scene(tmp_path: Path) -> None:
     outcome = run(*call, "--at", "elbow=1.25", "--gravity", "0,0,-1.62")
     assert outcome.status == 0, outcome.err
     assert "gravity (0, 0, -1.62) m/s^2" in outcome.out
-    start = {line.split()[0]: float(line.split()[1]) for line in outcome.out.split("\n\n")[1].splitlines()[1:]}
+    start = {line.split()[0]: float(line.split()[2]) for line in outcome.out.split("\n\n")[1].splitlines()[1:]}
     assert start == {"waist": 0.0, "shoulder": 0.3, "elbow": 1.25}
     outcome = run(*call, "--at", "1,2")
     assert outcome.err.endswith("puma.urdf: 2 values for 3 coordinates (in the order: 'waist', 'shoulder', 'elbow')\n")

@@ -1,0 +1,142 @@
+"""What a simulated motion asks of joints and drives beside their limits, and no verdict over what was not checked."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from command_line import ARM, ROBOTS, Outcome, run
+from example_robots import path_of
+from small_robots import built, joint, link
+
+import robodyn
+from robodyn.report.limits_words import simulation_limits
+from robodyn.scene import Drive, ExternalWrench, Scene
+
+PUSHED = "[drive]\nelbow = { torque = 9.0 }\nshoulder = { torque = 2.0 }\n"
+HOW = ("--duration", "0.005", "--executor", "numpy", "--gravity", "0,0,0")
+
+
+def simulate(folder: Path, *more: str, scene: str = PUSHED, **limits: str) -> Outcome:
+    """Of the arm whose elbow has these limits."""
+    text = ARM
+    for name, value in limits.items():
+        old = {"effort": "50", "velocity": "5"}[name]
+        text = text.replace(f'{name}="{old}"', value and f'{name}="{value}"')
+    (folder / "arm.urdf").write_text(text)
+    (folder / "scene.toml").write_text(scene)
+    return run("simulate", str(folder / "arm.urdf"), "--scene", str(folder / "scene.toml"), *HOW, *more)
+
+
+def test_a_drive_and_a_speed_beyond_their_limits(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    outcome = simulate(tmp_path, "--fail-on-limits", "--report", str(page), effort="5", velocity="0.5")
+    assert (outcome.status, outcome.err) == (1, "")
+    assert "LIMITS EXCEEDED by " in outcome.out
+    assert "180% of 5" in outcome.out
+    assert "No limit" not in outcome.out + page.read_text()
+    assert "needs a torque of 9.000 N m" in page.read_text()
+    assert simulate(tmp_path, effort="5", velocity="0.5").status == 0
+
+
+def test_the_document_has_them(tmp_path: Path) -> None:
+    found = json.loads(simulate(tmp_path, "--format", "json", effort="5").out)
+    excess = next(one for one in found["limits_exceeded"] if one["joint"] == "elbow")
+    assert (excess["quantity"], excess["value"], excess["limit"]) == ("effort", 9.0, 5.0)
+    assert excess["seconds"] == pytest.approx(0.005, rel=1e-12)
+    assert found["within_limits"] is False
+    assert found["verdict"]["level"] == "bad"
+    assert found["start"]["q"] == {"shoulder": 0.0, "elbow": 0.0}
+
+
+def test_within_all_limits_is_said(tmp_path: Path) -> None:
+    outcome = simulate(tmp_path, "--fail-on-limits")
+    assert outcome.status == 0
+    assert "\nNo limit is exceeded.\n" in outcome.out
+    found = json.loads(simulate(tmp_path, "--format", "json").out)
+    assert (found["within_limits"], found["verdict"]["level"], found["warnings"]) == (True, "good", [])
+
+
+@pytest.mark.parametrize("limits", [{"effort": "0"}, {"velocity": "0"}, {"effort": "", "velocity": ""}])
+def test_joints_without_limits_are_not_checked(limits: dict[str, str], tmp_path: Path) -> None:
+    outcome = simulate(tmp_path, "--fail-on-limits", **limits)
+    assert outcome.status == 0
+    assert "No limit is exceeded.\n" not in outcome.out
+    assert ": not checked (" in outcome.out
+    found = json.loads(simulate(tmp_path, "--format", "json", **limits).out)
+    assert found["within_limits"] is None
+    assert found["verdict"]["level"] != "good"
+
+
+def test_a_joint_without_a_drive_has_no_effort_to_check(tmp_path: Path) -> None:
+    outcome = simulate(tmp_path, scene="[initial]\nqd = { elbow = 1 }\n", effort="")
+    assert "not checked" not in outcome.out
+    assert "No limit is exceeded.\n" in outcome.out
+
+
+def test_a_limit_of_position_that_ends_the_motion_fails(tmp_path: Path) -> None:
+    scene = "[initial]\nq = { elbow = 2.999 }\nqd = { elbow = 1 }\n"
+    outcome = simulate(tmp_path, "--fail-on-limits", scene=scene)
+    assert outcome.status == 1
+    assert "of 3 rad at 0.0" in outcome.out
+    assert '(joint_limits = "spring" or "ignore" in a scene goes on)\n' in outcome.out
+    assert simulate(tmp_path, scene=scene).status == 0
+
+
+def test_ignored_positions_are_not_green(tmp_path: Path) -> None:
+    scene = 'joint_limits = "ignore"\n[initial]\nq = { elbow = 2.999 }\nqd = { elbow = 1 }\n'
+    outcome = simulate(tmp_path, scene=scene)
+    assert "No limit is exceeded but for positions, whose limits the scene ignores.\n" in outcome.out
+    assert 'warning: limits of position are ignored, as the scene says: "elbow" passes its upper limit of 3 rad' in (
+        outcome.out
+    )
+
+
+def test_when_and_how_long_a_slide_is_too_fast() -> None:
+    """v = t from rest, with a limit of 0.25 m/s."""
+    text = joint("j1", "l0", "l1", "prismatic").replace('velocity="100"', 'velocity="0.25"')
+    model = built(link("l0"), link("l1", 2.0), text)
+    scene = Scene(gravity=(0, 0, 0), drive={"j1": Drive(torque=2.0)})
+    (use,) = robodyn.simulate(model, scene, 1.0, executor="numpy").joints
+    assert (use.max_speed, use.max_speed_time) == (pytest.approx(1.0, rel=1e-12), 1.0)
+    assert use.seconds_over_velocity == pytest.approx(0.75, abs=1.1e-3)
+    (excess,) = use.exceeded
+    assert (excess.quantity, excess.unit, use.peak, use.unit) == ("velocity", "m/s", 2.0, "N")
+
+
+def test_what_carries_a_robot_is_assumed_and_said() -> None:
+    how = {"duration": 1e-3, "executor": "numpy", "method": "euler"}
+    standing = robodyn.simulate(robodyn.load(path_of("solo")), Scene(), **how)
+    assert simulation_limits(standing).headline.endswith("as long as the base is held (assumed)")
+    assert "there is no contact at its feet" in standing.doubts[0].said
+    free = robodyn.load(path_of("solo"), moving_base=True)
+    falling = robodyn.simulate(free, Scene(moving_base=True), **how)
+    assert simulation_limits(falling).headline.endswith("as the robot falls freely (assumed)")
+    pushed = Scene(moving_base=True, wrenches=(ExternalWrench("base_link", (0.0, 0.0, 24.0)),))
+    for scene in (pushed, Scene(moving_base=True, gravity=(0, 0, 0)), Scene(moving_base=True, held=True)):
+        assert robodyn.simulate(free, scene, **how).doubts == ()
+
+
+def test_a_body_that_is_thrown_falls_freely() -> None:
+    scene = Scene(moving_base=True)
+    model = built(link("l0", 1.0, (0, 0, 0.1), (0.01, 0, 0, 0.02, 0, 0.03)), moving_base=True)
+    said = "the base is free, and nothing but gravity acts on it from outside: it falls freely"
+    assert said in robodyn.simulate(model, scene, 1e-3, executor="numpy").notes
+    weightless = replace(scene, gravity=(0.0, 0.0, 0.0))
+    assert said not in robodyn.simulate(model, weightless, 1e-3, executor="numpy").notes
+
+
+def test_motors_are_not_looked_at() -> None:
+    scene = robodyn.load_scene(ROBOTS / "puma560_sizing.toml")
+    result = robodyn.simulate(robodyn.load(ROBOTS / "puma560.urdf"), scene, 1e-3, executor="numpy")
+    assert "but for motors, which are not looked at" in simulation_limits(result).headline
+    assert result.within_limits is None
+
+
+def test_tables_say_their_units(tmp_path: Path) -> None:
+    outcome = run("simulate", str(ROBOTS / "scara.urdf"), "--duration", "0.01", "--executor", "numpy")
+    lines = [line.split() for line in outcome.out.splitlines()]
+    assert [line[1] for line in lines if line[:1] in (["quill"], ["elbow"])][:4] == ["rad", "m", "rad/s", "m/s"]
+    assert any(line[:1] == ["quill"] and line[-1] == "m/s^2" for line in lines)
