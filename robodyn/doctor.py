@@ -20,7 +20,7 @@ Verdict = Literal["ok", "note", "missing", "broken"]
 NEEDED = (
     Library("numpy", "numpy", "everything"),
     Library("click", "click", "the command line"),
-    Library("scipy", "scipy.interpolate", "splines of trajectories and simulation with steps of its own choice"),
+    Library("scipy", "scipy.interpolate", "splines of reference tables and simulation with steps of its own choice"),
     Library("polars", "polars", "reading and writing of large CSV tables"),
     Library("pyarrow", "pyarrow", "Parquet"),
     Library("trimesh", "trimesh", "meshes other than STL, OBJ, PLY and OFF"),
