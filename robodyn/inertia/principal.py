@@ -103,18 +103,18 @@ def _oriented(axes: Floats, groups: tuple[tuple[int, ...], ...]) -> Floats:
     if len(groups) == 1:
         return IDENTITY.copy()
     if len(groups) == 3:
-        first, second = _pointed(axes[0]), _pointed(axes[1])
+        first, second = pointed(axes[0]), pointed(axes[1])
         return np.array((first, second, cross(first, second)))
     if len(groups[0]) == 1:
-        lone = _pointed(axes[0])
+        lone = pointed(axes[0])
         first = _nearest_in_plane(lone)
         return np.array((lone, first, cross(lone, first)))
-    lone = _pointed(axes[2])
+    lone = pointed(axes[2])
     first = _nearest_in_plane(lone)
     return np.array((first, cross(lone, first), lone))
 
 
-def _pointed(axis: Floats) -> Floats:
+def pointed(axis: Floats) -> Floats:
     """The axis or its opposite, with the largest component (the first of several) positive."""
     return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
 

@@ -10,6 +10,7 @@ from math import inf, pi
 import numpy as np
 
 from robodyn.inertia.eigen import eigen
+from robodyn.inertia.principal import pointed
 from robodyn.mesh import symmetry_candidates as candidates
 from robodyn.mesh.asymmetry import CentredBody, mirror
 from robodyn.mesh.columns import Floats, frame_along
@@ -123,7 +124,7 @@ class Search:
 
     def _first(self, direction: Array, folds: Iterable[float]) -> list[Axis]:
         """The axis of the first of these folds that holds, else the one that is nearest to it, if any is near."""
-        near: list[Axis] = []
+        direction, near = pointed(direction), list[Axis]()
         for fold in folds:
             if fold < inf and not self._promising(rotation_about(direction, 2 * pi / fold)):
                 continue
@@ -177,6 +178,7 @@ class Search:
             along = self._plane(nearest)
             if along.holds:
                 return along
+        normal = pointed(normal)
         asymmetry = self.body.mirrored(normal)
         return Plane(normal, float(normal @ self.body.centre), asymmetry, self._verdict(asymmetry))
 

@@ -4,6 +4,7 @@ import pytest
 from symmetric_bodies import any_rotation, bracket, cavity, found, verdicts
 
 from robodyn.errors import MeshError
+from robodyn.ties import first_largest
 
 
 def test_box_has_three_exact_planes_through_its_centre():
@@ -97,3 +98,13 @@ def test_score_is_the_symmetric_difference_about_the_plane_that_is_reported():
 def test_no_volume_is_an_error():
     with pytest.raises(MeshError, match="no volume"):
         found(samples.sheet())
+
+
+@pytest.mark.parametrize("body", [samples.box((1, 2, 3)), samples.box(), samples.cylinder(height=3.0, sectors=5)])
+def test_normals_and_axes_point_to_their_largest_component(body):
+    """The first of ties: whichever sign an eigenvector or an angle came with."""
+    symmetry = found(samples.moved(body, (1.0, 2.0, 3.0), any_rotation(3)))
+    listed = [*(plane.normal for plane in symmetry.planes), *(axis.direction for axis in symmetry.axes)]
+    listed += [plane.normal for plane in found(body).planes]
+    assert len(listed) > 3
+    assert all(line[first_largest(np.abs(line))] > 0 for line in listed)
