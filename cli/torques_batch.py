@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
+from importlib import import_module
 from typing import Any
 
 import click
@@ -92,6 +93,8 @@ def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[in
 
     from robodyn.batch.cluster import worked_there
 
+    with suppress(ImportError):  # which is told there; an import sets the levels of its own loggers
+        import_module("distributed")
     # That work is given to another worker is what Dask is for, and no news.
     logging.getLogger("distributed.client").setLevel(logging.ERROR)
     return worked_there(setup, jobs, address, lambda line: click.echo(f"note: {printable(line)}", err=True))

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from batch_runs import batch, in_turn, listing, write_motion, write_runs
 from command_line import command, run
+from processes import python
 
 from robodyn.batch import cluster
 from robodyn.batch.jobs import jobs_of
@@ -57,13 +58,18 @@ def test_without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
     assert batch("--dask", "tcp://x:1").err == "error: --dask needs Dask (pip install 'robodyn[dask]')\n"
 
 
-def test_no_word_of_work_that_is_given_to_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By the command, whose process it is; the library leaves loggers as they are."""
-    logger, levels = logging.getLogger("distributed.client"), []
-    monkeypatch.setattr(logger, "level", logging.WARNING)
-    monkeypatch.setattr(cluster, "worked_there", lambda *_: iter(levels.append(logger.level) or ()))
-    assert list(torques_batch._there(None, (), "")) == []
-    assert levels == [logging.ERROR]
+def test_no_word_of_work_that_is_given_to_others() -> None:
+    """By the command, in a process that has not imported Dask yet, which sets levels when it is."""
+    done = python("""
+import logging
+from robodyn.batch import cluster
+from robodyn.cli import torques_batch
+def worked_there(*_):
+    import distributed
+    return iter([logging.getLogger("distributed.client").getEffectiveLevel()])
+cluster.worked_there = worked_there
+print(*torques_batch._there(None, (), ""))""")
+    assert int(done.stdout) == logging.ERROR
 
 
 def test_problems_of_workers_in_words() -> None:
