@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from robodyn.batch_result import Batch, Outcome, Status, Worst
 from robodyn.report.limits_words import unchecked_words, use, verdict_on_limits
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.sizes import speed_unit
+from robodyn.report.table import PLAIN, Content, Page, moment, number, printable
 from robodyn.wording import count
 
 _LISTED = 3
@@ -31,7 +32,7 @@ def batch_text(batch: Batch, page: Page = PLAIN) -> str:
     found = [f"{amount} {kind}" for kind in kinds if (amount := batch.count(kind))]
     head = f"{printable(batch.robot)}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}\n"
     done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
-    worst = f"The worst of each joint\n{page.table(_table(batch.worst))}\n" if batch.worst else ""
+    worst = f"The worst of each joint\n{page.table(worst_table(batch.worst))}\n" if batch.worst else ""
     return f"{head}\n{worst}{_limits(done)}" if done else head
 
 
@@ -49,22 +50,31 @@ def _limits(done: Sequence[Outcome]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _table(worst: tuple[Worst, ...]) -> Content:
+def worst_table(worst: tuple[Worst, ...]) -> Content:
+    loads, speeds = (_largest(worst, what) for what in ("peak", "max_speed"))
     rows = []
     for joint in worst:
-        speed = "m/s" if joint.unit == "N" else "rad/s"
+        load, fastest, speed = loads[joint.unit], speeds[joint.unit], speed_unit(joint.unit)
         row = [
             joint.name,
-            f"{number(joint.peak)} {joint.unit}",
-            f"{joint.peak_time:.6g}",
+            f"{number(joint.peak, load)} {joint.unit}",
+            moment(joint.peak_time, joint.peak, load),
             joint.peak_in,
             use(joint.peak, joint.effort_limit),
-            number(joint.rms),
+            number(joint.rms, load),
             joint.rms_in,
-            f"{number(joint.max_speed)} {speed}",
+            f"{number(joint.max_speed, fastest)} {speed}",
             joint.max_speed_in,
             use(joint.max_speed, joint.velocity_limit),
         ]
         rows.append(row if joint.level is None else [*row, joint.level, joint.level_in])
     head = ["joint", "peak", "at [s]", "in", "of effort limit", "RMS", "in", "max speed", "in", "of velocity limit"]
     return (head if worst[0].level is None else [*head, "verdict", "in"]), rows
+
+
+def _largest(worst: Sequence[Worst], what: str) -> dict[str, float]:
+    """The largest magnitude of a figure among all joints of a unit, beside which noise vanishes."""
+    found: dict[str, float] = {}
+    for joint in worst:
+        found[joint.unit] = max(found.get(joint.unit, 0.0), abs(getattr(joint, what)))
+    return found

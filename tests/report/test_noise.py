@@ -13,12 +13,14 @@ from example_robots import real
 from oracles import ROBOTS, robot
 
 import robodyn
+from robodyn.batch_result import Worst
 from robodyn.report.json_torques import torques_json
 from robodyn.report.markdown_page import markdown
 from robodyn.report.page_torques import torques_page
 from robodyn.report.sizes import free_body_sizes, result_sizes
 from robodyn.report.svg_free_body import drawings
 from robodyn.report.table import NOISE, number, relative_text
+from robodyn.report.text_batch import worst_table
 from robodyn.report.text_free_body import free_bodies_text
 from robodyn.report.text_simulation import simulation_text
 from robodyn.report.text_torques import torques_text
@@ -145,3 +147,13 @@ def test_digits_end_where_noise_begins(x: float, text: str) -> None:
 def test_errors_of_rounding_are_only_said_to_be_small() -> None:
     assert (relative_text(0.0), relative_text(3e-16), relative_text(NOISE)) == ("<1e-12",) * 3
     assert relative_text(3.2e-9) == "3e-09"
+
+
+def test_a_batch_shows_no_noise() -> None:
+    """A joint that carries nothing in any file, beside one that does."""
+    idle = "idle", "N m", 3e-16, 0.5, 7, "a.csv", 1e-16, "a.csv", 0.5, "a.csv"
+    worst = Worst(*idle, effort_limit=None, velocity_limit=None, level=None, level_in="")
+    loaded = replace(worst, name="loaded", peak=12.0, rms=5.0)
+    _, rows = worst_table((worst, loaded))
+    assert (rows[0][1], rows[0][2], rows[0][5]) == ("0 N m", "-", "0")
+    assert (rows[1][1], rows[1][2], rows[1][5]) == ("12.00 N m", "0.5", "5.000")

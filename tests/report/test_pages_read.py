@@ -24,10 +24,10 @@ STYLE = (ASSETS / "page.css").read_text(encoding="utf-8")
 PRINT = STYLE.partition("@media print {")[2]
 
 
-def arm(pictures: bool = False) -> Page:
+def arm() -> Page:
     model, scene = robot("puma560"), load_scene(ROBOTS / "puma560_sizing.toml")
-    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", scene, history=pictures)
-    return checked(html(torques_page(found, model, scene, pictures=pictures)))
+    found = robodyn.torques(model, ROBOTS / "puma560_sweep.csv", scene)
+    return checked(html(torques_page(found, model, scene, pictures=False)))
 
 
 def test_titles_of_columns_explain_themselves() -> None:
@@ -76,7 +76,9 @@ def test_the_first_column_stays() -> None:
 
 def test_pictures_take_the_width_that_there_is() -> None:
     """Nothing has a width of its own, which a phone would cut."""
-    page = arm(pictures=True)
+    model, scene = robot("two_link_planar"), robodyn.Scene()
+    found = robodyn.torques(model, ROBOTS / "two_link_planar_swing.csv", scene, history=True)
+    page = checked(html(torques_page(found, model, scene)))
     for svg in page.all("svg"):
         assert "viewBox" in svg.attributes or "viewbox" in svg.attributes
         assert not {"width", "height"} & svg.attributes.keys()
@@ -84,7 +86,7 @@ def test_pictures_take_the_width_that_there_is() -> None:
     assert not any("min-width: 6" in rule for rule in figures)
     (drawn,) = (each for each in page.all("svg") if each.attributes.get("viewbox") == "0 0 520 448")
     assert "body" in drawn.text
-    assert "reaction, waist" in [each.text for each in page.all("td")]
+    assert any(each.text.startswith("reaction, ") for each in page.all("td"))
 
 
 def test_sorting_is_by_size() -> None:
