@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+TOO_FEW = "by torques that are not trusted (too few samples)"
+"""The clause of what is derived from too few samples."""
+
 
 @dataclass(frozen=True)
 class Doubt:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +18,7 @@ class EnergyLedger:
 
     def __init__(self) -> None:
         self.work = self.turnover = 0.0
-        self._quadrature = self._quadrature_most = 0.0
+        self._quadrature = self._quadrature_most = self._squares = 0.0
         self._energies: list[float] = []
         self._worst = self._stored_most = 0.0
         self._before: tuple[float, float] | None = None
@@ -44,7 +46,9 @@ class EnergyLedger:
         found = [self._worst, *residual.tolist()]
         self._worst = found[first_largest(np.abs(found))]
         self._stored_most = max(self._stored_most, float(np.abs(energy).max()))
-        errors = self._quadrature + np.cumsum(quadrature_errors(steps, power))
+        parts = quadrature_errors(steps, power)
+        self._squares += float(np.sum((3.0 * parts) ** 2))
+        errors = self._quadrature + np.cumsum(parts)
         self._quadrature_most = max(self._quadrature_most, float(np.abs(errors).max(initial=0.0)))
         self._quadrature = float(errors[-1]) if len(errors) else self._quadrature
         self.work, self._before = float(work[-1]), (float(time[-1]), float(power[-1]))
@@ -54,7 +58,7 @@ class EnergyLedger:
     def balance(self) -> EnergyBalance:
         """What has been gathered."""
         change = self._energies[-1] - self._energies[0]
-        largest = (self._worst, self._quadrature_most, self._stored_most)
+        largest = (self._worst, self._quadrature_most, math.sqrt(self._squares), self._stored_most)
         return EnergyBalance(self.work, change, self._quadrature, self.turnover, *largest)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import astuple
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,6 +23,7 @@ from robodyn.motion_input import sources_of
 from robodyn.overflow import check_figures, check_loads
 from robodyn.plan import Plan, plan
 from robodyn.result import Checks, Result
+from robodyn.sampling_doubts import Openness
 from robodyn.scene import Scene
 from robodyn.self_checks import LawResiduals, energy, laws, losses
 from robodyn.sizing import base_loads, effect_reports, joint_load, joint_of_rates, position_of_rates, shares_at_peaks
@@ -107,6 +109,7 @@ class Pass:
         self.choice: Choice | None = None
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
+        self.openness = Openness(model.n)
         self.laws = LawResiduals()
         self.history: Recorder | None = None
         if options.history:
@@ -155,7 +158,8 @@ class Pass:
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
         energies = self.ledger.update(block.time, net, rows, run(checks.energy, checked, self.checked).values[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
-        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, sources)
+        state = {**sources, "off": self.openness.update(block)}
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state)
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
@@ -185,20 +189,20 @@ class Pass:
             self.file,
         )
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
+        bars = [self._uncertainty(k, last, shares[k]) for k in range(len(self.joints))]
         joints = tuple(
-            joint_load(gathered, k, joint, name, self.scene, shares[k], self._uncertainty(k, last))
+            joint_load(gathered, k, joint, name, self.scene, shares[k], bars[k][:2])
             for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
         )
         balance, (force, moment) = self.ledger.balance, self.laws.largest
         moment = max(moment, force * self.model.reach)
         base = base_loads(gathered)
-        doubts = (*last.doubts, *carried(self.model, self.scene, base, joints, force, moment))
+        doubts = (
+            *last.doubts,
+            *carried(self.model, self.scene, base, joints, force, moment),
+            *self.openness.doubts(joints, [bar for *_, bar in bars], balance, gathered.samples, gathered.duration),
+        )
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
-        if not balance.consistent:
-            warnings.append(
-                f"energy balance is off by {balance.worst:.3g} J of {balance.turnover:.3g} J: "
-                "velocities or accelerations are not the rates of the positions"
-            )
         return Result(
             robot=self.model.name,
             samples=gathered.samples,
@@ -226,10 +230,12 @@ class Pass:
         """q at the peak of each joint."""
         return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
 
-    def _uncertainty(self, k: int, last: Trajectory) -> tuple[float, float]:
-        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
+    def _uncertainty(self, k: int, last: Trajectory, shares: Mapping[str, float]) -> tuple[float, float, float]:
+        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; its bar; and of that
+        what is open for want of samples.
+        """
         if last.derivation is None or k not in self.statistics.at_peak:
-            return 0.0, 0.0
+            return 0.0, 0.0, 0.0
         peak = int(self.statistics.torque.index[k])
         from_end = min(peak, self.statistics.samples - 1 - peak)
         derived = {joint.name: joint for joint in last.derivation.joints}
@@ -238,4 +244,5 @@ class Pass:
         bar = np.array([joint.bar_acceleration_near(from_end) if joint else 0.0 for joint in joints])
         q = self.statistics.at_peak[k][1]["q"]
         M = mass_matrix(self.model, q, scene=self.scene, executor="numpy")[k + self.rates.start]
-        return length(M * std), length(M * bar)
+        left = self.openness.bar(M, self.statistics.at_peak[k][1]["off"], shares)
+        return length(M * std), length(M * bar) + left, left

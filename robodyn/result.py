@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from robodyn.doubts import Doubt
+from robodyn.doubts import TOO_FEW, Doubt
 from robodyn.effects.effect import Verdict
 from robodyn.limits import Coverage, Excess, reached_beyond, within
 from robodyn.ties import BEYOND
@@ -120,6 +120,7 @@ class EnergyBalance:
         turnover: integral of the magnitude of the power.
         worst: work less energy change where they differ most along the motion.
         quadrature_most: the largest estimated error of integration along the motion.
+        scatter: root of the sum of the squares of its parts, which corners of the power may leave of either sign.
         stored_most: the largest magnitude of the stored energy.
     """
 
@@ -129,6 +130,7 @@ class EnergyBalance:
     turnover: float
     worst: float
     quadrature_most: float
+    scatter: float
     stored_most: float
 
     @property
@@ -137,8 +139,17 @@ class EnergyBalance:
 
     @property
     def consistent(self) -> bool:
-        """Whether sampling or rounding explains the worst residual, or it is below a thousandth of the turnover."""
-        return abs(self.worst) <= max(10 * self.quadrature_most, 1e-3 * self.turnover, 1e-12 * self.stored_most)
+        """Return whether sampling or rounding explains the worst residual, or it is below a thousandth of the turnover.
+
+        A residual above a twentieth of the turnover is never explained: samples that coarse show nothing.
+        """
+        explained = min(1.5 * self.explained, 0.05 * self.turnover)
+        return abs(self.worst) <= max(explained, 1e-3 * self.turnover, 1e-12 * self.stored_most)
+
+    @property
+    def explained(self) -> float:
+        """What sampling explains of the residual: exact motions of many kinds stay below 1.4 times this."""
+        return self.quadrature_most + self.scatter
 
 
 @dataclass(frozen=True)
@@ -242,6 +253,11 @@ class Result:
     def exceeded(self) -> tuple[Excess, ...]:
         """Every limit of the description that the motion exceeds."""
         return tuple(excess for joint in self.joints for excess in joint.exceeded)
+
+    @property
+    def samples_suffice(self) -> bool:
+        """Whether there are samples enough to derive accelerations."""
+        return not any(doubt.clause == TOO_FEW for doubt in self.doubts)
 
     @property
     def within_limits(self) -> bool | None:

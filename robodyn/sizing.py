@@ -96,7 +96,7 @@ def shares_at_peaks(
     states = [at_peak[k][1] for k in range(len(at_peak))]
     shares: list[dict[str, float]] = [{} for _ in states]
     if states:
-        sources = {name: np.stack([state[name] for state in states]) for name in states[0]}
+        sources = {name: np.stack([state[name] for state in states]) for name in states[0] if name != "off"}
         for effect in plan.effects:
             tau = runner_of(plan.share(effect), plan)(sources, len(states), executor="numpy")
             for k, share in enumerate(shares):

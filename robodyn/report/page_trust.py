@@ -11,6 +11,7 @@ from robodyn.report.table import Content, number, relative_text
 from robodyn.report.text_joints import derivation_table
 from robodyn.report.text_torques import effect_table
 from robodyn.result import Result
+from robodyn.sampling_doubts import energy_doubt
 from robodyn.wording import count
 
 
@@ -39,7 +40,8 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
         f"{laws[2]} of the largest force, moment and power.",
     ]
     if not balance.consistent:
-        reasons.insert(0, "Velocities or accelerations are not the rates of the positions: check the trajectory.")
+        off = energy_doubt(balance, result.samples, result.duration)
+        reasons.insert(0, f"{off.said}." if off else "")
         yield Verdict("doubtful", "The energy balance does not close", tuple(reasons))
     else:
         yield Verdict("good", "Energy and momentum balance", tuple(reasons))
@@ -50,7 +52,7 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
 def _grounds(result: Result) -> Iterator[Block]:
     """How the motion was derived, which effects count, and warnings."""
     if result.derivation:
-        methods, rows = derivation_table(result.derivation)
+        methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield Heading("Derivatives")
         yield Table(methods, *rows) if rows else Paragraph(f"{methods}.")
     yield Heading("Effects")

@@ -6,8 +6,10 @@ from collections.abc import Iterable
 
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, is_noise, number
-from robodyn.result import Result
+from robodyn.result import JointLoad, Result
 from robodyn.trajectory.motion import Derivation
+
+_COUNTS = 1e-3
 
 
 def share_table(result: Result) -> Content:
@@ -20,7 +22,7 @@ def share_table(result: Result) -> Content:
     for joint, row in zip(joints, rows, strict=True):
         row.append(f"{number(joint.peak, size[joint.unit])} {joint.unit}")
     for title, values in (
-        ("error (95 %)", [f"{joint.error_bar:.2g}" for joint in joints]),
+        ("error (95 %)", [_bar(joint) for joint in joints]),
         ("friction holds", [number(joint.hold) for joint in joints]),
     ):
         if set(values) != {"0"}:
@@ -30,7 +32,13 @@ def share_table(result: Result) -> Content:
     return tuple(head), [tuple(row) for row in rows]
 
 
-def derivation_table(derivation: Derivation) -> tuple[str, Content | None]:
+def _bar(joint: JointLoad) -> str:
+    """Return the error bar of a peak; 0 if it is below a thousandth and not from noise."""
+    counts = joint.uncertainty or joint.error_bar > _COUNTS * abs(joint.peak)
+    return f"{joint.error_bar:.2g}" if counts else "0"
+
+
+def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
     """A line that names the methods, and rows for the joints with noise in their data; for all if methods differ."""
     joints = derivation.joints
     velocity, acceleration = _named(joint.velocity for joint in joints), _named(joint.acceleration for joint in joints)
@@ -39,7 +47,7 @@ def derivation_table(derivation: Derivation) -> tuple[str, Content | None]:
     shown = [joint for joint in joints if joint.noise or several]
     text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
     if not shown:
-        return f"{text}; the data are clean", None
+        return f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}", None
     rows: list[tuple[str, ...]] = [
         (
             joint.name,

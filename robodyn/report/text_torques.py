@@ -22,7 +22,7 @@ def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> s
     if result.joints:
         parts += [page.table(load_table(result)), f"What makes the peaks\n{page.table(share_table(result))}"]
     if result.derivation:
-        methods, rows = derivation_table(result.derivation)
+        methods, rows = derivation_table(result.derivation, result.samples_suffice)
         parts.append(f"{methods}\n{page.table(rows) if rows else ''}")
     parts.append(_base(result, page))
     if result.momentum:

@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.layout import ABSENT, Layout
-from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.motion import Sampling, Trajectory
 from robodyn.trajectory.table import FloatArray
 
 NORM_TOLERANCE = 1e-3
@@ -114,19 +114,39 @@ def join(parts: list[Trajectory]) -> Trajectory:
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
     stamps = None if parts[0].stamps is None else np.concatenate([part.given_time for part in parts])
     whole = replace(parts[-1], time=time, q=q, qd=qd, qdd=qdd, extra=extra, notes=notes, stamps=stamps)
-    return replace(whole, first_row=parts[0].first_row)
+    return replace(whole, first_row=parts[0].first_row, sampling=_joined(parts))
+
+
+def _joined(parts: list[Trajectory]) -> Sampling | None:
+    """Return what is known of the sampling of any part, NaN for the others."""
+    known = [part.sampling for part in parts if part.sampling is not None]
+    if not known:
+        return None
+    off = [np.full_like(part.qdd, np.nan) if part.sampling is None else part.sampling.off for part in parts]
+    off_squares = np.sum([each.off_squares for each in known], axis=0)
+    squares = np.sum([each.squares for each in known], axis=0)
+    return Sampling(np.concatenate(off), off_squares, squares, any(each.guessed for each in known))
 
 
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
     """Samples start to stop."""
-    extra = {name: values[start:stop] for name, values in samples.extra.items()}
+    return _chosen(samples, slice(start, stop), start)
+
+
+def every_second(samples: Trajectory, first: int) -> Trajectory:
+    """Return the samples first, first + 2 and so on."""
+    return _chosen(samples, slice(first, None, 2), first)
+
+
+def _chosen(samples: Trajectory, rows: slice, first: int) -> Trajectory:
     return replace(
         samples,
-        time=samples.time[start:stop],
-        q=samples.q[start:stop],
-        qd=samples.qd[start:stop],
-        qdd=samples.qdd[start:stop],
-        extra=extra,
-        first_row=samples.first_row + start,
-        stamps=None if samples.stamps is None else samples.stamps[start:stop],
+        time=samples.time[rows],
+        q=samples.q[rows],
+        qd=samples.qd[rows],
+        qdd=samples.qdd[rows],
+        extra={name: values[rows] for name, values in samples.extra.items()},
+        first_row=samples.first_row + first,
+        stamps=None if samples.stamps is None else samples.stamps[rows],
+        sampling=None,
     )

@@ -48,7 +48,7 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Pl
 
 def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosis:
     order = 2 if group.acceleration and group.source == "q" else 1
-    runs = [(piece.time, _raw(group, piece), _straight(group, piece)) for piece in pieces]
+    runs = [(piece.time, _raw(group, piece), straight(group, piece)) for piece in pieces]
     return diagnose(runs, order, mode)
 
 
@@ -141,7 +141,7 @@ def _source(group: Group, samples: Trajectory) -> FloatArray:
     return values
 
 
-def _straight(group: Group, samples: Trajectory) -> FloatArray:
+def straight(group: Group, samples: Trajectory) -> FloatArray:
     """The same with turns of 2 pi undone."""
     values = _source(group, samples)
     return values - 2.0 * math.pi * _turns(values) if group.kind == "continuous" else values

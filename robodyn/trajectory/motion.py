@@ -79,6 +79,22 @@ class Derivation:
 
 
 @dataclass(frozen=True)
+class Sampling:
+    """What the number of samples leaves open about derived accelerations.
+
+    Args:
+        off: (N, n) by how much each may be off; 0 where it is given, NaN where that was not looked at.
+        off_squares, squares: (n,) sums of the squares of `off` and of qdd where that was looked at.
+        guessed: whether velocities are derived from so few rows that they may as well be 0.
+    """
+
+    off: FloatArray
+    off_squares: FloatArray
+    squares: FloatArray
+    guessed: bool = False
+
+
+@dataclass(frozen=True)
 class Trajectory:
     """Consecutive samples of a motion.
 
@@ -94,6 +110,7 @@ class Trajectory:
         origin: what `time` counts from [s], in the table's count.
         held: position [rad or m] of each coordinate without a column that is held.
         doubts: what makes the table's units doubtful, by all samples up to the last of these.
+        sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
     """
 
     time: FloatArray
@@ -108,6 +125,7 @@ class Trajectory:
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
     doubts: tuple[Doubt, ...] = ()
+    sampling: Sampling | None = None
 
     def __len__(self) -> int:
         return len(self.time)

@@ -22,6 +22,7 @@ from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.neighbours import with_neighbours
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
+from robodyn.trajectory.sampling import sampling
 from robodyn.trajectory.table import Table, reason
 
 BLOCK_ROWS = 1 << 15
@@ -109,10 +110,16 @@ class TrajectoryReader:
         for samples, start, stop in with_neighbours(self._samples(), halo):
             if len(samples) < needed:
                 self._refuse_short(len(samples), needed)
-            block = cut(derive(samples, self._plan) if self._plan else samples, start, stop)
+            block = self._derived(samples, self._plan, start, stop) if self._plan else cut(samples, start, stop)
             plausible.update(block)
             self.doubts = plausible.doubts()
             yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
+
+    @staticmethod
+    def _derived(samples: Trajectory, plan: Plan, start: int, stop: int) -> Trajectory:
+        """Return the samples from start to stop with the missing columns, and how far they can be trusted."""
+        whole = derive(samples, plan)
+        return replace(cut(whole, start, stop), sampling=sampling(whole, plan, start, stop))
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf

@@ -1,0 +1,208 @@
+"""Too few samples to derive accelerations, or to check the energy: in the error bar, in warnings, never green."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from command_line import ARM, run
+from oracles import robot
+
+import robodyn
+from robodyn.doubts import TOO_FEW
+from robodyn.report.limits_words import limits_verdict
+from robodyn.trajectory import sampling
+
+DURATION = 4.0
+ENOUGH = 0.93
+Motion = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+def sine(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    w = 2 * np.pi / DURATION
+    return np.sin(w * t + 0.7), w * np.cos(w * t + 0.7), -w * w * np.sin(w * t + 0.7)
+
+
+def fast_sine(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    w = 8 * np.pi / DURATION
+    return np.sin(w * t + 0.3), w * np.cos(w * t + 0.3), -w * w * np.sin(w * t + 0.3)
+
+
+def minimum_jerk(t: np.ndarray, T: float = DURATION) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    s = t / T
+    rise, slope = 10 * s**3 - 15 * s**4 + 6 * s**5, 30 * s**2 - 60 * s**3 + 30 * s**4
+    return rise, slope / T, (60 * s - 180 * s**2 + 120 * s**3) / T**2
+
+
+def trapezoid(t: np.ndarray, T: float = DURATION) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    ramp = T / 4
+    a = 1 / (ramp * (T - ramp))
+    late, middle = T - t, 0.5 * a * ramp**2 + a * ramp * (t - ramp)
+    place = np.select([t < ramp, late < ramp], [0.5 * a * t**2, 1 - 0.5 * a * late**2], middle)
+    return place, a * np.minimum(np.minimum(t, late), ramp), a * ((t < ramp) * 1.0 - (late < ramp) * 1.0)
+
+
+def through(points: tuple[float, ...], part: Callable[..., tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Motion:
+    """From point to point, at rest in each."""
+
+    def motion(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        T = DURATION / (len(points) - 1)
+        k = np.minimum((t / T).astype(int), len(points) - 2)
+        start, step = np.array(points)[k], np.diff(points)[k]
+        s, v, c = part(t - k * T, T)
+        return start + step * s, step * v, step * c
+
+    return motion
+
+
+POINTS = (0.0, 0.8, -0.4, 0.3, 1.0)
+MOTIONS: dict[str, Motion] = {
+    "sine": sine,
+    "fast sine": fast_sine,
+    "minimum jerk": minimum_jerk,
+    "trapezoid": trapezoid,
+    "points by minimum jerk": through(POINTS, minimum_jerk),
+    "points by trapezoids": through(POINTS, trapezoid),
+}
+ROWS = (3, 5, 8, 12, 20, 30, 60, 100, 200, 400)
+TOO_FEW_BELOW = {
+    "sine": 30,
+    "fast sine": 60,
+    "minimum jerk": 30,
+    "trapezoid": 60,
+    "points by minimum jerk": 60,
+    "points by trapezoids": 200,
+}
+"""Of positions alone over 4 s: the first of ROWS that is not warned of."""
+ENERGY_BELOW = {
+    "sine": 12,
+    "fast sine": 30,
+    "minimum jerk": 8,
+    "trapezoid": 12,
+    "points by minimum jerk": 20,
+    "points by trapezoids": 60,
+}
+"""Of given velocities and accelerations: the first of ROWS from which on the energy can be checked."""
+
+
+def both(name: str, rows: int, rng: np.random.Generator) -> tuple[robodyn.Result, robodyn.Result, np.ndarray]:
+    """What an arm bears that moves so, from positions alone and from all that is known; and the truth."""
+    model = robot("puma560")
+    t = np.linspace(0.0, DURATION, rows)
+    size, middle = rng.uniform(0.3, 1.0, (2, model.n)) * rng.choice((-1.0, 1.0), (2, model.n))
+    s, v, a = (x[:, None] * size for x in MOTIONS[name](t))
+    q = middle + s
+    derived = robodyn.torques(model, robodyn.motion(model, t, q))
+    return derived, robodyn.torques(model, robodyn.motion(model, t, q, v, a)), robodyn.inverse_dynamics(model, q, v, a)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_which_numbers_of_samples_are_too_few(name: str) -> None:
+    rng = np.random.default_rng(1)
+    for rows in ROWS:
+        derived, given, _ = both(name, rows, rng)
+        warned = any(doubt.clause == TOO_FEW for doubt in derived.doubts)
+        blind = name == "fast sine" and rows in (3, 5)  # the same place in every row
+        assert warned == (rows < TOO_FEW_BELOW[name] and not blind), rows
+        assert derived.samples_suffice is not warned
+        if rows >= ENERGY_BELOW[name]:
+            assert not given.doubts, rows
+        assert all("too few" in doubt.clause for doubt in given.doubts)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_error_bars_hold_the_truth_however_few_samples_there_are(name: str) -> None:
+    rng, held = np.random.default_rng(2), []
+    for rows in (8, 12, 20, 30, 60, 100, 400):
+        derived, _, true = both(name, rows, rng)
+        rounding = 1e-9 * np.abs(true).max()
+        off = [abs(joint.peak - true[joint.peak_row - 1, k]) for k, joint in enumerate(derived.joints)]
+        held += [x <= joint.error_bar + rounding for x, joint in zip(off, derived.joints, strict=True)]
+    assert np.mean(held) >= ENOUGH
+
+
+def test_bars_of_well_sampled_motions_are_small() -> None:
+    rng = np.random.default_rng(3)
+    for name in ("sine", "minimum jerk", "fast sine"):
+        derived, _, _ = both(name, 400, rng)
+        assert max(joint.error_bar / abs(joint.peak) for joint in derived.joints) <= 1e-3
+
+
+def test_five_points_are_not_clean_and_not_trusted() -> None:
+    derived, _, _ = both("points by minimum jerk", 5, np.random.default_rng(4))
+    (doubt,) = derived.doubts
+    assert doubt.said.startswith("5 samples over 4 s are too few to derive accelerations: the peak of '")
+    assert doubt.said.endswith("give samples at 100 Hz or more, or give velocities and accelerations")
+    verdict = limits_verdict(derived)
+    assert verdict.level in ("doubtful", "bad")
+    assert derived.within_limits is not True
+    assert not derived.checks.energy_balance.consistent
+
+
+def test_a_pose_that_is_held_needs_no_samples() -> None:
+    model = robot("puma560")
+    result = robodyn.torques(model, robodyn.motion(model, [0.0, 1.0, 2.0], np.full((3, model.n), 0.4)))
+    assert not result.doubts
+    assert not any(joint.error_bar for joint in result.joints)
+
+
+def test_long_tables_are_looked_at_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bar of a peak where nobody looked is the largest that was seen."""
+    monkeypatch.setattr(sampling, "CHECKED", 100)
+    derived, _, _ = both("trapezoid", 2000, np.random.default_rng(5))
+    assert derived.samples_suffice
+    monkeypatch.setattr(sampling, "CHECKED", 2000)
+    whole, _, _ = both("trapezoid", 2000, np.random.default_rng(5))
+    assert all(a.peak == b.peak for a, b in zip(derived.joints, whole.joints, strict=True))
+    assert all(np.isfinite(joint.error_bar) for joint in derived.joints)
+
+
+def write(folder: Path, rows: int, effort: float = 50.0) -> tuple[str, str]:
+    """The arm and positions of a move from point to point."""
+    (folder / "arm.urdf").write_text(ARM.replace('effort="50"', f'effort="{effort:g}"'))
+    t = np.linspace(0.0, DURATION, rows)
+    s = MOTIONS["points by minimum jerk"](t)[0]
+    lines = [f"{a:.17g},{b:.17g},{-0.7 * b:.17g}" for a, b in zip(t, s, strict=True)]
+    (folder / "points.csv").write_text("\n".join(["time,shoulder,elbow", *lines, ""]))
+    return str(folder / "arm.urdf"), str(folder / "points.csv")
+
+
+@pytest.mark.parametrize("form", ["text", "json", "html", "md"])
+def test_too_few_samples_are_in_every_report(form: str, tmp_path: Path) -> None:
+    page = tmp_path / f"page.{form}"
+    more = {"text": (), "json": ("--format", "json")}.get(form, ("--report", str(page)))
+    outcome = run("torques", *write(tmp_path, 5, 1e4), "--fail-on-limits", *more)
+    assert (outcome.status, outcome.err) == (0, "")
+    shown = page.read_text() if page.exists() else outcome.out
+    assert "5 samples over 4 s are too few to derive accelerations" in shown
+    assert "torques that are not trusted (too few samples)" in shown
+    assert "the data are clean" not in shown
+    if form == "json":
+        found = json.loads(shown)
+        assert (found["within_limits"], found["verdict"]["level"]) == (None, "doubtful")
+        assert found["checks"]["energy_balance"]["consistent"] is False
+        assert all(joint["error_bar"] > 0.1 * abs(joint["peak"]) for joint in found["joints"])
+    fine = run("torques", *write(tmp_path, 401, 1e4))
+    assert "\nNo limit is exceeded.\n" in fine.out
+    assert "the data are clean" in fine.out
+    assert "error (95 %)" not in fine.out
+
+
+def test_a_limit_within_the_error_bar_of_a_peak_is_not_green() -> None:
+    model = robot("puma560")
+    t = np.linspace(0.0, DURATION, 400)
+    rng = np.random.default_rng(6)
+    q = 0.5 * sine(t)[0][:, None] * np.ones(model.n) + 1e-5 * rng.standard_normal((400, model.n))
+    peaks = robodyn.torques(model, robodyn.motion(model, t, q)).joints
+    text = (Path(__file__).parents[2] / "robots" / "puma560.urdf").read_text()
+    waist = peaks[0]
+    limit = abs(waist.peak) + 0.5 * waist.error_bar
+    tight = robodyn.load(re.sub('effort="[^"]*"', f'effort="{limit!r}"', text, count=1).encode())
+    result = robodyn.torques(tight, robodyn.motion(tight, t, q))
+    (doubt,) = [each for each in result.doubts if "error bar" in each.clause]
+    assert doubt.clause == "unless within the error bar of 'waist'"
+    assert limits_verdict(result).level != "good"
