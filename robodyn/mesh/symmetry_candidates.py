@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import gcd, inf
+from math import atan2, gcd, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +46,8 @@ def mirror_angles(axial: Array) -> list[float]:
     frequency = int(m) + 1
     if size[m, k] <= _LEVELS[0]:
         return []
-    return [(float(np.angle(axial[m, k])) + np.pi * j) / frequency for j in range(frequency)]
+    phase = atan2(axial[m, k].imag, axial[m, k].real)
+    return [(phase + np.pi * j) / frequency for j in range(frequency)]
 
 
 def rim_angles(points: Array, frame: Array) -> Floats:
@@ -55,10 +56,10 @@ def rim_angles(points: Array, frame: Array) -> Floats:
     Args:
         frame: (3, 3) rows: two directions from the axis on, and its own.
     """
-    x, y = frame[:2] @ points.T
+    x, y = np.einsum("ij,nj->in", frame[:2], points)
     radius = np.hypot(x, y)
     outer = radius >= radius.max() * (1 - _RIM)
-    return distinct_angles(np.arctan2(y[outer], x[outer]))
+    return distinct_angles(np.array([atan2(b, a) for a, b in zip(x[outer].tolist(), y[outer].tolist(), strict=True)]))
 
 
 def rim_folds(count: int) -> list[float]:

@@ -19,8 +19,8 @@ from robodyn.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
 from robodyn.spatial import Array, rotation_about
 from robodyn.ties import ranked
 
-NOISE = 1e-12
-"""Asymmetries below this are those of rounding."""
+DECIMALS = 12
+"""Of asymmetries: what is smaller is rounding, and another one on each processor."""
 
 _APART = 1e-3
 """Angle between planes that are told apart."""
@@ -56,14 +56,14 @@ class Search:
         for direction in self.special:
             if not any(_parallel(direction, axis.direction) for axis in found):
                 found += self._first(direction, _SOLID_FOLDS)
-        return tuple(ranked(found, lambda axis: -axis.asymmetry, NOISE))
+        return tuple(ranked(found, lambda axis: -axis.asymmetry))
 
     def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
         """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
         others = [self._plane(normal) for normal in self._wanted_normals(tuple(axes))]
         listed = [*self._always.values(), *(plane for plane in others if plane.verdict != "none")]
         kept: list[Plane] = []
-        for plane in ranked(listed, lambda plane: -plane.asymmetry, NOISE):
+        for plane in ranked(listed, lambda plane: -plane.asymmetry):
             if not any(_parallel(plane.normal, other.normal) for other in kept):
                 kept.append(plane)
         return tuple(kept)
@@ -128,12 +128,13 @@ class Search:
         for fold in folds:
             if fold < inf and not self._promising(rotation_about(direction, 2 * pi / fold)):
                 continue
-            asymmetry = self.body.revolved(direction) if fold == inf else self.body.turned(direction, 2 * pi / fold)
+            apart = self.body.revolved(direction) if fold == inf else self.body.turned(direction, 2 * pi / fold)
+            asymmetry = round(apart, DECIMALS)
             axis = Axis(direction, self.body.centre, fold, asymmetry, self._verdict(asymmetry))
             if axis.holds:
                 return [axis]
             near += [axis] if axis.verdict == "near" else []
-        return ranked(near, lambda axis: -axis.asymmetry, NOISE)[:1]
+        return ranked(near, lambda axis: -axis.asymmetry)[:1]
 
     def _wanted_normals(self, axes: tuple[Axis, ...]) -> list[Floats]:
         """Further normals; of planes that an axis of revolution implies those with the same triangles, or else two."""
@@ -179,7 +180,7 @@ class Search:
             if along.holds:
                 return along
         normal = pointed(normal)
-        asymmetry = self.body.mirrored(normal)
+        asymmetry = round(self.body.mirrored(normal), DECIMALS)
         return Plane(normal, float(normal @ self.body.centre), asymmetry, self._verdict(asymmetry))
 
     def _verdict(self, asymmetry: float) -> Verdict:

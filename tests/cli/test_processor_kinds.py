@@ -17,6 +17,8 @@ inertia robots/meshed_arm.urdf --compare
 inertia robots/meshed_arm.urdf --at elbow=0.5
 inertia robots/meshes/bracket.stl --unit mm --density 2700
 inertia robots/meshes/cross.stl --density 2700
+inertia robots/meshes/twisted_block.stl --density 2700
+inertia robots/meshes/worn_pad.stl --density 2700
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_motors.toml --explain
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml
 torques robots/scara.urdf robots/scara_pick_and_place.csv --format json
