@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import os
 
+import click
+
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.errors import InputError
 from robodyn.model import Model
+from robodyn.scene import Scene
 
 
-def write_example(path: str, model: Model) -> None:
-    """Write an example motion of a robot to a file that is not there yet.
+def write_example(path: str, model: Model, scene: Scene) -> None:
+    """Write an example motion of a robot to a file that is not there yet; warn of limits that no example keeps.
 
     Raises:
         InputError: the file is there, or cannot be written.
     """
-    from robodyn.example_motion import example_motion
+    from robodyn.example_motion import example_motion, overloaded
     from robodyn.trajectory.write import open_writer
 
     if path == STANDARD_INPUT or os.path.lexists(path):
         what = "--example writes a new file, and this one is there already"
         raise InputError(what, remedy="leave --example out, or name another file", file=path)
-    names, time, columns = example_motion(model)
+    names, time, columns = example_motion(model, scene)
     with open_writer(path, names) as writer:
         writer.write(time, columns)
+    for line in overloaded(model, scene, columns):
+        click.echo(f"warning: {line}", err=True)

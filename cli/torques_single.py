@@ -40,7 +40,7 @@ def run_single(
         if example:
             from robodyn.cli.example import write_example
 
-            write_example(trajectory, model)
+            write_example(trajectory, model, scene)
             said = f"\nwritten: {trajectory}, an example motion to begin with\n"
         way = None
         if accuracy is not None:

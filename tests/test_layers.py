@@ -31,7 +31,7 @@ ORDER = [
     ("mesh",),
     ("model", "scene_loop", "scene_motor", "scene_simulation", "part"),
     ("scene_file",),
-    ("joints", "limits", "dynamics", "motion_input", "scene_fit", "combination", "example_motion"),
+    ("joints", "limits", "dynamics", "motion_input", "scene_fit", "combination"),
     ("assemble", "effects"),
     ("plan", "result", "robot_inertia", "arrays", "motors"),
     (
@@ -47,7 +47,7 @@ ORDER = [
     ),
     ("sizing", "sizing_pass", "momentum", "forward"),
     ("momentum_pass", "free_body"),
-    ("one_pass", "equations", "bench"),
+    ("one_pass", "example_motion", "equations", "bench"),
     ("loads", "simulation"),
     ("accuracy", "maximal"),
     ("checks",),
