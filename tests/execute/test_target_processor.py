@@ -80,10 +80,10 @@ def test_the_command_says_so_in_one_line(tmp_path) -> None:
     assert done.err.count("\n") == 1
 
 
-def test_doctor_shows_it() -> None:
+def test_doctor_shows_it(tmp_path) -> None:
     if not machine.host().triple.startswith("x86_64"):
         pytest.skip("levels are of x86-64")
-    done = spawn("doctor", ROBODYN_CPU="x86-64-v2")
+    done = spawn("doctor", cwd=tmp_path, ROBODYN_CPU="x86-64-v2")
     assert "x86-64-v2 to LLVM" in done.out
     assert "the processor (x86-64-v2) has no fused multiply-add" in done.out
     assert any(line.split() == ["ROBODYN_CPU", "ok", "x86-64-v2"] for line in done.out.splitlines())
