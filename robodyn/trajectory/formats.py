@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import os
-import tempfile
-import zipfile
 from collections.abc import Sequence
 from typing import Any, BinaryIO
 
@@ -110,9 +108,11 @@ class NpzFormat:
         self._lengths: list[int] = []
 
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        from tempfile import TemporaryFile
+
         self._names = tuple(names)
         folder = os.path.dirname(os.path.abspath(stream.name)) if os.path.isfile(stream.name) else None
-        self._waiting = tempfile.TemporaryFile(dir=folder)  # noqa: SIM115
+        self._waiting = TemporaryFile(dir=folder)  # noqa: SIM115
 
     def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
         for column in (time, *columns.T):
@@ -120,6 +120,8 @@ class NpzFormat:
         self._lengths.append(len(time))
 
     def end(self, stream: BinaryIO) -> None:
+        from zipfile import ZipFile
+
         self._waiting.flush()
         values = np.memmap(self._waiting, np.float64, "r") if any(self._lengths) else np.empty(0)
         head = {
@@ -127,7 +129,7 @@ class NpzFormat:
             "fortran_order": False,
             "shape": (sum(self._lengths),),
         }
-        with zipfile.ZipFile(stream, "w") as archive:
+        with ZipFile(stream, "w") as archive:
             for i, name in enumerate(self._names):
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, head)
