@@ -50,10 +50,10 @@ def sampling(samples: Trajectory, plan: Plan, start: int, stop: int) -> Sampling
     off = np.full_like(samples.qdd, np.nan)
     off[low:high] = _FACTOR * change
     off[:, _given(plan, off.shape[1])] = 0.0
-    found = off[low:high]
-    squares = (samples.qdd[low:high] ** 2).sum(axis=0)
+    with np.errstate(over="ignore"):
+        off_squares, squares = ((values[low:high] ** 2).sum(axis=0) for values in (off, samples.qdd))
     guessed = few and any(group.velocity for group in plan.groups)
-    return Sampling(off[start:stop], (found**2).sum(axis=0), squares, guessed)
+    return Sampling(off[start:stop], off_squares, squares, guessed)
 
 
 def _given(plan: Plan, width: int) -> list[int]:
