@@ -86,8 +86,9 @@ def _reactions(found: Dae) -> Content:
         for connection in found.robot.system.connections
     ]
     names = sorted({name for _, part in own for name in part}, key=_place)
-    kinds = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
-    scales = dict(zip("FM", sizes(next(kinds), next(kinds), found.robot.model.reach).values(), strict=True))
+    forces, moments = ([x for _, part in own for name, x in part.items() if name[0] == kind] for kind in "FM")
+    weight = found.robot.model.total_mass * float(np.abs(found.robot.scene.gravity).max())
+    scales = dict(zip("FM", sizes([*forces, weight], moments, found.robot.model.reach).values(), strict=True))
     rows = [
         (connection.name, *(number(part[name], scales[name[0]]) if name in part else "-" for name in names))
         for connection, part in own

@@ -202,3 +202,9 @@ def test_rotors_and_oblique_axes_are_explained(tmp_path):
     text = shown(str(oblique))
     assert "1, 2 and a are perpendicular, a along an oblique axis" in text
     assert re.search(r"^1 j +a - b +revolute +a = \(0\.6, 0, 0\.8\) +1 +5 .* F1 F2 Fa M1 M2$", text, re.MULTILINE)
+
+
+def test_what_falls_freely_has_no_reactions_of_rounding():
+    """Forces are told beside the weight: of this robot nothing but 1e-15 N of rounding is left."""
+    table = re.search(r"^Reactions.*?\n\n", shown(GRIPPER), re.MULTILINE | re.DOTALL)[0]
+    assert set(re.findall(r"(?<= )\S*\d\S*$|(?<=  )-?\d\S*(?= )", table)) == {"0"}
