@@ -27,7 +27,6 @@ MUTATIONS = {
         ("dynamics/euler.py", "(yy - xx) * (x * y)", "(xx - yy) * (x * y)"),
         ("spatial.py", "+ skew(axis) * sin(angle)", "- skew(axis) * sin(angle)"),
         ("inertia/moments.py", "turned - m *", "turned + m *"),
-        ("arrays.py", "not rows[:, column].any()", "not rows[:1, column].any()"),
     ],
     "dynamics/test_momentum.py": [
         ("dynamics/kinematics.py", "turn.T @ vector(*qdd[3:])", "turn @ vector(*qdd[3:])"),
@@ -120,6 +119,7 @@ MUTATIONS = {
         ("execute/numpy_blocks.py", "SIGN: np.sign,", "SIGN: lambda x, out: np.copysign(1.0, x, out),"),
     ],
     "loads/test_blocks.py": [
+        ("arrays.py", "not rows[:, column].any()", "not rows[:1, column].any()"),
         (
             "statistics.py",
             "(steady(np.abs(found)) > steady(np.abs(self.value)))",

@@ -42,6 +42,18 @@ def _numbers(record):
     return {key: value for key, value in asdict(record).items() if isinstance(value, (int, float))}
 
 
+def test_a_joint_that_begins_late_is_not_taken_for_one_at_rest():
+    """The first row of a column says nothing of the others: peaks are those of inverse dynamics."""
+    model = robot("puma")
+    late = waves(model, TIME)
+    late = replace(
+        late, **{name: np.where(TIME[:, None] > TIME[9], getattr(late, name), 0.0) for name in ("qd", "qdd")}
+    )
+    expected = np.abs(inverse_dynamics(model, late.q, late.qd, late.qdd)).max(axis=0)
+    found = [abs(joint.peak) for joint in torques(model, late).joints]
+    assert np.abs(found - expected).max() <= 64 * EPS * expected.max()
+
+
 @pytest.mark.parametrize("split", SPLITS)
 def test_figures_do_not_depend_on_blocks(split):
     model, trajectory, scene = _busy()
