@@ -170,7 +170,7 @@ def test_units_of_options_are_those_of_columns_that_do_not_tell() -> None:
     write("arm.csv", ("time", "q_shoulder", "q_elbow"))
     units = ("--time-unit", "ms", "--angle-unit", "deg", "--hold", "rest")
     found = document("torques", "arm.urdf", "odd.csv", *units)["joints"]
-    assert found[0]["max_speed"] == pytest.approx(0.6, rel=1e-3)
+    assert found[0]["max_speed"] == pytest.approx(0.6, rel=1e-6)
     assert found[1]["max_speed"] == pytest.approx(found[0]["max_speed"], rel=1e-6)
 
 
