@@ -8,7 +8,7 @@ from typing import Any
 
 from robodyn.limits import Coverage
 from robodyn.report.limits_words import limits_verdict
-from robodyn.result import JointLoad, Result
+from robodyn.result import Checks, JointLoad, Result
 from robodyn.trajectory.motion import JointDerivation
 
 
@@ -16,7 +16,6 @@ def torques_json(result: Result) -> str:
     """The document; see README for its keys. Units are SI: N m or N, W, J, s, rad or m."""
     import json
 
-    balance = result.checks.energy_balance
     document: dict[str, Any] = {
         "robot": result.robot,
         "samples": result.samples,
@@ -39,21 +38,7 @@ def torques_json(result: Result) -> str:
             }
             for effect in result.effects
         ],
-        "checks": {
-            "energy_balance": {
-                "work": balance.work,
-                "energy_change": balance.energy_change,
-                "residual": balance.residual,
-                "quadrature_error": balance.quadrature,
-                "turnover": balance.turnover,
-                "largest_residual": balance.worst,
-                "consistent": balance.consistent,
-            },
-            "first_law": result.checks.first_law,
-            "second_law": result.checks.second_law,
-            "power": result.checks.power,
-            "samples": result.checks.samples,
-        },
+        "checks": _checks(result.checks),
         "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
         "derivatives": [_derived(joint) for joint in result.derivation.joints] if result.derivation else [],
         "time_origin": result.origin,
@@ -74,6 +59,25 @@ def torques_json(result: Result) -> str:
 
         document["sizing"] = sizing_data(result.sizing)
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def _checks(checks: Checks) -> dict[str, Any]:
+    balance = checks.energy_balance
+    return {
+        "energy_balance": {
+            "work": balance.work,
+            "energy_change": balance.energy_change,
+            "residual": balance.residual,
+            "quadrature_error": balance.quadrature,
+            "turnover": balance.turnover,
+            "largest_residual": balance.worst,
+            "consistent": balance.consistent,
+        },
+        "first_law": checks.first_law,
+        "second_law": checks.second_law,
+        "power": checks.power,
+        "samples": checks.samples,
+    }
 
 
 def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
