@@ -71,7 +71,7 @@ MESH = _both(
     click.option(
         "--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error."
     ),
-    click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair."),
+    click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair or is doubtful."),
     click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
     click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
     click.option("--tessellation/--no-tessellation", default=None, help="What facets leave out; default for few."),

@@ -107,7 +107,7 @@ def mass_properties(
         exact: integrate in exact arithmetic.
         repair: False takes the signed integral of the surface as it is, with a warning if it is not closed; shells that
             overlap then count twice.
-        strict: refuse a mesh that needs repair.
+        strict: refuse a mesh that needs repair, or may not be the whole one.
         shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
         scale: factors along the mesh's axes, as URDF's <mesh> has them; negative ones give a mirror image.
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
@@ -160,7 +160,7 @@ def mass_properties(
         symmetry=form.symmetry,
         tessellation=smooth,
         corrected=None if smooth is None else finished(solid(smooth.corrected, triangles, weight)),
-        warnings=(*_doubts(hi - lo), *_undefined(found, shell), *found.remarks),
+        warnings=(*triangles.warnings, *_doubts(hi - lo), *_undefined(found, shell), *found.remarks),
         notes=triangles.notes + form.notes + _averaged(form, symmetrize),
     )
 

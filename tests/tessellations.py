@@ -25,12 +25,12 @@ def turned_profile(profile: Loop) -> Callable[[int], np.ndarray]:
         angle = 2 * pi * np.arange(facets) / facets
         x, y = (np.outer(points[:, 0], part) for part in (np.cos(angle), np.sin(angle)))
         z = np.broadcast_to(points[:, 1:], x.shape)
-        return _quads(np.stack([x, y, z], axis=-1) + 0.0)
+        return quads(np.stack([x, y, z], axis=-1) + 0.0)
 
     return mesh
 
 
-def _quads(grid: np.ndarray) -> np.ndarray:
+def quads(grid: np.ndarray) -> np.ndarray:
     """Triangles over a grid (rows, columns, 3) that closes along the columns; those without area left out."""
     right = np.roll(grid, -1, axis=1)
     a, b, c, d = grid[:-1], right[:-1], right[1:], grid[1:]
@@ -71,7 +71,7 @@ def rounded_corners(half: np.ndarray, r: float, facets: int) -> np.ndarray:
         for u in (-1, 1)
     )
     ends = [samples.corners(bottom, [(0, 2, 1), (0, 3, 2)]), samples.corners(top, [(0, 1, 2), (0, 2, 3)])]
-    return np.concatenate([_quads(flat), *ends])
+    return np.concatenate([quads(flat), *ends])
 
 
 def icosphere(facets: int) -> np.ndarray:
@@ -80,11 +80,17 @@ def icosphere(facets: int) -> np.ndarray:
     points = np.concatenate([points, np.roll(points, 1, axis=1), np.roll(points, 2, axis=1)])
     found = _hull(points / np.linalg.norm(points[0]))
     for _ in range(max(int(np.log2(facets / 5)), 1)):
-        a, b, c = found.transpose(1, 0, 2)
-        ab, bc, ca = a + b, b + c, c + a
-        found = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-        found = found / np.linalg.norm(found, axis=2, keepdims=True)
+        found = quartered(found)
     return found
+
+
+def quartered(sphere: np.ndarray) -> np.ndarray:
+    """Each triangle on a unit sphere cut in four."""
+    a, b, c = sphere.transpose(1, 0, 2)
+    ab, bc, ca = a + b, b + c, c + a
+    found = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    unit: np.ndarray = found / np.linalg.norm(found, axis=2, keepdims=True)
+    return unit
 
 
 def scattered(facets: int) -> np.ndarray:

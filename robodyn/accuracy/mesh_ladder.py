@@ -69,6 +69,7 @@ def mesh_accuracy(triangles: Triangles) -> Accuracy:
     whole = found.integrals
     corners = np.ascontiguousarray(found.triangles.array() - whole.reference)
     crude, notes = _crude(corners)
+    notes += triangles.warnings
     surface = MemoryTriangles(triangles.name, found.triangles.array())
     acts, counts = _acts(surface, whole, corners, crude)
     rungs = []

@@ -28,6 +28,8 @@ class MeshFacts:
         closed: whether the surface has no boundary; mixed: whether it has one by the winding of its faces alone.
         inverted: shells wound inwards without being a cavity in another.
         overlapping: whether two shells share volume.
+        one_sided: faces that no turning makes agree with their neighbours, as on a Moebius strip.
+        doubt: why the file may hold another mesh than was read.
     """
 
     problem: str | None = None
@@ -41,6 +43,8 @@ class MeshFacts:
     mixed: bool = False
     inverted: int = 0
     overlapping: bool = False
+    one_sided: int = 0
+    doubt: str = ""
 
     def dumps(self) -> bytes:
         return json.dumps(asdict(self)).encode()
@@ -60,16 +64,20 @@ def mesh_facts(path: Path) -> MeshFacts:
 
     Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.mesh.integrate`).
     """
+    from robodyn.mesh.indexed import merged
     from robodyn.mesh.integrate import measure
     from robodyn.mesh.load import load_triangles
     from robodyn.mesh.one_shell import is_one_shell
     from robodyn.mesh.shell_faults import shell_faults
+    from robodyn.mesh.shells import wound
 
     try:
         triangles = load_triangles(path)
         integrals, edges = measure(triangles)
-        inverted, overlapping = 0, False
-        if edges.closed and triangles.count <= _LARGEST:
+        inverted, overlapping, one_sided = 0, False, 0
+        if edges.mixed and triangles.count <= _LARGEST:
+            one_sided = wound(merged(triangles.array()))[0].twisted
+        elif edges.closed and triangles.count <= _LARGEST:
             alone = is_one_shell(triangles)
             inverted, overlapping = (int(integrals.volume < 0), False) if alone else shell_faults(triangles)
     except MeshError as error:
@@ -84,6 +92,8 @@ def mesh_facts(path: Path) -> MeshFacts:
         mixed=edges.mixed,
         inverted=inverted,
         overlapping=overlapping,
+        one_sided=one_sided,
+        doubt="; ".join(triangles.warnings),
     )
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from robodyn.checks.mesh_facts import MeshFacts, mesh_facts
 from robodyn.execute.object_cache import Key, ObjectCache, cache_folder
 
-MAKER = "mesh facts 1"
+MAKER = "mesh facts 2"
 """Another text wherever other facts would come of the same file."""
 _SHARD = 1 << 20
 """Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""

@@ -68,13 +68,16 @@ def measured(triangles: Triangles, *, exact: bool = False, repair: bool = True, 
 
     Args:
         exact: integrate in exact arithmetic.
-        strict: refuse what needs repair.
+        strict: refuse what needs repair, and what may not be the whole mesh.
 
     Raises:
         MeshError: the surface needs repair and that is not wanted, or cannot be closed.
 
     Accuracy: as `measure`.
     """
+    if strict and triangles.warnings:
+        remedy = "--strict refuses what is doubtful"
+        raise MeshError("; ".join(triangles.warnings), remedy=remedy, file=triangles.name)
     integrals, edges = measure(triangles, exact)
     if not repair or is_sound(triangles, integrals, edges):
         return Measured(triangles, integrals, edges.closed)

@@ -10,7 +10,7 @@ from robodyn.mesh.holes import Filling, filled
 from robodyn.mesh.indexed import Indexed, merged
 from robodyn.mesh.nesting import Nesting, nested
 from robodyn.mesh.quadrature import Quadrature, by_columns, by_winding_numbers
-from robodyn.mesh.shells import wound
+from robodyn.mesh.shells import Shells, wound
 from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
 from robodyn.mesh.union import United, united
 
@@ -78,7 +78,7 @@ def repair(triangles: Triangles) -> Repaired:
         triangles: at least one.
 
     Raises:
-        MeshError: no triangle has an area.
+        MeshError: no triangle has an area, or a part of the surface has one side only.
     """
     mesh = merged(triangles.array())
     steps = _Steps(mesh.middle)
@@ -87,6 +87,7 @@ def repair(triangles: Triangles) -> Repaired:
     if not len(mesh.faces):
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
+    _check_sides(shells, triangles.name)
     steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
@@ -107,6 +108,17 @@ def repair(triangles: Triangles) -> Repaired:
         quadrature=region,
         remarks=_remarks(filling, region),
     )
+
+
+def _check_sides(shells: Shells, name: str) -> None:
+    """Refuse a surface that cannot be wound, whose inside and outside are therefore not told apart."""
+    if shells.twisted:
+        raise MeshError(
+            f"{shells.twisted} of {_many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
+            "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
+            remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
+            file=name,
+        )
 
 
 def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Quadrature | None]:
@@ -170,8 +182,6 @@ def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
     if found.left and region is None:
         share = f"{100 * found.missing:.2g} % of their surface"
         remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
-    if found.shells.twisted:
-        remarks.append(f"{_many(found.shells.twisted, 'face')} in patches with one side only, which have no winding")
     return tuple(remarks)
 
 
@@ -180,4 +190,5 @@ def _many(count: int, thing: str) -> str:
 
 
 def _replaced(triangles: Triangles, mesh: Indexed) -> Triangles:
-    return MemoryTriangles(triangles.name, mesh.corners, triangles.significand, triangles.scale, triangles.notes)
+    given = triangles
+    return MemoryTriangles(given.name, mesh.corners, given.significand, given.scale, given.notes, given.warnings)

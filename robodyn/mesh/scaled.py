@@ -42,6 +42,10 @@ class ScaledTriangles:
     def notes(self) -> tuple[str, ...]:
         return self.given.notes
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        return self.given.warnings
+
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
         for block in self.given.blocks(rows):
             yield self._stretched(block)

@@ -38,6 +38,7 @@ class StlTriangles:
     count: int
     scale: float = 1.0
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     significand: int = 24
     heard: Heard | None = None
 
@@ -108,9 +109,14 @@ def open_binary(
         )
         raise source.error(f"{what}, {there} whole triangles", remedy="it is cut short or no STL: get it again")
     if not count:
-        extra = f", though {source.size - START} bytes follow" if source.size > START else ""
-        raise source.error(f"the header promises 0 triangles{extra}", remedy="export the mesh again")
-    extra_bytes = source.size - START - RECORD * count
-    if extra_bytes:
-        notes = (*notes, f"{extra_bytes} bytes after the last triangle are left out")
-    return StlTriangles(source, count, scale, notes, heard=heard)
+        though = f", though {source.size - START} bytes follow" if source.size > START else ""
+        raise source.error(f"the header promises 0 triangles{though}", remedy="export the mesh again")
+    extra = source.size - START - RECORD * count
+    warnings: tuple[str, ...] = ()
+    if extra >= RECORD:
+        warnings = (
+            f"the header counts {count} triangles, the file has room for {there}: {there - count} are left out",
+        )
+    elif extra:
+        notes = (*notes, f"{extra} bytes after the last triangle are left out")
+    return StlTriangles(source, count, scale, notes, warnings, heard=heard)

@@ -23,7 +23,8 @@ class Triangles(Protocol):
 
     name: as messages name the mesh; count: number of triangles, at least one;
     significand: bits to which the file rounds a coordinate (24 for float32), relative to the largest one;
-    scale: metres per unit of the file; notes: what was assumed or left out when the mesh was read.
+    scale: metres per unit of the file; notes: what was assumed or left out when the mesh was read;
+    warnings: why what was read may not be the whole mesh.
     """
 
     @property
@@ -40,6 +41,9 @@ class Triangles(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]: ...
+
+    @property
+    def warnings(self) -> tuple[str, ...]: ...
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
         """Consecutive blocks (n, 3, 3), 1 <= n <= rows, of corners in units of the file, float32 or float64.
@@ -65,6 +69,7 @@ class MemoryTriangles:
     significand: int = 53
     scale: float = 1.0
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:
@@ -95,6 +100,7 @@ class IndexedTriangles:
     significand: int = 53
     scale: float = 1.0
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:

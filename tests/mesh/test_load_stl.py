@@ -6,9 +6,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from command_line import run
 from mesh_files import ascii_stl
-from mesh_samples import binary_stl, box, torus
+from mesh_samples import binary_stl, box, flipped, moved, torus
 
+import robodyn
 from robodyn.errors import MeshError
 from robodyn.mesh.load import load_triangles
 from robodyn.mesh.triangles import BLOCK
@@ -179,3 +181,29 @@ def test_records_of_bytes_are_those_bytes():
     assert np.array_equal(np.concatenate(blocks), RING.astype(np.float32))
     assert all(np.shares_memory(block, np.frombuffer(data, np.uint8)) for block in blocks)
     assert max(map(len, blocks)) == 100
+
+
+def test_a_header_that_counts_too_few_triangles_is_a_warning_with_both_numbers(tmp_path):
+    path = tmp_path / "part.stl"
+    path.write_bytes(binary_stl(np.concatenate([box(), moved(box(), (3, 0, 0))]), count=12))
+    warning = "the header counts 12 triangles, the file has room for 24: 12 are left out"
+    found = robodyn.mass_properties(path)
+    assert (found.triangles, found.warnings) == (12, (warning,))
+    with pytest.raises(MeshError, match=f"{warning} .--strict refuses"):
+        robodyn.mass_properties(path, strict=True)
+    assert f"warning: {warning}\n" in run("inertia", str(path)).out
+    robot = tmp_path / "robot.urdf"
+    shape = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+    robot.write_text(f'<robot name="r"><link name="l">{shape}</link></robot>')
+    outcome = run("inertia", str(robot), "--link", "l", "--geometry", "visual")
+    assert (outcome.status, warning in outcome.out) == (0, True)
+    assert run("inertia", str(robot), "--link", "l", "--geometry", "visual", "--strict").status == 2
+    assert f"may not be whole: {warning}" in run("check", str(robot)).out
+
+
+def test_the_warning_outlives_a_repair():
+    found = robodyn.mass_properties(
+        binary_stl(flipped(torus()), count=len(torus()) - 1), file_type="stl", scale=(1, 1, -2)
+    )
+    assert found.repairs
+    assert "1 are left out" in found.warnings[0]

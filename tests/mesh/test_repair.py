@@ -178,7 +178,7 @@ def test_nothing_but_lines_is_refused():
         repaired(corners([(0, 0, 0), (1, 1, 1), (2, 2, 2)], [(0, 1, 2)]))
 
 
-def test_a_strip_with_one_side_is_said():
+def test_a_strip_with_one_side_is_refused():
     angle = np.pi * np.arange(24) / 12
     radial = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     across = np.cos(angle / 2)[:, None] * radial + np.sin(angle / 2)[:, None] * (0, 0, 1)
@@ -187,6 +187,5 @@ def test_a_strip_with_one_side_is_said():
     after[:, -1] = after[::-1, -1].copy()
     first, last = rim[:24], rim[24:]
     strip = np.concatenate([np.stack([first, last, after[1]], axis=1), np.stack([first, after[1], after[0]], axis=1)])
-    found = repaired(strip)
-    assert not found.closed
-    assert found.remarks[-1] == "48 faces in patches with one side only, which have no winding"
+    with pytest.raises(MeshError, match="48 of 48 faces form surfaces with one side only"):
+        repaired(strip)

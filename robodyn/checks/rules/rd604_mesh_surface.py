@@ -30,8 +30,12 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     if facts.inverted:
         inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
         return inside_out, Severity.W
+    if facts.doubt:
+        return f"may not be whole: {facts.doubt}", Severity.W
     what = None
-    if facts.mixed:
+    if facts.one_sided:
+        what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
+    elif facts.mixed:
         what = "has faces wound against their neighbours"
     elif not facts.closed and facts.problem is None:
         what = "is not closed: it encloses no definite volume"
@@ -47,10 +51,11 @@ RULE = Rule(
     stage=Stage.DOCUMENT,
     summary="Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.",
     explanation="""Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
-coordinates that are no numbers; shells wound inwards that are no cavities; faces wound against their neighbours; open
-edges (by the boundary chain, see `robodyn.mesh.closed`); and shells that reach into another, as far as a few points of
-each show. The last three are a remark where a mesh is only a <visual>, and a warning in a <collision>. The bad example
-stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.""",
+coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
+their header counts; surfaces with one side only; faces wound against their neighbours; open edges (by the boundary
+chain, see `robodyn.mesh.closed`); and shells that reach into another, as far as a few points of each show. The last
+four are a remark where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a file
+`open.stl`, a box without lid; the good one beside `closed.stl`.""",
     bad=a_mesh("open.stl"),
     good=a_mesh("closed.stl"),
     check=check,
