@@ -54,6 +54,7 @@ class Simulation:
         effects: of every effect whether it is on, and why.
         loops: of a closed chain, what its loops carry and how far they come apart.
         ended: why the motion ended before its time; empty if it did not.
+        shaky: why the numbers may not be right.
         notes: what was assumed.
         target, expected_error: the accuracy that was asked for, and what was measured; None where none was.
     """
@@ -74,6 +75,7 @@ class Simulation:
     effects: tuple[tuple[Effect, Verdict], ...]
     loops: LoopFigures | None = None
     ended: str = ""
+    shaky: tuple[Doubt, ...] = ()
     notes: tuple[str, ...] = ()
     target: float | None = None
     expected_error: float | None = None
@@ -108,7 +110,7 @@ class Simulation:
     @cached_property
     def doubts(self) -> tuple[Doubt, ...]:
         """What else keeps "No limit is exceeded" from being the whole truth."""
-        return tuple(doubts(self.model, self.scene, self.time, self.q, self.qd))
+        return (*self.shaky, *doubts(self.model, self.scene, self.time, self.q, self.qd))
 
     @property
     def within_limits(self) -> bool | None:

@@ -19,9 +19,10 @@ from robodyn.simulation.adaptive import adaptive_motion
 from robodyn.simulation.closed_start import closed_start, start_notes
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.simulation.fixed import SHORTER, FixedSteps, Motion
+from robodyn.simulation.fixed import FixedSteps, Motion
+from robodyn.simulation.follow import Free, followed
 from robodyn.simulation.free import check_free
-from robodyn.simulation.how import How, how_of, way
+from robodyn.simulation.how import How, how_of
 from robodyn.simulation.initial import initial_state, limits_at_start
 from robodyn.simulation.joint_use import assumed
 from robodyn.simulation.leapfrog import check_leapfrog
@@ -80,11 +81,15 @@ def simulate(
     a_plan = plan(model, scene)
     length = duration or (DURATION if signal.table is None else signal.table.duration)
     begun = initial_state(model, scene)
-    how, stiff, remedy = way(a_plan, how, begun[: model.nq], length, step is None, method is None)
-    try:
-        motion = integrated(a_plan, how, length, executor, signal, start_of(a_plan))
-    except InputError as error:
-        raise InputError(error.what, remedy=remedy) if remedy and error.remedy == SHORTER else error from None
+    start = start_of(a_plan)
+    motion, how, stiff, doubts = followed(
+        a_plan,
+        how,
+        start[: model.nq],
+        length,
+        Free(step is None, method is None),
+        lambda how: integrated(a_plan, how, length, executor, signal, start),
+    )
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     pushed = deepest(model, motion.time, q, qd)
     return Simulation(
@@ -104,6 +109,7 @@ def simulate(
         effects=a_plan.verdicts,
         loops=loop_figures(a_plan, motion, executor, signal, not how.method.adaptive),
         ended=motion.ended,
+        shaky=doubts,
         notes=(
             *model.notes,
             *signal.said,
@@ -135,7 +141,7 @@ def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: S
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
-        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal)
+        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal, how.most)
     if method.leapfrog:
         check_leapfrog(Equations(a_plan))
     if method.keeps:

@@ -24,11 +24,16 @@ CONTRACTION = 0.45
 
 
 class Stiffest(NamedTuple):
-    """The fastest rate [1/s] at which something in a scene settles or swings, what it is, and at which joint."""
+    """The fastest rate [1/s] at which something in a scene settles or swings, what it is, and at which joint.
+
+    Attributes:
+        along: (N,) the rate at each configuration looked at, of which this is the largest.
+    """
 
     rate: float
     cause: str
     joint: str
+    along: Floats
 
     def longest(self, method: Method) -> float:
         """The longest stable step of a method [s]."""
@@ -47,7 +52,7 @@ class Stiffest(NamedTuple):
 
 
 def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
-    """The stiffest of what a scene has at q; None where nothing is stiff.
+    """The stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
 
     The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
     root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
@@ -55,18 +60,19 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     damping, stiffness = list(_slopes(a_plan)), list(_springs(a_plan))
     if not damping and not stiffness:
         return None
-    M = _mass_matrix(a_plan, q)
+    M = _mass_matrices(a_plan, np.atleast_2d(q))
     found = [_fastest(M, slopes, power) for slopes, power in ((damping, 1.0), (stiffness, 0.5)) if slopes]
-    return max((each for each in found if each is not None), default=None)
+    return max((each for each in found if each is not None), key=lambda each: each.rate, default=None)
 
 
-def _mass_matrix(a_plan: Plan, q: Floats) -> Floats:
-    """M(q) by inverse dynamics of unit accelerations at rest: one short program, where M's own has n^2 entries."""
+def _mass_matrices(a_plan: Plan, q: Floats) -> Floats:
+    """(N, n, n) M(q) by inverse dynamics of unit accelerations at rest: a short program, where M's has n^2 entries."""
     n, still = a_plan.model.n, (0.0, 0.0, 0.0)
     inert = replace(a_plan.scene, gravity=still, spring={}, wrenches=(), immersed=(), limit_spring=None, loops=())
-    columns = inverse_dynamics(a_plan.model, np.tile(q, (n, 1)), 0.0, np.eye(n), scene=inert, executor="numpy")
-    M: Floats = 0.5 * (columns + columns.T)
-    return M
+    units = np.tile(np.eye(n), (len(q), 1))
+    columns = inverse_dynamics(a_plan.model, np.repeat(q, n, axis=0), 0.0, units, scene=inert, executor="numpy")
+    M: Floats = columns.reshape(len(q), n, n)
+    return 0.5 * (M + M.transpose(0, 2, 1))
 
 
 class Slope(NamedTuple):
@@ -114,20 +120,24 @@ def _at_limits(a_plan: Plan, cause: str, which: str) -> Iterator[Slope]:
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
     """The root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
-    S = np.zeros(len(M))
+    S = np.zeros(M.shape[1])
     for slope in slopes:
         S[slope.joint.rate] += slope.joint.multiplier**2 * slope.value
-    weight = np.sqrt(S)
+    some = np.flatnonzero(S)
+    weight = np.sqrt(S[some])
     try:
-        values, vectors = np.linalg.eigh(weight[:, None] * np.linalg.inv(M) * weight)
+        inverse = np.linalg.inv(M)[:, some[:, None], some]
+        values, vectors = np.linalg.eigh(weight[:, None] * inverse * weight)
     except np.linalg.LinAlgError:
         return None
-    if not np.isfinite(values).all() or values[-1] <= 0.0:
+    largest = values.max(axis=1, initial=0.0)
+    if not np.isfinite(largest).all() or not largest.any():
         return None
-    place = first_largest(np.abs(vectors[:, -1]))
+    row = first_largest(largest)
+    place = some[first_largest(np.abs(vectors[row, :, -1]))]
     here = [slope for slope in slopes if slope.joint.rate == place]
     most = ranked(here, key=lambda slope: slope.joint.multiplier**2 * slope.value)[0]
-    return Stiffest(float(values[-1]) ** power, most.cause, most.joint.name)
+    return Stiffest(float(largest[row]) ** power, most.cause, most.joint.name, largest**power)
 
 
 def reach(method: Method) -> float:
