@@ -72,6 +72,7 @@ MESH = _both(
         "--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic for this relative error."
     ),
     click.option("--strict", is_flag=True, help="Refuse a mesh that needs repair or is doubtful."),
+    click.option("--cavities", is_flag=True, help="Shells in others are cavities, however they are wound."),
     click.option("--symmetry/--no-symmetry", default=None, help="Seek planes and axes; default for few triangles."),
     click.option("--symmetrize", is_flag=True, help="Average over the planes and axes that hold."),
     click.option("--tessellation/--no-tessellation", default=None, help="What facets leave out; default for few."),
@@ -96,7 +97,7 @@ ROBOT = _both(
 _LOOKUP = {"package_paths", "xacro_args"}
 OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
 _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
-_READING = {"geometry", "exact", "strict", "repair"}
+_READING = {"geometry", "exact", "strict", "repair", "cavities"}
 _ALLOWED = {
     "a whole robot": {*_VIEW, "at"},
     "a link as declared": {*_VIEW, "link"},

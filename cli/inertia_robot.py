@@ -51,7 +51,8 @@ def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: 
 
 
 def _reading(ctx: click.Context) -> Reading:
-    how: How = {"exact": ctx.params["exact"], "repair": ctx.params["repair"], "strict": ctx.params["strict"]}
+    given = ctx.params
+    how = How(exact=given["exact"], repair=given["repair"], strict=given["strict"], cavities=given["cavities"])
     return Reading(how, watch=counted)
 
 

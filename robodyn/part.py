@@ -86,6 +86,7 @@ def mass_properties(
     exact: bool = False,
     repair: bool = True,
     strict: bool = False,
+    cavities: bool = False,
     shell: float | None = None,
     scale: Sequence[float] = (1.0, 1.0, 1.0),
     symmetry: bool | None = False,
@@ -108,6 +109,8 @@ def mass_properties(
         repair: False takes the signed integral of the surface as it is, with a warning if it is not closed; shells that
             overlap then count twice.
         strict: refuse a mesh that needs repair, or may not be the whole one.
+        cavities: shells in others are cavities, however they are wound; by default one that is wound as the body around
+            it is a part of that.
         shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
         scale: factors along the mesh's axes, as URDF's <mesh> has them; negative ones give a mirror image.
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
@@ -123,8 +126,10 @@ def mass_properties(
         shapes; correctly rounded if `exact`.
     """
     _check(density, mass, shell)
+    if cavities and not repair:
+        raise InputError("cavities are told from bodies by repair", remedy="leave out --cavities or --no-repair")
     triangles = scaled(_triangles(source, unit, file_type, heard), scale)
-    found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict)
+    found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
     if shell is not None:

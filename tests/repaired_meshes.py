@@ -13,9 +13,9 @@ R = np.linalg.qr(np.array([(1.0, 2.0, 3.0), (-2.0, 1.0, 0.5), (0.3, 0.7, -1.0)])
 """A rotation about no axis in particular."""
 
 
-def repaired(*parts):
+def repaired(*parts, cavities=False):
     """The repair of these triangles (m, 3, 3) taken together."""
-    return repair(MemoryTriangles("part", np.concatenate(parts)))
+    return repair(MemoryTriangles("part", np.concatenate(parts)), cavities)
 
 
 def taken(found):

@@ -63,12 +63,15 @@ class Measured:
         return doubt / abs(self.integrals.volume) if doubt else None
 
 
-def measured(triangles: Triangles, *, exact: bool = False, repair: bool = True, strict: bool = False) -> Measured:
+def measured(
+    triangles: Triangles, *, exact: bool = False, repair: bool = True, strict: bool = False, cavities: bool = False
+) -> Measured:
     """The surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
 
     Args:
         exact: integrate in exact arithmetic.
         strict: refuse what needs repair, and what may not be the whole mesh.
+        cavities: see `repair`.
 
     Raises:
         MeshError: the surface needs repair and that is not wanted, or cannot be closed.
@@ -81,17 +84,17 @@ def measured(triangles: Triangles, *, exact: bool = False, repair: bool = True, 
     integrals, edges = measure(triangles, exact)
     if not repair or is_sound(triangles, integrals, edges):
         return Measured(triangles, integrals, edges.closed)
-    fixed = _repaired(triangles, strict)
+    fixed = _repaired(triangles, strict, cavities)
     if fixed.triangles is not triangles:
         integrals, edges = measure(fixed.triangles, exact)
     return Measured(fixed.triangles, integrals, edges.closed, fixed)
 
 
-def _repaired(triangles: Triangles, strict: bool) -> Repaired:
+def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
     """The surface put right and closed."""
     from robodyn.mesh.repair import repair
 
-    fixed = repair(triangles)
+    fixed = repair(triangles, cavities)
     if strict and fixed.steps:
         remedy = "--strict refuses what needs repair"
         raise MeshError("; ".join(step.what for step in fixed.steps), remedy=remedy, file=triangles.name)

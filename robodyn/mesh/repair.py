@@ -23,8 +23,8 @@ class Step:
     """One kind of repair.
 
     Attributes:
-        name: "degenerate", "duplicate", "winding", "holes", "orientation", "union", "overlaps" or "winding numbers";
-            the last two leave the surface as it is.
+        name: "degenerate", "duplicate", "winding", "holes", "orientation", "nested", "union", "overlaps" or "winding
+            numbers"; the last two leave the surface as it is.
         count: of the faces, gaps, shells or bodies it was done to.
         what: in words.
         volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
@@ -67,7 +67,7 @@ class Repaired:
     remarks: tuple[str, ...]
 
 
-def repair(triangles: Triangles) -> Repaired:
+def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     """The surface with bad faces dropped, small holes filled, shells wound as their nesting asks, and bodies united.
 
     Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole,
@@ -76,6 +76,7 @@ def repair(triangles: Triangles) -> Repaired:
 
     Args:
         triangles: at least one.
+        cavities: shells in others are cavities, however they are wound; else by winding numbers (see `nested`).
 
     Raises:
         MeshError: no triangle has an area, or a part of the surface has one side only.
@@ -92,9 +93,11 @@ def repair(triangles: Triangles) -> Repaired:
     filling = filled(shells)
     count = filling.holes + filling.seams
     steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
-    nesting = nested(filling.capped, filling.caps)
+    nesting = nested(filling.capped, filling.caps, cavities)
     count = nesting.bodies + nesting.cavities
-    steps.taken(filling.capped.mesh, nesting.shells.mesh, count, "orientation", _nesting(nesting))
+    steps.taken(filling.capped.mesh, nesting.whole, count, "orientation", _nesting(nesting))
+    what = f"{_many(nesting.within, 'shell')} in another, wound as it is, counted once"
+    steps.taken(nesting.whole, nesting.shells.mesh, nesting.within, "nested", what)
     union = united(nesting, filling.caps)
     steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
     mesh, region = _region(union, filling, steps)
@@ -106,7 +109,7 @@ def repair(triangles: Triangles) -> Repaired:
         doubt=filling.doubt,
         missing=filling.missing,
         quadrature=region,
-        remarks=_remarks(filling, region),
+        remarks=(*_remarks(filling, region), *_within(nesting, triangles.scale)),
     )
 
 
@@ -183,6 +186,18 @@ def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
         share = f"{100 * found.missing:.2g} % of their surface"
         remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
     return tuple(remarks)
+
+
+def _within(found: Nesting, scale: float) -> tuple[str, ...]:
+    """What was taken of shells that lie in others and are wound alike, and how to have it otherwise."""
+    if not found.within:
+        return ()
+    one = found.within == 1
+    is_or_are, cavity = ("is", "it is a cavity") if one else ("are", "they are cavities")
+    return (
+        f"{_many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
+        f"if {cavity}, say --cavities ({found.less * scale**3:.4g} m^3 less)",
+    )
 
 
 def _many(count: int, thing: str) -> str:

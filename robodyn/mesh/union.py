@@ -35,7 +35,7 @@ class United:
 def united(nesting: Nesting, caps: int = 0) -> United:
     """The union of bodies that share volume, by `manifold3d` (a robust boolean of triangle meshes).
 
-    A body is a shell at an even depth with the cavities right within it. Only bodies with boxes that overlap are tried.
+    A body is a shell with the cavities right within it. Only bodies with boxes that overlap are tried.
 
     Args:
         caps: so many of the last faces are none of the surface; they stay the last.
@@ -43,7 +43,7 @@ def united(nesting: Nesting, caps: int = 0) -> United:
     Accuracy: volume and second moments of two convex bodies with curved faces within 1e-15 of those of their union in
         exact rationals, and within 1e-12 where they are a thousand of their sizes away from the origin.
     """
-    body = _bodies(nesting)
+    body = nesting.body[nesting.shells.label]
     clusters = _clusters(nesting.shells.mesh.corners, body)
     mesh = nesting.shells.mesh
     found = United(mesh, folded=_folded(mesh, nesting.shells.label))
@@ -61,14 +61,6 @@ def united(nesting: Nesting, caps: int = 0) -> United:
             stays &= ~np.isin(body, cluster)
             extra.append(union)
     return replace(found, mesh=_joined([*extra, mesh.keep(stays)])) if extra else found
-
-
-def _bodies(nesting: Nesting) -> Numbers:
-    """(m,) the shell whose body each face belongs to, -1 for faces of open and of flat shells."""
-    cavity = nesting.depth % 2 == 1
-    shell = np.where(cavity, nesting.parent, np.arange(len(cavity)))
-    body: Numbers = np.where(nesting.depth < 0, -1, shell)[nesting.shells.label]
-    return body
 
 
 def _clusters(corners: Floats, body: Numbers) -> list[list[int]]:

@@ -29,6 +29,7 @@ class How(TypedDict, total=False):
     exact: bool
     repair: bool
     strict: bool
+    cavities: bool
 
 
 def unwatched(files: Sequence[Path]) -> AbstractContextManager[Tick]:

@@ -172,13 +172,20 @@ def test_overlapping_shells_that_are_no_manifolds():
     np.testing.assert_allclose(found.body.inertia, I, rtol=0, atol=2e-4)
 
 
-@pytest.mark.parametrize("wrong", [False, True])
-def test_cavity(wrong):
+@pytest.mark.parametrize("asked", [False, True])
+@pytest.mark.parametrize("outwards", [False, True])
+def test_cavity(outwards, asked):
+    """A shell that is wound as the one around it is no cavity, unless that is asked for."""
     outer, inner = moved(box((3, 2, 2)), R=rotation(4)), moved(box(), (0.5, 0.25, 0), rotation(4))
-    found = part(outer, inner if wrong else flipped(inner))
+    found = part(outer, inner if outwards else flipped(inner), cavities=asked)
+    if outwards and not asked:
+        holds(found, outer)
+        assert said(found) == [("nested", 1)]
+        assert "taken as a part of it: if it is a cavity, say --cavities (1 m^3 less)" in found.warnings[0]
+        return
     holds(found, np.concatenate([outer, flipped(inner)]))
-    assert said(found) == [("orientation", 1)] * wrong
-    assert all(step.what == "1 shell turned inwards, being a cavity in another" for step in found.repairs)
+    assert said(found) == [("orientation", 1)] * outwards
+    assert found.warnings == ()
 
 
 def test_disjoint_shells_one_inverted():

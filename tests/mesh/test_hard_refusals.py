@@ -57,6 +57,7 @@ def test_half_open_surfaces_and_sheets(refusal, tmp_path, surface):
         (np.concatenate([torus(), torus()[:1]]), "1 face given more than once dropped"),
         (np.concatenate([torus()[1:], flipped(torus()[:1])]), "1 face turned to agree with neighbours"),
         (flipped(torus()), "1 shell turned outwards"),
+        (np.concatenate([box((3, 3, 3)), box()]), "1 shell in another, wound as it is, counted once"),
     ],
 )
 def test_strict_refuses_every_repair(refusal, tmp_path, mesh, what):

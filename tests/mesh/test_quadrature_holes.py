@@ -104,11 +104,13 @@ def test_sides_of_a_box_in_place_but_apart():
 
 @pytest.mark.parametrize("inverted", [False, True])
 @pytest.mark.parametrize("inner", [False, True])
-def test_patches_around_a_cavity(inverted, inner):
+def test_patches_around_a_cavity_or_a_body_wound_as_they_are(inverted, inner):
     ball, cube = patches(uv_sphere(), 1e-4), moved(box((0.5, 0.5, 0.5)), (0.1, 0.1, 0.1))
     found = repaired(flipped(ball) if inverted else ball, flipped(cube) if inner else cube)
-    assert found.quadrature.volume == pytest.approx(volume(uv_sphere()) - 0.125, rel=2e-4)
-    assert ("orientation", 8 * inverted + (not inner)) in [*taken(found), ("orientation", 0)]
+    hollow = inverted != inner
+    assert found.quadrature.volume == pytest.approx(volume(uv_sphere()) - 0.125 * hollow, rel=2e-4)
+    assert ("orientation", 9 * inverted) in [*taken(found), ("orientation", 0)]
+    assert (("nested", 1) in taken(found)) == (not hollow)
 
 
 def test_patches_wound_inwards_beside_a_body():

@@ -70,7 +70,7 @@ def test_what_is_sound_needs_no_repair(path):
 def asked(monkeypatch):
     """The meshes that were repaired."""
     names = []
-    monkeypatch.setattr(repair, "repair", lambda triangles, real=repair.repair: (names.append(1), real(triangles))[1])
+    monkeypatch.setattr(repair, "repair", lambda *given, real=repair.repair: (names.append(1), real(*given))[1])
     return names
 
 
