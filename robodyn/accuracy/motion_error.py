@@ -44,13 +44,35 @@ class MotionError:
 
 
 def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
-    """States (N, nq + n) at any times of a motion, by polynomials of degree 7 between those recorded."""
-    from scipy.interpolate import make_interp_spline
+    """States (N, nq + n) at any times of a motion, by polynomials between those recorded.
 
-    degree = min(7, len(motion.time) - 1)
-    degree -= 1 - degree % 2
-    spline = make_interp_spline(motion.time, np.hstack((motion.q, motion.qd)), k=degree)
+    Of degree 7 where steps are of one length; else cubic ones with the slopes of the states, which stay between records
+    that are far apart.
+    """
+    from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+
+    states = np.hstack((motion.q, motion.qd))
+    if motion.step is None:
+        spline = CubicHermiteSpline(motion.time, states, np.hstack((_slopes(motion), motion.qdd)))
+    else:
+        degree = min(7, len(motion.time) - 1)
+        spline = make_interp_spline(motion.time, states, k=degree - 1 + degree % 2)
     return lambda times: np.asarray(spline(times), dtype=float)
+
+
+def _slopes(motion: Simulation) -> Floats:
+    """(N, nq) the rates of positions; of a quaternion h those of `h (w / 2)`, w along the body's axes."""
+    slopes = np.zeros_like(motion.q)
+    for joint in motion.model.independent:
+        k, i = joint.coordinate, joint.rate
+        if joint.kind == "floating":
+            w, x = 0.5 * motion.qd[:, i : i + 3], motion.q[:, k + 3 : k + 7]
+            slopes[:, k : k + 3] = motion.qd[:, i + 3 : i + 6]
+            slopes[:, k + 3 : k + 6] = x[:, 3:] * w + np.cross(x[:, :3], w)
+            slopes[:, k + 6] = -(x[:, :3] * w).sum(axis=1)
+        else:
+            slopes[:, k] = motion.qd[:, i]
+    return slopes
 
 
 def _kinds(model: Model) -> NDArray[np.int64]:

@@ -28,6 +28,8 @@ COARSE, FINE = (16, 1e-18), (24, 1e-22)
 """Orders of series and their tolerances."""
 PATIENCE = 10.0
 """Seconds for a series; motions that need more are measured by two methods in doubles."""
+MOST = 2e5
+"""Evaluations of an adaptive method, after which another one is tried."""
 CHECKED = 200
 """Times at which two motions are compared, at most."""
 
@@ -146,7 +148,7 @@ def _in_doubles(model: Model, duration: float, run: Run) -> Reference:
     """By two methods in doubles, each the first of its kind that gets through."""
     halved = [("gauss6", 16), ("gauss6", 14), ("gauss6", 18), ("rk4", 17)]
     fine = _first(run, duration, [(name, {"step": duration / 2**k}) for name, k in halved])
-    other = _first(run, duration, [("dop853", {"rtol": 1e-13}), ("radau", {"rtol": 1e-11})])
+    other = _first(run, duration, [("dop853", {"rtol": 1e-13, "most": MOST}), ("radau", {"rtol": 1e-11, "most": MOST})])
     at = between_records(fine)
     some = np.unique(np.linspace(0, len(other.time) - 1, CHECKED).astype(int))
     found = np.hstack((other.q, other.qd))[some]

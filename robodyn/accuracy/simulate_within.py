@@ -2,176 +2,241 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterator
+from dataclasses import replace
 from math import inf
-from time import perf_counter
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.accuracy.effort import Effort
 from robodyn.accuracy.motion_error import MotionError, between_records
 from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.scene import Scene
-from robodyn.simulation.how import LEAST_RTOL
+from robodyn.simulation.how import LEAST_RTOL, TooMuchError
+from robodyn.simulation.methods import method_named
 from robodyn.simulation.result import Simulation
-from robodyn.simulation.run import simulate
 
 Floats = NDArray[np.float64]
-FIRST_STEP = 1.6e-2
-"""s, which is halved from there on."""
-HALVED = "rk4", "gauss6"
-CHOOSING = "dop853", "radau"
+FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8
+"""s: the steps that are halved, from the first to the last."""
+HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
+"""Methods whose steps are halved, or whose tolerance is tightened."""
+CONFIRMING = "dop853", "radau", "bdf"
+"""Methods of which another one has to agree."""
 SLOWEST = 1.5
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
-PATIENCE = 3.0
-"""Seconds that a motion may take."""
 TINY = 1e-300
 FLOOR = 8.0
 """What a difference at the floor of rounding is multiplied with."""
 
 
-@dataclass(frozen=True, eq=False)
-class Halved:
-    """A motion by a method with a fixed step.
-
-    Attributes:
-        error: what halving the steps shows: the expected one, relative to the largest of the kind (see `MotionError`).
-        seconds: that it took.
-    """
+class Settled(NamedTuple):
+    """A motion by one method, and its expected error, relative to the largest of the kind (see `MotionError`)."""
 
     motion: Simulation
     error: float
-    seconds: float
+
+
+class UnsettledError(InputError):
+    """A method that does not get there.
+
+    Attributes:
+        reached: the change that its last two motions leave; inf if there are no two.
+    """
+
+    def __init__(self, what: str, reached: float = inf) -> None:
+        super().__init__(what)
+        self.reached = reached
 
 
 def simulate_within(model: Model, scene: Scene, duration: float | None, target: float, **how: Any) -> Simulation:
     """The motion by the quickest method whose error is expected to be within the target, and which one that is.
 
-    The steps of a method are halved until that changes the motion by less than the target, the change having fallen
-    from one halving to the next; then a second method, independent and with steps of its own, has to agree. The
-    quicker of the two is taken.
+    The steps of a method are halved, or its tolerance is tightened, until that changes the motion by less than the
+    target, the change having fallen from one halving to the next; then another method, independent and with steps of
+    its own, has to agree. That which takes less work is returned. Work is counted, and ends at a bound.
 
     Args:
-        target: of positions and speeds along the way, relative to the largest angle, length, rate or speed.
+        target: of positions and speeds along the way, relative to the largest angle, length, rate or speed, and of the
+            time at which a limit ends the motion, relative to that.
         how: as for `simulate`, without method, step and tolerance.
 
     Raises:
-        InputError: no method gets there, or the two do not agree.
+        InputError: no method gets there, or no two agree; it tells what was reached by how many steps.
 
     Accuracy: `expected_error` covers the true error in 95 of 100 random motions.
     """
-    run = partial(simulate, model, scene, duration, **how)
-    run()  # refuses what no method can do
-    halved = _halved(run, target)
-    measure = MotionError.over(model, _states(halved.motion))
-    checked, apart, seconds = _checked(run, halved, measure, target)
-    error = halved.error + apart
+    effort = Effort(model, scene, duration, how)
+    settled = _settled(effort, target, effort.is_stiff())
+    checked = _confirmed(effort, settled, target)
+    error = settled.error + checked.error
     if error > target:
-        _refuse(target, f"{halved.motion.method.name} and {checked.method.name} differ by {apart:.0e}")
-    quicker = checked if seconds < halved.seconds else halved.motion
-    other = checked if quicker is halved.motion else halved.motion
+        what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
+        _refuse(effort, target, what, error)
+    quicker, other = sorted((settled.motion, checked.motion), key=effort.work)
     said = (
         f"accuracy: {target:g} asked, {_named(quicker)} is expected to be within {error:.0e} of the largest angle, "
-        f"length, rate or speed (halving steps: {halved.error:.0e}, {_named(other)} differs by {apart:.0e})"
+        f"length, rate or speed (from step to step: {settled.error:.0e}, {_named(other)} differs by "
+        f"{checked.error:.0e})"
     )
-    return replace(quicker, notes=(*quicker.notes, said), target=target, expected_error=error)
+    return replace(quicker, notes=(*quicker.notes, said), shaky=(), target=target, expected_error=error)
 
 
-def _halved(run: Callable[..., Simulation], target: float) -> Halved:
-    """The first method whose steps can be halved until that changes less than the target."""
-    problems = []
-    for method in HALVED:
+def _settled(effort: Effort, target: float, stiff: bool) -> Settled:
+    """The first method that can be refined until that changes less than half the target.
+
+    Raises:
+        InputError: none can.
+    """
+    tightened = () if effort.scene.loops else TIGHTENED
+    problems, reached = [], inf
+    for name in (*tightened, *HALVED) if stiff else (*HALVED, *tightened):
         try:
-            return _by_halving(partial(run, method=method), 0.5 * target)
-        except InputError as error:
-            problems.append(f"{method}: {error.what}")
-    _refuse(target, "; ".join(problems))
+            return _refined(effort, name, 0.5 * target)
+        except UnsettledError as error:
+            problems.append(f"{name}: {error.what}")
+            reached = min(reached, error.reached)
+    _refuse(effort, target, "; ".join(problems), reached)
 
 
-def _by_halving(run: Callable[..., Simulation], target: float) -> Halved:
-    """Raises: InputError: the changes stop falling above the target, or the steps become too many."""
-    before, change, step = None, inf, FIRST_STEP
-    problem = ""
-    while True:
-        begin = perf_counter()
+def _refined(effort: Effort, name: str, target: float) -> Settled:
+    """Raises: UnsettledError: the changes stop falling above the target, or the work is done."""
+    before, change, problem, step = None, inf, "one motion alone tells no error", inf
+    effort.next_way()
+    for how in _finer(name, target):
+        if "step" in how and how["step"] > 0.75 * step:
+            continue
         try:
-            motion = run(step=step)
+            motion = effort.run(name, **how)
+        except TooMuchError:
+            left = f"finer steps change it by {change:.0e} yet" if change < inf else problem
+            raise UnsettledError(f"{left}, and going to {_shown(how)} is more work than is allowed", change) from None
         except InputError as error:
-            motion, problem = None, error.what
-        seconds = perf_counter() - begin
-        if motion is not None and before is not None:
-            last, change = change, _change(before, motion)
-            if change * SLOWEST > last:
-                if FLOOR * change <= target:
-                    return Halved(motion, FLOOR * change, seconds)
-                if last < 1e-6:
-                    raise InputError(f"halving its step to {motion.step:.3g} s changes the motion by {change:.0e} yet")
-            elif last < inf and max(change, rest := change / (last / max(change, TINY) - 1.0)) <= target:
-                return Halved(motion, max(change, rest), seconds)
-        before = motion
-        length = step if motion is None else motion.step or step
-        if motion is not None and 2.0 * seconds > PATIENCE:
-            raise InputError(f"steps of {length:.3g} s still change the motion by {change:.0e} when they are halved")
-        if motion is None and step < 1e-6:
-            raise InputError(problem)
-        step = 0.5 * length
+            problem = error.what
+            continue
+        if before is not None:
+            last, change = change, apart(before, motion)
+            expected = _expected(name, last, change, target)
+            if expected <= 2.0 * target:
+                return Settled(motion, expected)
+            if change * SLOWEST > last and last < 1e-6:
+                raise UnsettledError(f"going to {_shown(how)} changes the motion by {change:.0e} yet", change)
+        before, step = motion, motion.step or inf
+    raise UnsettledError(
+        f"going to {_shown(how)} changes the motion by {change:.0e} yet" if change < inf else problem, change
+    )
 
 
-def _change(coarse: Simulation, fine: Simulation) -> float:
-    """What twice as many steps change, at the times of the coarse records, up to a limit that ends either."""
-    ended = coarse.ended or fine.ended
-    rows = coarse.time < min(coarse.time[-1], fine.time[-1]) if ended else coarse.time <= fine.time[-1]
+def _finer(name: str, target: float) -> Iterator[dict[str, float]]:
+    """Ever shorter steps, or smaller tolerances."""
+    if method_named(name).adaptive:
+        rtol = max(0.2 * target, LEAST_RTOL)
+        while rtol > LEAST_RTOL:
+            yield {"rtol": rtol}
+            rtol = max(rtol / 100.0, LEAST_RTOL)
+        yield {"rtol": LEAST_RTOL}
+    else:
+        step = FIRST_STEP
+        while step >= LAST_STEP:
+            yield {"step": step}
+            step *= 0.5
+
+
+def _expected(name: str, last: float, change: float, target: float) -> float:
+    """The error that is left after a change which followed another one; inf if that cannot be told."""
+    if method_named(name).adaptive:
+        return change if change <= target else inf
+    if change * SLOWEST > last:
+        return FLOOR * change if FLOOR * change <= 2.0 * target else inf
+    rest = max(change, change / (last / max(change, TINY) - 1.0))
+    return rest if last < inf and rest <= target else inf
+
+
+def apart(coarse: Simulation, fine: Simulation) -> float:
+    """How far a motion is from a finer one: at the records of the coarser, up to a limit that ends either.
+
+    inf where one ends at another limit than the other, or both are too short.
+    """
+    if _limit(coarse) != _limit(fine):
+        return inf
+    end = min(coarse.time[-1], fine.time[-1])
+    rows = coarse.time < end if coarse.ended else coarse.time <= end
     count = int(rows.sum())
     if count < 2:
         return inf
     near = fine.time[::2][:count]
     shared = len(near) == count and np.allclose(near, coarse.time[:count], rtol=1e-12, atol=0.0)
-    expected = _states(fine)[::2][:count] if shared else between_records(fine)(coarse.time[:count])
-    off = MotionError.over(fine.model, expected)(_states(coarse)[:count], expected)
-    return float(off.max())
+    expected = states_of(fine)[::2][:count] if shared else between_records(fine)(coarse.time[:count])
+    off = MotionError.over(fine.model, expected)(states_of(coarse)[:count], expected)
+    return max(float(off.max()), _late(coarse, fine))
 
 
-def _checked(
-    run: Callable[..., Simulation], halved: Halved, measure: MotionError, target: float
-) -> tuple[Simulation, float, float]:
-    """The motion by a second method, how far it is from the first, and the seconds that it took."""
-    motion = halved.motion
-    between = between_records(motion)
-    found: tuple[Simulation, float, float] | None = None
+def _late(one: Simulation, other: Simulation) -> float:
+    """By how much of the time two motions end apart."""
+    return abs(float(one.time[-1] - other.time[-1])) / float(other.time[-1]) if one.ended else 0.0
+
+
+def _limit(motion: Simulation) -> str:
+    """The limit that ends a motion."""
+    return motion.ended.rpartition(" at ")[0]
+
+
+def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
+    """The motion by another method, and how far it is from the first.
+
+    Raises:
+        InputError: no other method gets through.
+    """
+    motion = settled.motion
+    best: Settled | None = None
     problem = ""
-    for method in CHOOSING:
+    for name in CONFIRMING:
+        if name == motion.method.name:
+            continue
+        effort.next_way()
         for rtol in (target / 10, target / 1e3, target / 1e5, LEAST_RTOL):
-            begin = perf_counter()
             try:
-                other = run(method=method, rtol=max(rtol, LEAST_RTOL))
+                other = effort.run(name, rtol=max(rtol, LEAST_RTOL))
             except InputError as error:
                 problem = error.what
                 break
-            seconds = perf_counter() - begin
-            rows = other.time <= motion.time[-1]
-            off = float(measure(_states(other)[rows], between(other.time[rows])).max())
-            if found is None or off < found[1]:
-                found = other, off, seconds
-            if off + halved.error <= target and (off <= halved.error or rtol <= LEAST_RTOL or off <= 0.1 * target):
-                return found
-        if found is not None:
-            return found
-    _refuse(target, f"no second method gets through to confirm it: {problem}")
+            off = _differs(other, motion)
+            if best is None or off < best.error:
+                best = Settled(other, off)
+            if off + settled.error <= target and (off <= settled.error or rtol <= LEAST_RTOL or off <= 0.1 * target):
+                return best
+        if best is not None:
+            return best
+    _refuse(effort, target, f"no second method gets through to confirm it: {problem}", settled.error)
 
 
-def _states(motion: Simulation) -> Floats:
+def _differs(other: Simulation, motion: Simulation) -> float:
+    """How far a motion is from another one, at the records of the first."""
+    if _limit(other) != _limit(motion):
+        return inf
+    rows = other.time <= motion.time[-1]
+    measure = MotionError.over(motion.model, states_of(motion))
+    off = measure(states_of(other)[rows], between_records(motion)(other.time[rows]))
+    return max(float(off.max()), _late(other, motion))
+
+
+def states_of(motion: Simulation) -> Floats:
     return np.hstack((motion.q, motion.qd))
 
 
 def _named(motion: Simulation) -> str:
-    how = f"steps of {motion.step:.3g} s" if motion.step is not None else f"rtol {motion.rtol:.1g}"
-    return f"{motion.method.name} with {how}"
+    return f"{motion.method.name} with {_shown({'step': motion.step} if motion.step else {'rtol': motion.rtol})}"
 
 
-def _refuse(target: float, why: str) -> NoReturn:
+def _shown(how: dict[str, Any]) -> str:
+    return f"steps of {how['step']:.3g} s" if "step" in how else f"rtol {how['rtol']:.1g}"
+
+
+def _refuse(effort: Effort, target: float, why: str, reached: float) -> NoReturn:
+    got = f"reached {reached:.0e}" if reached < inf else "nothing is known of its error"
     remedy = "ask for less, give a shorter --duration, or choose --method and --step yourself"
-    raise InputError(f"an accuracy of {target:g} cannot be promised: {why}", remedy=remedy)
+    what = f"an accuracy of {target:g} cannot be promised: {got} after {effort.steps} steps in all; {why}"
+    raise InputError(what, remedy=remedy)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -33,6 +34,8 @@ DURATION = 2.0
 STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
 """s, of methods with a fixed step, while they gain digits."""
 TOLERANCES = 1e-4, 1e-7, 1e-10, 1e-13
+MOST = 1e5
+"""Evaluations of an adaptive method: stiff motions are not for every one."""
 LONGEST = 2.0
 """Seconds that one run may take."""
 GAIN = 0.5
@@ -111,7 +114,7 @@ def _tries(
             if not found:
                 run(duration / 1024, **given)  # so that machine code is ready
             begin = perf_counter()
-            motion = run(duration, **given)
+            motion = run(duration, most=MOST if method.adaptive else inf, **given)
         except InputError as error:
             failed, why = [*failed, name], error.what
             continue

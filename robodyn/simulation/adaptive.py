@@ -53,7 +53,7 @@ def adaptive_motion(
 
     equations = Equations(plan)
     runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
-    used, count = "", 0
+    used, count, expected = "", 0, EXPECTED if most == inf else int(most)
 
     def rates(time: float, y: Any) -> Any:
         nonlocal used, count
@@ -66,7 +66,7 @@ def adaptive_motion(
         sources = {STATE: np.vstack((columns, np.zeros(samples))).T}
         if signal.curves:
             sources[COLUMNS] = np.repeat(signal.at(np.array([time])), samples, axis=0)
-        found = runner.run(sources, samples, executor=executor, expected=EXPECTED)
+        found = runner.run(sources, samples, executor=executor, expected=expected)
         used = found.choice.executor
         return found.values.T.reshape(y.shape)
 

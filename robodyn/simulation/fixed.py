@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.repeated import SINGLE, CompiledSteps, NumpySteps
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.how import TooMuchError
 from robodyn.simulation.limits import Limits, moment
 from robodyn.simulation.methods import Method
 from robodyn.simulation.steps import Steps
@@ -60,12 +62,16 @@ class FixedSteps:
         """
         self.method, self.width, self.signal = method, Equations(plan).width, signal
         self.run = stepper(plan, method, executor, steps)
-        self._sweeps = 0
+        self._sweeps, self._most = 0, inf
 
-    def motion(self, state: Floats, duration: float, step: float, limits: Limits) -> Motion:
+    def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
         """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
+        Args:
+            most: evaluations of the equations of motion.
+
         Raises:
+            TooMuchError: it takes more.
             InputError: an implicit method does not settle, or a number is no longer finite.
         """
         if duration / step > MOST_STEPS:
@@ -74,6 +80,10 @@ class FixedSteps:
         every = -(-asked // MOST_RECORDS)
         total = -(-asked // every)
         h = duration / (total * every)
+        self._most = most
+        if total * every * len(self.method.b) > most:
+            what = f"{total * every} steps of {self.method.name} take more than {most:.3g} evaluations"
+            raise TooMuchError(what, 0.0, state, "give a longer --step")
         first = np.zeros(self.run.width)
         first[: self.width], first[self.width - 1] = state, h
         chunk = max(CHUNK // every, 1) if self.signal.curves else CHUNK
@@ -122,6 +132,9 @@ class FixedSteps:
                 raise InputError(f"the steps of {self.method.name} do not settle {at}", remedy=SHORTER)
             raise InputError(f"the motion cannot be followed {at}: a number overflows", remedy=SHORTER)
         self._sweeps += done.sweeps
+        if len(self.method.b) * self._sweeps > self._most:
+            what = f"{self.method.name} has taken {self._most:.3g} evaluations and is at {time:.3g} s"
+            raise TooMuchError(what, time, state, "give a shorter --duration")
         if not np.isfinite(slots).all():
             raise InputError(f"a number overflows after {time:.6g} s", remedy=SHORTER)
         states: Floats = slots[1:, :, 0]

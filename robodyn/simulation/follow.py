@@ -61,14 +61,15 @@ def followed(a_plan: Plan, how: How, q: Floats, duration: float, free: Free, mad
     fastest = stiffest(a_plan, q) if how.method.name != "radau" else None
     if fastest is None:
         return Followed(made(how), how)
-    free = Free(free.step, free.method and not a_plan.scene.loops)
+    free, most = Free(free.step, free.method and not a_plan.scene.loops), how.most
     chosen = _begun(how, fastest, duration, free)
     while True:
         how = chosen.how
         try:
             motion = made(how)
         except InputError as error:
-            chosen = _instead(a_plan, chosen, error, fastest, duration, free)
+            chosen = _instead(a_plan, chosen, error, fastest, duration, free, most)
+            chosen = chosen._replace(how=chosen.how._replace(most=most))
             continue
         found = None if how.method.adaptive else _outgrown(a_plan, how, motion)
         if found is None:
@@ -97,24 +98,29 @@ def _shorter(how: How, fastest: Stiffest, since: float, duration: float, free: F
 
 
 def _by_radau(how: How, why: str) -> Chosen:
-    return Chosen(how._replace(method=method_named("radau"), most=np.inf), (f"{why}: radau follows it",))
+    return Chosen(how._replace(method=method_named("radau")), (f"{why}: radau follows it",))
 
 
 def _when(fastest: Stiffest, since: float) -> str:
     return f"{fastest} on the way, too fast for the steps before from {since:.4g} s on" if since else str(fastest)
 
 
-def _instead(a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest, duration: float, free: Free) -> Chosen:
+def _instead(
+    a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest, duration: float, free: Free, most: float
+) -> Chosen:
     """Radau's method after another failed, or that other without a bound where nothing stiff held it up.
+
+    Args:
+        most: evaluations that the caller allows.
 
     Raises:
         InputError: the caller wants the other, or that is not why it failed.
     """
     how = chosen.how
-    if isinstance(error, TooMuchError) and free.method:
+    if isinstance(error, TooMuchError) and free.method and how.most < most:
         here = stiffest(a_plan, error.state[: a_plan.model.nq])
         if here is None or here.rate * duration <= MOST_UNASKED:
-            return Chosen(how._replace(most=np.inf), chosen.notes)
+            return chosen
         return _by_radau(how, _when(here, error.time))
     if error.remedy == SHORTER and free.method and free.step:
         return _by_radau(how, f"{how.method.name} does not get through ({error.what})")

@@ -100,6 +100,10 @@ METHODS: tuple[Method, ...] = (
     Method("dop853", 8, "Dormand and Prince's, SciPy's: steps as long as --rtol allows", scipy="DOP853"),
     Method("radau", 5, "Radau IIA, SciPy's: implicit, for stiff friction and stiff drives", scipy="Radau"),
 )
+CHECKING: tuple[Method, ...] = (
+    Method("bdf", 5, "backward differences, SciPy's: for another opinion on stiff motions", scipy="BDF"),
+)
+"""Methods that confirm others and are good for nothing else."""
 
 
 def method_named(name: str) -> Method:
@@ -108,7 +112,8 @@ def method_named(name: str) -> Method:
     Raises:
         InputError: there is none.
     """
-    found = {method.name: method for method in METHODS}
+    found = {method.name: method for method in (*METHODS, *CHECKING)}
     if name not in found:
-        raise InputError(f"there is no method {name!r}", remedy=alternatives(name, tuple(found), "methods"))
+        known = tuple(method.name for method in METHODS)
+        raise InputError(f"there is no method {name!r}", remedy=alternatives(name, known, "methods"))
     return found[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +49,7 @@ def simulate(
     rtol: float | None = None,
     method: str | None = None,
     executor: str = "auto",
+    most: float = inf,
 ) -> Simulation:
     """The motion of a robot: M(q) qdd + c + g + friction + springs - J^T w = tau, from the scene's initial state.
 
@@ -66,15 +68,17 @@ def simulate(
         method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", "radau" where that needs
             too many steps, with `rtol` "dop853".
         executor: "numpy", "compiled", or "auto": the quicker.
+        most: evaluations of the equations of motion that it may take.
 
     Raises:
+        TooMuchError: it takes more.
         InputError: the scene does not fit the robot or the table; a joint begins beyond a limit; a number is out of
             range; the method does not apply, or does not get through.
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
     check_moves(model)
-    how = how_of(step, rtol, method)
+    how = how_of(step, rtol, method)._replace(most=most)
     _check_positive(duration=duration, step=step, rtol=rtol)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     scene, notes = with_friction(model, signal.scene)
@@ -147,7 +151,7 @@ def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: S
     if method.keeps:
         check_free(a_plan.model, a_plan.scene, method.name)
     ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
-    return ready.motion(state, duration, how.step, limits)
+    return ready.motion(state, duration, how.step, limits, how.most)
 
 
 def _check_positive(**given: float | None) -> None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from simulated_robots import pendulum, slide
+from simulated_robots import pendulum, slide, turntable
 
+import robodyn
+from robodyn.accuracy import effort
 from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.accuracy.simulate_within import simulate_within
+from robodyn.accuracy.simulate_within import apart, simulate_within
 from robodyn.accuracy.simulation_ladder import state_errors
 from robodyn.errors import InputError
 from robodyn.plan import plan
@@ -43,14 +46,54 @@ def test_up_to_a_limit():
     assert found.ended
 
 
-@pytest.mark.parametrize(("target", "why"), [(1e-17, "halving its step to"), (1e-14, "cannot be promised")])
+@pytest.mark.parametrize(("target", "why"), [(1e-17, "going to steps of"), (1e-14, "cannot be promised")])
 def test_what_rounding_forbids_is_refused(target, why):
     with pytest.raises(InputError, match=why):
         simulate_within(pendulum(masses=2), SWING, 0.7, target)
 
 
-def test_what_grows_too_fast_is_refused(monkeypatch: pytest.MonkeyPatch):
-    """After a minute a chaotic motion has lost all that doubles hold."""
-    monkeypatch.setattr("robodyn.accuracy.simulate_within.PATIENCE", 0.2)
-    with pytest.raises(InputError, match="an accuracy of 1e-06 cannot be promised"):
+def test_what_grows_too_fast_is_refused(monkeypatch):
+    """After a minute a chaotic motion has lost all that doubles hold; what was reached is told."""
+    monkeypatch.setattr(effort, "ALLOWED", 1.0)
+    with pytest.raises(InputError, match=r"an accuracy of 1e-06 cannot be promised: reached .* after [0-9]+ steps in"):
         simulate_within(pendulum(masses=2), SWING, 60.0, 1e-6)
+
+
+@pytest.mark.parametrize("case", [(pendulum(masses=2), SWING, 60.0), (*turntable(), 1.0)], ids=["chaotic", "stiff"])
+def test_work_is_counted_and_bounded(case, monkeypatch):
+    """Half a second of counted work: no run begins beyond it, and all evaluations together stay within it."""
+    monkeypatch.setattr(effort, "ALLOWED", 0.5)
+    monkeypatch.setattr(effort, "FIRST", 1e3)
+    done = []
+
+    def counted(*args, most, **how):
+        done.append((how.get("method", "usual"), most))
+        motion = robodyn.simulate(*args, most=most, **how)
+        assert motion.evaluations <= most
+        return motion
+
+    monkeypatch.setattr(effort, "simulate", counted)
+    with pytest.raises(InputError, match="more work than is allowed"):
+        simulate_within(*case, 1e-9)
+    methods = [name for name, _ in done]
+    assert {"usual", "rk4", "gauss6", "radau"} <= set(methods)
+    assert all(0 <= most <= 0.5 / effort.CALLED for _, most in done)
+    assert all(most <= 0.5 / effort.SCIPY for name, most in done if name in ("dop853", "radau", "bdf"))
+    assert len(done) <= 60
+
+
+def test_friction_that_becomes_stiff_on_the_way():
+    """It did not end in seven minutes, and rk4 ends 0.35 rad away; it creeps at the slip speed times 0.8 / 0.6."""
+    found = simulate_within(*turntable(), 0.5, 1e-3)
+    assert found.method.name in ("radau", "bdf")
+    assert abs(found.q[-1, 0] - 0.5e-3 * 0.8 / 0.6) <= 2e-6
+    assert found.expected_error <= 1e-3
+
+
+def test_the_time_at_a_limit_is_a_result():
+    near, far = (robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, step=step) for step in (1e-3, 1e-2))
+    late = replace(far, time=np.array([*far.time[:-1], far.time[-1] * 1.01]))
+    assert apart(far, near) <= 1e-9
+    assert 0.009 <= apart(late, near) <= 0.011
+    assert apart(replace(far, ended="another limit at 1 s"), near) == np.inf
+    assert apart(replace(far, ended=""), near) == np.inf
