@@ -192,7 +192,7 @@ MUTATIONS = {
     "simulation/test_tables.py": [
         ("simulation/equations.py", "drive.kd * (speed - qd[i])", "drive.kd * (speed + qd[i])"),
         ("simulation/table.py", "self._splines(time, kind == RATE)", "self._splines(time, kind != RATE)"),
-        ("simulation/table.py", "searchsorted(rows, begin + 1e-9", "searchsorted(rows, time + 1e-9"),
+        ("simulation/table.py", "searchsorted(rows, within * (", "searchsorted(rows, time * ("),
         ("simulation/steps.py", "u = [h * x for x in mean]", "u = [h * x for x in qd]"),
     ],
     "sizing/test_bearings.py": [

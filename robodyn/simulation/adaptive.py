@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from functools import partial
+from itertools import pairwise
 from math import inf
 from typing import Any
 
@@ -11,17 +14,22 @@ from numpy.typing import NDArray
 from robodyn.errors import InputError
 from robodyn.execute.repeated import COLUMNS
 from robodyn.inverse import runner_of
+from robodyn.model import Model
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.events import dense_touches, first_passed
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.how import TooMuchError
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.methods import Method
+from robodyn.simulation.rows import NEAR
 from robodyn.simulation.table import Signal
 
 Floats = NDArray[np.float64]
 EXPECTED = 4000
 """Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
+KNOTS = 8
+"""Rows of a reference, a smooth spline, that a step may pass over."""
 
 GENTLER = "give a larger --rtol, or --method radau where friction or a drive is stiff"
 
@@ -36,57 +44,121 @@ def adaptive_motion(
     executor: str,
     signal: Signal,
     most: float = inf,
+    also: Sequence[float] = (),
 ) -> Motion:
     """The motion from a state (width,), recorded at every step that the method takes.
 
-    The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Quaternions are four numbers here, of any
-    length; those of the record have unit length.
+    The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table. Quaternions
+    are four numbers here, of any length; those of the record have unit length.
 
     Args:
-        most: evaluations of the equations of motion.
+        most: evaluations of the equations of motion; also: further times at which steps end [s].
 
     Raises:
         TooMuchError: it takes more.
         InputError: the method gives up.
     """
-    from scipy.integrate import solve_ivp
+    steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
+    rows = signal.corners(KNOTS)
+    rows = rows[rows < duration * (1.0 - NEAR)]
+    time, states, reached = [0.0], [state[:-1]], None
+    for begin, end in pairwise(_apart([*rows, *also], duration)):
+        for solver in steps(begin, states[-1], end):
+            reached = steps.limit_within(solver, states[-1], limits) if limits.stops else None
+            when, y = (solver.t, solver.y) if reached is None else reached
+            if when > time[-1]:  # else a limit is reached where the motion begins
+                time, states = [*time, when], [*states, y]
+            if reached is not None:
+                break
+        if reached is not None:
+            break
+    found = np.column_stack((_unit(plan.model, np.array(states)), np.zeros(len(states))))
+    ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
+    note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
+    return Motion(np.array(time), found, len(time) - 1, 1, steps.executor, ended, steps.evaluations, note)
 
-    equations = Equations(plan)
-    runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
-    used, count, expected = "", 0, EXPECTED if most == inf else int(most)
 
-    def rates(time: float, y: Any) -> Any:
-        nonlocal used, count
-        columns = y.reshape(len(y), -1)
-        samples = columns.shape[1]
-        count += samples
-        if count > most:
-            what = f"{method.name} has taken {most:.3g} evaluations and is at {time:.3g} s"
-            raise TooMuchError(what, time, columns[:, 0], GENTLER)
-        sources = {STATE: np.vstack((columns, np.zeros(samples))).T}
-        if signal.curves:
-            sources[COLUMNS] = np.repeat(signal.at(np.array([time])), samples, axis=0)
-        found = runner.run(sources, samples, executor=executor, expected=expected)
-        used = found.choice.executor
-        return found.values.T.reshape(y.shape)
+def _apart(inner: Sequence[float], duration: float) -> list[float]:
+    """0, the times within a duration that are apart by more than rounding, and the duration."""
+    times = np.unique([0.0, *(time for time in inner if 0.0 < time < duration * (1.0 - NEAR))])
+    return [*times[np.diff(times, prepend=-inf) > NEAR * duration].tolist(), duration]
 
-    def room(_: float, y: Any) -> float:
-        return float(limits.room(y[: plan.model.nq]).min())
 
-    room.terminal, room.direction = True, -1.0  # type: ignore[attr-defined]
-    events = [room] if limits.stops else None
-    how = {"method": method.scipy, "rtol": rtol, "atol": rtol, "events": events, "vectorized": True}
-    how["max_step"] = signal.longest_step
-    with np.errstate(all="ignore"):
-        found = solve_ivp(rates, (0.0, duration), state[:-1], **how)
-    if found.status < 0 or not np.isfinite(found.y).all():
-        at = f"{method.name} gives up at {found.t[-1]:.6g} s: {str(found.message).lower().rstrip('.')}"
-        raise InputError(at, remedy=GENTLER)
-    new = np.diff(found.t, prepend=-1.0) > 0.0  # all but a limit that is reached where the motion begins
-    time, states = found.t[new], np.column_stack((found.y.T, np.zeros(len(found.t))))[new]
-    for joint in plan.model.independent:
+def _unit(model: Model, states: Floats) -> Floats:
+    """States (N, width) with quaternions of unit length."""
+    for joint in model.independent:
         if joint.kind == "floating":
             h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
             h /= np.linalg.norm(h, axis=1)[:, None]
-    ended = limits.nearest(states[-1]).reached(float(time[-1])) if found.status == 1 else ""
-    return Motion(time, states, len(time) - 1, 1, used, ended, int(found.nfev))
+    return states
+
+
+class AdaptiveSteps:
+    """A method of SciPy on one robot in one scene.
+
+    Attributes:
+        executor: that evaluated the equations of motion, and `evaluations` how often.
+    """
+
+    def __init__(
+        self, plan: Plan, method: Method, rtol: float, executor: str, signal: Signal, most: float = inf
+    ) -> None:
+        from scipy import integrate
+
+        equations = Equations(plan)
+        self.nq, self.n, self.signal, self.asked = plan.model.nq, plan.model.n, signal, executor
+        self.runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
+        self.name, self.solver = method.name, getattr(integrate, method.scipy)
+        self.how = {"rtol": rtol, "atol": rtol, "vectorized": True}
+        self.executor, self.evaluations = "", 0
+        self._count, self._most, self._expected = 0, most, EXPECTED if most == inf else int(most)
+
+    def rates(self, within: float, time: float, y: Any) -> Any:
+        """The rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""
+        columns = y.reshape(len(y), -1)
+        samples = columns.shape[1]
+        self._count += samples
+        if self._count > self._most:
+            what = f"{self.name} has taken {self._most:.3g} evaluations and is at {time:.3g} s"
+            raise TooMuchError(what, time, columns[:, 0], GENTLER)
+        sources = {STATE: np.vstack((columns, np.zeros(samples))).T}
+        if self.signal.curves:
+            curves = self.signal.at(np.array([time]), np.array([within]))
+            sources[COLUMNS] = np.repeat(curves, samples, axis=0)
+        found = self.runner.run(sources, samples, executor=self.asked, expected=self._expected)
+        self.executor = found.choice.executor
+        return found.values.T.reshape(y.shape)
+
+    def __call__(self, begin: float, y: Floats, end: float, first: float | None = None) -> Iterator[Any]:
+        """Yield the solver after each step from a state to a time, between which no row of a table lies.
+
+        Args:
+            first: s, the length of the first step; as the method chooses if None.
+
+        Raises:
+            InputError: the method gives up.
+        """
+        with np.errstate(all="ignore"):
+            solver = self.solver(partial(self.rates, 0.5 * (begin + end)), begin, y, end, first_step=first, **self.how)
+        try:
+            while solver.status == "running":
+                with np.errstate(all="ignore"):
+                    message = solver.step()
+                if solver.status == "failed" or not np.isfinite(solver.y).all():
+                    why = f": {message.lower().rstrip('.')}" if message else ", a number overflows"
+                    raise InputError(f"{self.name} gives up at {solver.t:.6g} s{why}", remedy=GENTLER)
+                yield solver
+        finally:
+            self.evaluations += solver.nfev
+
+    def limit_within(self, solver: Any, y: Floats, limits: Limits) -> tuple[float, Floats] | None:
+        """When, and in what state, the last step of a solver, from y, first reached a limit."""
+        begin, length = float(solver.t_old), float(solver.t - solver.t_old)
+        dense = solver.dense_output()
+
+        def after(time: float) -> Floats:
+            return list(self(begin, y, begin + time))[-1].y if begin + time > begin else y
+
+        touches = dense_touches(limits, lambda part: dense(begin + length * part).T, solver.y)
+        time = first_passed(touches, lambda time: limits.room(after(time)), length)
+        return None if time is None else (begin + time, after(time))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import groupby
 from math import inf
 from typing import NamedTuple
 
@@ -15,17 +16,19 @@ from robodyn.execute.llvm.machine import compiler, one_line
 from robodyn.execute.repeated import SINGLE, CompiledSteps, NumpySteps
 from robodyn.plan import Plan
 from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.events import first_passed, hermite_touches
 from robodyn.simulation.how import TooMuchError
-from robodyn.simulation.limits import Limits, moment
+from robodyn.simulation.limits import Limits
 from robodyn.simulation.methods import Method
+from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.table import Signal
 from robodyn.trace.program import Program
 from robodyn.wording import alternatives
 
 Floats = NDArray[np.float64]
-CHUNK = 1024
-"""Records made at a time; limits are looked at after each."""
+CHUNK = 4096
+"""Steps made at a time; limits are looked at after each."""
 SWEEPS_USUAL = 8
 """That an implicit step takes."""
 MOST_STEPS = 1e9
@@ -35,8 +38,8 @@ MOST_RECORDS = 100_000
 
 
 class Motion(NamedTuple):
-    """Times (N,), states (N, width), steps done, steps between records, the executor, why it ended early, and how often
-    the equations were evaluated."""
+    """Times (N,), states (N, width), steps done, whole steps between records, the executor, why it ended early, how
+    often the equations were evaluated, and what is to be said about the steps."""
 
     time: Floats
     states: Floats
@@ -45,6 +48,15 @@ class Motion(NamedTuple):
     executor: str
     ended: str = ""
     evaluations: int = 0
+    note: str = ""
+
+
+class End(NamedTuple):
+    """Where a limit is reached: within which step, when [s], and in what state."""
+
+    step: int
+    time: float
+    state: Floats
 
 
 class FixedSteps:
@@ -67,6 +79,8 @@ class FixedSteps:
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
         """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
+        They end at the rows of a table too; what is recorded are ends of whole steps, and a limit that is reached.
+
         Args:
             most: evaluations of the equations of motion.
 
@@ -78,32 +92,34 @@ class FixedSteps:
             raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
         asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
         every = -(-asked // MOST_RECORDS)
-        total = -(-asked // every)
-        h = duration / (total * every)
+        total = -(-asked // every) * every
+        h, corners = duration / total, self.signal.corners()
         self._most = most
-        if total * every * len(self.method.b) > most:
-            what = f"{total * every} steps of {self.method.name} take more than {most:.3g} evaluations"
+        if (total + int(np.searchsorted(corners, duration))) * len(self.method.b) > most:
+            what = f"{total} steps of {self.method.name} take more than {most:.3g} evaluations"
             raise TooMuchError(what, 0.0, state, "give a longer --step")
-        first = np.zeros(self.run.width)
-        first[: self.width], first[self.width - 1] = state, h
-        chunk = max(CHUNK // every, 1) if self.signal.curves else CHUNK
-        parts, done, ended = [first[None]], 0, None
-        self._sweeps = 0
-        while done < total and ended is None:
-            block = self._advance(parts[-1][-1], min(chunk, total - done), every, h, done * every)
-            ended = limits.first_beyond(block)
-            parts.append(block if ended is None else block[:ended])
-            done += len(parts[-1])
-            parts = [part for part in parts if len(part)]
-        time: Floats = np.arange(done + 1.0) * (every * h)
-        if ended is None:
-            return Motion(time, self._own(parts), total * every, every, self.name, "", self._evaluations(total * every))
-        last, more, late = self._to_limit(parts[-1][-1], every, h, limits, done * every)
-        end, steps = float(time[-1] + late), done * every + more
-        why = limits.nearest(last).reached(end)
-        if end > time[-1]:
-            time, parts = np.array([*time, end]), [*parts, last[None]]
-        return Motion(time, self._own(parts), steps, every, self.name, why, self._evaluations(steps))
+        now = np.zeros(self.run.width)
+        now[: self.width], now[self.width - 1] = state, h
+        records, done, end, self._sweeps = [now[None, : self.width]], 0, None, 0
+        for steps in pieces(corners, h, total, CHUNK):
+            states, problem = self._advance(now, steps)
+            end = self._limit_within(now, states, steps, limits)
+            if end is None and problem is not None:
+                raise problem
+            kept = steps.recorded(every)
+            records.append(states[kept[kept < (len(states) if end is None else end.step)], : self.width])
+            if end is not None:
+                break
+            done, now = done + len(states), states[-1]
+        states = np.concatenate(records)
+        time: Floats = np.arange(float(len(states))) * (every * h)
+        if end is None:
+            note = f"steps end at rows of the table too: {done} steps instead of {total}" if done > total else ""
+            return Motion(time, states, done, every, self.name, "", self._evaluations(done), note)
+        done, why = done + end.step + 1, limits.nearest(end.state).reached(end.time)
+        if end.time > time[-1]:
+            time, states = np.append(time, end.time), np.vstack((states, end.state[: self.width]))
+        return Motion(time, states, done, every, self.name, why, self._evaluations(done))
 
     @property
     def name(self) -> str:
@@ -114,46 +130,48 @@ class FixedSteps:
         """Of the equations of motion: each sweep of an implicit step takes as many as the method has stages."""
         return len(self.method.b) * (self._sweeps if self.method.implicit else steps)
 
-    def _own(self, parts: list[Floats]) -> Floats:
-        return np.concatenate(parts)[:, : self.width]
-
-    def _advance(self, state: Floats, count: int, every: int, h: float, first: int) -> Floats:
-        """(count, width) states, each `every` steps after the one before, of which `first` of length h are done."""
-        slots = np.empty((count + 1, self.run.width, self.run.lanes))
+    def _advance(self, state: Floats, steps: Piece) -> tuple[Floats, InputError | None]:
+        """(N, width) the states after some steps, and why they are not all that were asked for."""
+        slots = np.empty((len(steps.begin) + 1, self.run.width, self.run.lanes))
         slots[0] = state[:, None]
-        time, given = first * h, None
-        if self.signal.curves:
-            begin = np.arange(float(first), float(first + count * every)) * h
-            given = self.signal.in_steps(begin, float(state[self.width - 1]), self.method.moments)
-        done = self.run(slots, every, given)
-        if done.steps < count * every:
-            at = f"at {time + done.steps * h:.6g} s"
-            if not done.settled:
-                raise InputError(f"the steps of {self.method.name} do not settle {at}", remedy=SHORTER)
-            raise InputError(f"the motion cannot be followed {at}: a number overflows", remedy=SHORTER)
+        slots[0, self.width - 1] = steps.length[0]
+        given = self.signal.in_steps(steps, self.method.moments) if self.signal.curves else None
+        done = self.run(slots, 1, given)
         self._sweeps += done.sweeps
         if len(self.method.b) * self._sweeps > self._most:
+            time = float(steps.begin[0])
             what = f"{self.method.name} has taken {self._most:.3g} evaluations and is at {time:.3g} s"
             raise TooMuchError(what, time, state, "give a shorter --duration")
-        if not np.isfinite(slots).all():
-            raise InputError(f"a number overflows after {time:.6g} s", remedy=SHORTER)
-        states: Floats = slots[1:, :, 0]
-        return states
+        bad = np.flatnonzero(~np.isfinite(slots[1 : done.steps + 1]).all(axis=(1, 2)))
+        count = int(bad[0]) if len(bad) else done.steps
+        problem = None
+        if count < len(steps.begin):
+            at = f"at {steps.begin[count]:.6g} s"
+            what = f"the motion cannot be followed {at}: a number overflows"
+            if not done.settled:
+                what = f"the steps of {self.method.name} do not settle {at}"
+            problem = InputError(what, remedy=SHORTER)
+        return slots[1 : count + 1, :, 0], problem
 
-    def _to_limit(self, state: Floats, every: int, h: float, limits: Limits, first: int) -> tuple[Floats, int, float]:
-        """The state at a limit within the next `every` steps; how many steps that takes, and how long."""
-        whole = 0
-        while limits.first_beyond(after := self._advance(state, 1, 1, h, first + whole)) is None and whole < every:
-            state, whole = after[0], whole + 1
+    def _limit_within(self, state: Floats, states: Floats, steps: Piece, limits: Limits) -> End | None:
+        """Where a limit is first reached in some steps from a state."""
+        nq, n = limits.model.nq, limits.model.n
+        states = np.vstack((state, states))
+        touches = hermite_touches(limits, states[:, :nq], states[:, nq : nq + n], steps.length[: len(states) - 1])
+        for step, some in groupby(touches, key=lambda touch: touch.step):
 
-        def part(length: float) -> Floats:
-            begun = state.copy()
-            begun[self.width - 1] = length
-            after: Floats = self._advance(begun, 1, 1, h, first + whole)[0]
-            return after
+            def after(length: float, step: int = step) -> Floats:
+                part = Piece(steps.begin[step : step + 1], np.array([length]), steps.whole[:1])
+                found, problem = self._advance(states[step], part)
+                if problem is not None:
+                    raise problem
+                state: Floats = found[0]
+                return state
 
-        length = moment(lambda length: limits.first_beyond(part(length)[None]) is not None, h)
-        return part(length), whole + 1, whole * h + length
+            length = first_passed(some, lambda time: limits.room(after(time)), float(steps.length[step]))
+            if length is not None:
+                return End(step, float(steps.begin[step]) + length, after(length))
+        return None
 
 
 SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"

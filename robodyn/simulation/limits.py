@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +31,7 @@ class Limits:
 
     def __init__(self, model: Model, watched: bool) -> None:
         """Args: watched: False for none."""
+        self.model = model
         self.stops = [
             Stop(body.joint, side, value)
             for body in model.bodies
@@ -40,12 +40,17 @@ class Limits:
             if value is not None
         ]
         self._places = [stop.joint.coordinate for stop in self.stops]
+        self._rates = [stop.joint.rate for stop in self.stops]
         self._gain = np.array([stop.side * stop.joint.multiplier for stop in self.stops])
         self._room = np.array([stop.side * (stop.value - stop.joint.offset) for stop in self.stops])
 
     def room(self, q: Floats) -> Floats:
         """(..., stops) rad or m left for q (..., nq); negative beyond a limit."""
         return self._room - self._gain * q[..., self._places]
+
+    def rate(self, qd: Floats) -> Floats:
+        """(..., stops) rad/s or m/s at which the room grows at speeds qd (..., n)."""
+        return -self._gain * qd[..., self._rates]
 
     def check_start(self, q: Floats) -> None:
         """Raise if a joint begins beyond a limit."""
@@ -58,21 +63,6 @@ class Limits:
                     remedy='begin within the limits, or write joint_limits = "ignore" in the scene',
                 )
 
-    def first_beyond(self, q: Floats) -> int | None:
-        """The first of the rows q (N, nq) at which a joint is beyond a limit."""
-        if not self.stops:
-            return None
-        beyond = (self.room(q) < 0.0).any(axis=1)
-        return int(np.argmax(beyond)) if beyond.any() else None
-
     def nearest(self, q: Floats) -> Stop:
         """The limit that q (nq) is nearest to, or farthest beyond."""
         return self.stops[first_largest(-self.room(q))]
-
-
-def moment(beyond: Callable[[float], bool], end: float) -> float:
-    """The last time in [0, end] before `beyond`, which holds at `end` and not at 0, by bisection to a rounding."""
-    low, high = 0.0, end
-    while low < (middle := 0.5 * (low + high)) < high and high - low > 1e-15 * end:
-        low, high = (low, middle) if beyond(middle) else (middle, high)
-    return low

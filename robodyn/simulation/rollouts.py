@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robodyn.arrays import arrays_of
 from robodyn.errors import InputError
-from robodyn.execute.repeated import LANES, SINGLE
+from robodyn.execute.repeated import LANES, SINGLE, CompiledSteps, NumpySteps
 from robodyn.model import Model
 from robodyn.plan import plan
 from robodyn.scene import DEFAULT, Scene
@@ -19,6 +19,7 @@ from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
+from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.workers import cores
@@ -99,20 +100,17 @@ def rollouts(
     own = Equations(a_plan).width
     first[:, own - 1] = step
     signal.check_duration(steps * step)
-    given = signal.in_steps(step * np.arange(float(steps)), step, chosen.moments) if signal.curves else None
-    chunk = max(PIECE // every, 1) if signal.curves else steps
+    rows = pieces(signal.corners(), step, steps, PIECE) if signal.curves else ()
+    given = [(each, signal.in_steps(each, chosen.moments)) for each in rows]
 
     def part(start: int) -> Floats:
         begun = first[start : start + TOGETHER]
         slots = np.empty((steps // every + 1, run.width, -(-len(begun) // run.lanes) * run.lanes))
         slots[0] = begun[-1][:, None]
         slots[0, :, : len(begun)] = begun.T
-        for k in range(0, len(slots) - 1, chunk):
-            piece = slots[k : k + chunk + 1]
-            columns = None if given is None else given[k * every : (k + len(piece) - 1) * every]
-            if run(piece, every, columns).steps < every * (len(piece) - 1) or not np.isfinite(piece[-1]).all():
-                what = f"a motion of rows {start} to {start + len(begun) - 1} cannot be followed"
-                raise InputError(what, remedy=SHORTER)
+        if not (_driven(run, slots, every, given) if given else _done(run, slots, every)):
+            what = f"a motion of rows {start} to {start + len(begun) - 1} cannot be followed"
+            raise InputError(what, remedy=SHORTER)
         return slots[:, : own - 1, : len(begun)]
 
     starts = range(0, count, TOGETHER)
@@ -125,3 +123,22 @@ def rollouts(
     nq = model.nq
     time: Floats = np.arange(float(len(states))) * (every * step)
     return Rollouts(time, states[:, :, :nq], states[:, :, nq:-1], states[:, :, -1])
+
+
+def _done(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
+    """Whether all slots could be filled from the first."""
+    return run(slots, every, columns).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
+
+
+def _driven(run: CompiledSteps | NumpySteps, slots: Floats, every: int, given: list[tuple[Piece, Floats]]) -> bool:
+    """Fill the slots from the first, in steps that are given curves; tell whether they could be."""
+    now = slots[0]
+    for steps, columns in given:
+        after = np.empty((len(columns) + 1, *now.shape))
+        after[0] = now
+        if not _done(run, after, 1, columns):
+            return False
+        rows = steps.recorded(every)
+        slots[steps.whole[rows] // every] = after[1 + rows]
+        now = after[-1]
+    return True

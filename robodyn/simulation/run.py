@@ -123,6 +123,7 @@ def simulate(
             *start_notes(model, scene, motion.states[0], begun),
             *stiff,
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
+            *([motion.note] if motion.note else []),
             *map(str, held(model, scene, motion.time, qd)),
             *([f"springs at limits: {pushed or 'no joint reaches a limit'}"] if scene.limit_spring else []),
         ),
@@ -150,7 +151,8 @@ def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: S
         check_leapfrog(Equations(a_plan))
     if method.keeps:
         check_free(a_plan.model, a_plan.scene, method.name)
-    ready = FixedSteps(a_plan, method, executor, int(min(duration / how.step, 1e9)), signal)
+    count = int(min(duration / how.step, 1e9)) + len(signal.corners())
+    ready = FixedSteps(a_plan, method, executor, count, signal)
     return ready.motion(state, duration, how.step, limits, how.most)
 
 

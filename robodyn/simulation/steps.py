@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from robodyn.execute.repeated import COLUMNS
 from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
 from robodyn.simulation.free import kept
 from robodyn.simulation.methods import Method
@@ -39,14 +40,16 @@ class Steps:
 
     @property
     def columns(self) -> int:
-        """Numbers of a table that both programs read for each step: the curves at every moment of the method."""
-        return len(self.equations.curves) * len(self.method.moments)
+        """Numbers that both programs read for each step of a motion with curves: these at every moment of the method,
+        and the length of the step, which the state keeps where there are none."""
+        curves = len(self.equations.curves)
+        return curves * len(self.method.moments) + 1 if curves else 0
 
     def step(self) -> Program:
         """The program of the state (and stages) after a step."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state, given = self.equations.state(tape), self._curves(tape)
+            state, given = self._state(tape), self._curves(tape)
             if self.method.leapfrog:
                 return self._leap(state, given[0])
             if self.method.implicit:
@@ -65,7 +68,7 @@ class Steps:
             return None
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            state, old, given = self.equations.state(tape), self._given(tape), self._curves(tape)
+            state, old, given = self._state(tape), self._given(tape), self._curves(tape)
             new = [self._stage(state, old, row, now) for row, now in zip(self.method.A, given, strict=True)]
             before, after = _flat(old), _flat(new)
             change = _square(a - b for a, b in zip(after, before, strict=True))
@@ -73,6 +76,11 @@ class Steps:
             return [*state.q, *state.qd, state.work, state.step, *after, change / (_square(after) + floor)]
 
         return trace(outputs)
+
+    def _state(self, tape: Tape) -> State:
+        """The state before a step."""
+        state = self.equations.state(tape)
+        return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
 
     def _curves(self, tape: Tape) -> list[Given]:
         """The table's curves at each stage."""

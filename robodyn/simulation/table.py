@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from robodyn.errors import InputError, SceneError
 from robodyn.model import Model
 from robodyn.scene import Entry, Scene
+from robodyn.simulation.rows import NEAR, Piece
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.header import listing
@@ -167,15 +168,15 @@ class Signal:
     def _smooth(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(curve.column for curve in self.curves if curve.kind != LOAD))
 
-    @property
+    @cached_property
     def _rows(self) -> tuple[Floats, Mapping[str, Floats]]:
         assert self.table is not None
         return self.table.time - self.table.time[0], self.table.columns
 
-    def _loads(self, time: Floats, begin: Floats) -> Iterator[Floats]:
+    def _loads(self, time: Floats, within: Floats) -> Iterator[Floats]:
         """The torques and parts of wrenches, each (N,)."""
         rows, columns = self._rows
-        last = np.searchsorted(rows, begin + 1e-9 * np.diff(rows).min(), side="right") - 1 if self.held else None
+        last = np.searchsorted(rows, within * (1.0 + NEAR), side="right") - 1 if self.held else None
         for name in (curve.column for curve in self.curves if curve.kind == LOAD):
             yield np.interp(time, rows, columns[name]) if last is None else columns[name][last]
 
@@ -185,30 +186,47 @@ class Signal:
             what = f"the table lasts {self.table.duration:.9g} s, the simulation {duration:.9g} s"
             raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
 
-    @property
-    def longest_step(self) -> float:
-        """Of an adaptive method, so that it passes over no row's torque and no turn of a reference [s]."""
-        if self.table is None or not self.curves:
-            return float("inf")
-        rows = 2.0 if any(curve.kind == LOAD for curve in self.curves) else 8.0
-        return rows * float(np.median(np.diff(self.table.time)))
+    def corners(self, knots: int = 1) -> Floats:
+        """(N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
 
-    def at(self, time: Floats, begin: Floats | None = None) -> Floats:
-        """(N, curves) at N times [s] since the simulation began; what is held is that of `begin`, if given."""
+        Args:
+            knots: of references, whose splines are smooth, only every so many rows.
+        """
+        if not self.curves:
+            return np.empty(0)
+        rows, columns = self._rows
+        changes = np.zeros(len(rows), bool)
+        for name in (curve.column for curve in self.curves if curve.kind == LOAD):
+            if self.held:
+                changes[1:] |= np.diff(columns[name]) != 0.0
+            else:
+                changes[1:-1] |= np.diff(np.diff(columns[name]) / np.diff(rows)) != 0.0
+        if self._smooth:
+            changes[knots::knots] = True
+        return rows[changes]
+
+    def at(self, time: Floats, within: Floats | None = None) -> Floats:
+        """(N, curves) at N times [s] since the simulation began.
+
+        Args:
+            within: (N,) s, times between the same rows as those that are meant: what is held jumps at rows.
+        """
         if not self.curves:
             return np.empty((len(time), 0))
         kinds = {curve.kind for curve in self.curves}
         smooth = {kind: self._splines(time, kind == RATE).T for kind in (REFERENCE, RATE) if kind in kinds}
-        loads = self._loads(time, time if begin is None else begin)
+        loads = self._loads(time, time if within is None else within)
         parts = [
             next(loads) if curve.kind == LOAD else smooth[curve.kind][self._smooth.index(curve.column)]
             for curve in self.curves
         ]
         return np.column_stack(parts)
 
-    def in_steps(self, begin: Floats, step: float, nodes: tuple[float, ...]) -> Floats:
-        """(N, nodes * curves) for N steps that begin at these times, at each of their nodes (fractions of the step)."""
-        return np.hstack([self.at(begin + node * step, begin) for node in nodes])
+    def in_steps(self, steps: Piece, nodes: tuple[float, ...]) -> Floats:
+        """(N, nodes * curves + 1) for N steps: at each of their nodes (fractions of a step), and the step's length."""
+        begin, length = steps.begin, steps.length
+        curves = [self.at(begin + node * length, begin + 0.5 * length) for node in nodes]
+        return np.hstack([*curves, length[:, None]])
 
     @property
     def said(self) -> list[str]:
@@ -217,7 +235,7 @@ class Signal:
         if table is None:
             return []
         kinds = {curve.kind for curve in self.curves}
-        between = "held until the next, from the first step on that begins there or later" if self.held else "straight"
+        between = "held until the next" if self.held else "straight"
         parts = [f"table {table.file or 'of arrays'}: {len(table.time)} rows over {table.duration:.6g} s"]
         if first := table.origin + float(table.time[0]):
             parts.append(f"its first row, {first:.6g} s, is time 0")

@@ -78,7 +78,7 @@ def test_a_step_that_is_too_long_chatters_and_the_report_says_what_to_do():
 
 
 def test_a_step_that_does_not_get_through_is_given_a_number():
-    scene = replace(WEIGHTLESS, drive={"j1": Drive(kd=1e7)}, initial_qd={"j1": 1.0})
+    scene = replace(WEIGHTLESS, drive={"j1": Drive(kd=1e7)}, initial_qd={"j1": 1.0}, joint_limits="ignore")
     with pytest.raises(InputError) as caught:
         robodyn.simulate(slide(M), scene, 1.0, step=0.01)
     assert caught.value.remedy == "give --step 2e-07, or --method radau"

@@ -150,10 +150,10 @@ def test_only_columns_are_read_at_each_step():
         return Steps(Equations(plan(slide(), scene)), method_named(method)).columns
 
     assert columns(replace(WEIGHTLESS, drive={"j1": Drive(2.0, 3.0, 4.0, 5.0)})) == 0
-    assert (columns(PUSHED), columns(PUSHED, "euler"), columns(PUSHED, "gauss6")) == (3, 1, 3)
+    assert (columns(PUSHED), columns(PUSHED, "euler"), columns(PUSHED, "gauss6")) == (4, 2, 4)
     followed = replace(WEIGHTLESS, drive={"j1": Drive(kp=3.0, kd=1.0, reference="q")})
-    assert columns(followed) == 6
-    assert columns(replace(WEIGHTLESS, drive={"j1": Drive(kp=3.0, reference="q")})) == 3
+    assert columns(followed) == 7
+    assert columns(replace(WEIGHTLESS, drive={"j1": Drive(kp=3.0, reference="q")})) == 4
 
 
 WRONG = [

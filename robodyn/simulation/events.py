@@ -1,0 +1,142 @@
+"""Joint limits that are reached within a step: found on an interpolant, then by shorter steps of the method itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.simulation.limits import Limits
+
+Floats = NDArray[np.float64]
+DEGREE = 7
+"""Of the longest dense output, that of DOP853."""
+DOUBT = 1e-3
+"""Of how far a joint moves in a step: extrema of dense outputs this near to a limit are looked at by the method."""
+ASIDE = 0.25
+"""Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
+GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
+FINEST = 1e-8
+"""Of a step: an extremum found to this has its value to a rounding."""
+
+
+class Touch(NamedTuple):
+    """A step in which a joint may pass a limit: its number, that of the limit, and where in the step (0 to 1) it is
+    farthest."""
+
+    step: int
+    stop: int
+    at: float
+
+
+def hermite_touches(limits: Limits, q: Floats, qd: Floats, length: Floats) -> list[Touch]:
+    """Return where N steps may pass limits, in order of time: at their ends, or where cubics through them turn.
+
+    None is looked for after the first step that ends beyond a limit.
+
+    Args:
+        q, qd: (N + 1, nq), (N + 1, n) before, between and after the steps; length: (N,) s.
+    """
+    if not limits.stops:
+        return []
+    room = limits.room(q)
+    ends = np.flatnonzero((room[1:] < 0.0).any(axis=1))[:1]
+    count = int(ends[0]) + 1 if len(ends) else len(length)
+    found = [Touch(int(step), int(stop), 1.0) for step in ends for stop in np.flatnonzero(room[step + 1] < 0.0)]
+    rate = limits.rate(qd[: count + 1])
+    slope, after = rate[:-1] * length[:count, None], rate[1:] * length[:count, None]
+    least = np.minimum(room[:count], room[1 : count + 1])
+    near = np.argwhere(4.0 / 27.0 * (np.abs(slope) + np.abs(after)) > 0.5 * least)  # no cubic dips deeper
+    for step, stop in near.tolist():
+        start, end = room[step, stop], room[step + 1, stop]
+        at, value = _lowest_of_cubic(start, slope[step, stop], end, after[step, stop])
+        if 0.0 < at < 1.0 and value < 0.5 * min(start, end):
+            found.append(Touch(step, stop, at))
+    return sorted(found, key=lambda touch: (touch.step, touch.at))
+
+
+def _lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tuple[float, float]:
+    """Where the cubic with these values and slopes at 0 and 1 has its minimum, and its value; 0 if it has none."""
+    rise = end - start
+    b, c = 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise
+    root = b * b - 3.0 * slope * c
+    if root <= 0.0:
+        return 0.0, start
+    below = sqrt(root)
+    at = -slope / (b + below) if b > 0.0 else (below - b) / (3.0 * c) if c else 0.0
+    return at, start + at * (slope + at * (b + at * c))
+
+
+def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floats) -> list[Touch]:
+    """Return where one step may pass limits, in order of time: at its end, or at an extremum of its dense output.
+
+    Args:
+        dense: q (N, nq) at fractions (N,) of the step; after: q (nq) at its end.
+    """
+    from numpy.polynomial import chebyshev
+
+    found = [Touch(0, int(stop), 1.0) for stop in np.flatnonzero(limits.room(after) < 0.0)]
+
+    def room(x: Floats) -> Floats:
+        return limits.room(dense(0.5 + 0.5 * x))
+
+    series = np.asarray(chebyshev.chebinterpolate(room, DEGREE))  # type: ignore[type-var]
+    spread = np.abs(series[1:]).sum(axis=0)
+    for stop in np.flatnonzero(series[0] < (1.0 + DOUBT) * spread):
+        turns = chebyshev.chebroots(chebyshev.chebder(series[:, stop]))
+        for x in turns.real[(np.abs(turns.imag) < 1e-6) & (np.abs(turns.real) < 1.0)]:
+            if chebyshev.chebval(x, series[:, stop]) < DOUBT * spread[stop]:
+                found.append(Touch(0, int(stop), 0.5 + 0.5 * float(x)))
+    return sorted(found, key=lambda touch: touch.at)
+
+
+def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> float | None:
+    """The last moment of a step before a joint is beyond a limit; None if it is nowhere.
+
+    Args:
+        touches: of this step.
+        room: of every limit, by the method itself, at a time after the beginning of the step.
+    """
+    return min(_passed(touches, room, length), default=None)
+
+
+def _passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> Iterator[float]:
+    for _, stop, at in touches:
+        left = partial(_left, room, stop)
+        low, high = max(at - ASIDE, 0.0) * length, min(at + ASIDE, 1.0) * length
+        time = lowest(left, low, high) if at < 1.0 else length
+        if left(time) < 0.0:
+            yield moment(left, time)
+
+
+def _left(room: Callable[[float], Floats], stop: int, time: float) -> float:
+    return float(room(time)[stop])
+
+
+def lowest(room: Callable[[float], float], low: float, high: float) -> float:
+    """Where the room is least between two times, by golden section; or the first time found where it is negative."""
+    finest = FINEST * (high - low)
+    first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    before, after = room(first), room(second)
+    while high - low > finest and min(before, after) >= 0.0:
+        if before <= after:
+            high, second, after = second, first, before
+            first = high - GOLDEN * (high - low)
+            before = room(first)
+        else:
+            low, first, before = first, second, after
+            second = low + GOLDEN * (high - low)
+            after = room(second)
+    return first if before <= after else second
+
+
+def moment(room: Callable[[float], float], end: float) -> float:
+    """The last time in [0, end] before the room is negative, as it is at `end` and not at 0, by bisection."""
+    low, high = 0.0, end
+    while low < (middle := 0.5 * (low + high)) < high and high - low > 1e-15 * end:
+        low, high = (low, middle) if room(middle) < 0.0 else (middle, high)
+    return low

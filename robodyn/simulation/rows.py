@@ -1,0 +1,58 @@
+"""Steps of one length, which end at the rows of a table too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+NEAR = 8.0 * float(np.finfo(float).eps)
+"""Times that differ by less than this part of them are the same: what rounding makes of a multiple of a step."""
+
+
+class Piece(NamedTuple):
+    """Steps that follow each other.
+
+    Attributes:
+        begin, length: (N,) s of each.
+        whole: (N,) how many whole steps are done where it ends; 0 where it ends within one, at a row.
+    """
+
+    begin: Floats
+    length: Floats
+    whole: NDArray[np.int64]
+
+    def recorded(self, every: int) -> NDArray[np.intp]:
+        """Which of the steps end those that are recorded: every so many whole ones."""
+        return np.flatnonzero((self.whole > 0) & (self.whole % every == 0))
+
+
+def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
+    """Yield `count` whole steps of length h from time 0 on, divided at the rows, at most `size` steps at a time.
+
+    Args:
+        rows: (N,) s, increasing.
+    """
+    apart = rows[np.abs(rows - np.rint(rows / h) * h) > NEAR * rows]
+    for first in range(0, count, size):
+        steps = _divided(first, min(size, count - first), h, apart)
+        for k in range(0, len(steps.begin), size):
+            some = slice(k, k + size)
+            yield Piece(steps.begin[some], steps.length[some], steps.whole[some])
+
+
+def _divided(first: int, count: int, h: float, rows: Floats) -> Piece:
+    """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one."""
+    numbers = np.arange(first, first + count)
+    starts, end = numbers * h, (first + count) * h
+    inside = rows[slice(*np.searchsorted(rows, (starts[0], end)))]
+    begin = np.sort(np.concatenate((starts, inside)))
+    length, whole = np.diff(begin, append=end), np.zeros(len(begin), np.int64)
+    places = np.searchsorted(begin, starts)
+    last = np.append(places[1:], len(begin)) - 1
+    whole[last] = numbers + 1
+    length[places[last == places]] = h
+    return Piece(begin, length, whole)

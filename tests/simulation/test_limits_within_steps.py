@@ -1,0 +1,116 @@
+"""Joint limits are found inside steps, touches among them, by every method at the same moment."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from random_scenes import braked_slide, hanging, passing_of
+from scipy.integrate import solve_ivp
+from simulated_robots import slide
+
+import robodyn
+from robodyn.accuracy.simulate_within import simulate_within
+from robodyn.scene import Drive, Scene
+from robodyn.simulation.methods import METHODS
+
+WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]
+WAYS += [{"method": name} for name in ("verlet", "midpoint", "gauss2", "gauss4", "gauss6")]
+
+
+@cache
+def moment_of(start: float, limit: float) -> float:
+    """When a pendulum of 1 m that is let go reaches an angle, by SciPy's DOP853 at its finest [s]."""
+
+    def room(_: float, y: np.ndarray) -> float:
+        return limit - y[0]
+
+    room.terminal = True
+    how = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15, "events": room, "max_step": 0.02}
+    found = solve_ivp(lambda _, y: (y[1], -9.81 * np.sin(y[0])), (0.0, 10.0), (start, 0.0), **how)
+    return float(found.t_events[0][0])
+
+
+@pytest.mark.parametrize("how", WAYS, ids=str)
+def test_a_pendulum_reaches_a_limit_just_before_it_turns(how):
+    """From -0.5 rad it swings to 0.5; its limit is at 0.49, where it is for a short while of each swing."""
+    found = robodyn.simulate(hanging(-1.0, 0.49), Scene(initial_q={"j1": -0.5}), 20.0, **how)
+    expected = moment_of(-0.5, 0.49)
+    order = found.method.order
+    assert abs(found.time[-1] - expected) <= {2: 1e-4}.get(order, 1e-4 if how.get("rtol") == 1e-6 else 1e-8)
+    assert abs(found.q[-1, 0] - 0.49) <= 1e-12
+    assert f'"j1" reaches its upper limit of 0.49 rad at {found.time[-1]:.6g} s' == found.ended
+
+
+@pytest.mark.parametrize("target", [1e-3, 1e-9])
+def test_an_accuracy_that_is_asked_for_holds_for_the_moment_of_a_limit(target):
+    found = simulate_within(hanging(-1.0, 0.49), Scene(initial_q={"j1": -0.5}), 20.0, target)
+    expected = moment_of(-0.5, 0.49)
+    assert abs(found.time[-1] - expected) <= found.expected_error * expected <= target * expected
+
+
+@pytest.mark.parametrize("how", [*WAYS, {"method": "euler"}, {"method": "symplectic-euler"}], ids=str)
+@pytest.mark.parametrize("depth", [1e-3, 1e-7])
+def test_a_limit_that_is_touched_within_one_step(how, depth):
+    """A slide braked by a constant force turns `depth` beyond its limit, for much less than a step or for some."""
+    model, scene, turn, over = braked_slide(depth)
+    found = robodyn.simulate(model, scene, 2.0, **how, **({} if "rtol" in how or "method" in how else {"step": 0.05}))
+    if "euler" in how.get("method", ""):  # their own motion turns half a step's gain elsewhere
+        assert not found.ended or abs(found.time[-1] - turn) <= 0.1
+        return
+    assert found.ended
+    assert abs(found.time[-1] - (turn - over)) <= 1e-6 * over + 1e-9
+
+
+def test_a_limit_that_is_missed_by_little_is_not_reached():
+    for how in ({}, {"step": 0.05}, {"rtol": 1e-10}, {"method": "gauss6"}):
+        model, scene, _, _ = braked_slide(-1e-7)
+        assert not robodyn.simulate(model, scene, 2.0, **how).ended, how
+
+
+def test_a_short_passing_between_records(monkeypatch):
+    """With records every 40 steps, which the joint passes its limit between."""
+    monkeypatch.setattr("robodyn.simulation.fixed.MOST_RECORDS", 50)
+    model, scene, turn, over = braked_slide(1e-4)
+    found = robodyn.simulate(model, scene, 2.0)
+    assert abs(found.time[-1] - (turn - over)) <= 1e-9
+    assert found.steps == int(np.ceil(found.time[-1] / 1e-3))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_limits_are_reached_when_a_closed_form_says(seed):
+    """Slides under forces of a table, held between rows: parabolas, whose first passing is known."""
+    rng = np.random.default_rng(seed)
+    passing = passing_of(rng)
+    for how in ({"step": passing.step}, {"step": passing.step, "method": "gauss2"}, {"rtol": 1e-10}):
+        found = robodyn.simulate(passing.model, passing.scene, table=passing.table, **how)
+        assert bool(found.ended) == (passing.moment is not None), how
+        if passing.moment is not None:
+            assert abs(found.time[-1] - passing.moment) <= 1e-7 * passing.table["time"][-1], how
+
+
+def test_the_first_of_two_limits_in_one_step():
+    """Two slides reach their limits in the same step, the second of them first."""
+    model = slide(1.0)
+    scene = Scene(gravity=(0, 0, 0), initial_q={"j1": 8.99}, initial_qd={"j1": 1.0})
+    found = robodyn.simulate(model, scene, 1.0, step=0.5)
+    assert abs(found.time[-1] - 0.01) <= 1e-14
+
+
+def test_numbers_beyond_a_limit_do_not_matter():
+    """A force that blows up after the limit is reached ends no motion that had ended before."""
+    scene = Scene(gravity=(0, 0, 0), drive={"j1": Drive(torque="push")}, between_rows="hold")
+    table = {"time": [0.0, 2.0, 2.001, 3.0], "push": [40.0, 1e300, 1e308, 0.0]}
+    found = robodyn.simulate(slide(2.0), replace(scene, initial_qd={"j1": 1.0}), table=table)
+    assert abs(found.q[-1, 0] - 9.0) <= 1e-12
+
+
+def test_every_method_looks_for_limits():
+    for method in METHODS:
+        if method.keeps:
+            continue
+        scene = Scene(gravity=(0, 0, 0), initial_qd={"j1": 3.0})
+        found = robodyn.simulate(slide(), scene, 10.0, method=method.name)
+        assert abs(found.time[-1] - 3.0) <= 1e-9, method.name
