@@ -29,6 +29,24 @@ def four_bars(count, **more):
     return built(*parts), scene
 
 
+def parallelogram(crank=0.5, bar=1.0, **more):
+    """Two cranks that stand `bar` apart and a bar between their ends, lying flat along x at rest."""
+    turn = (0, -1, 0)
+
+    def rod(name, length):
+        return link(name, 1.0, (length / 2, 0, 0), (0, 0, 0, length**2 / 12, 0, length**2 / 12))
+
+    parts = [link("frame"), rod("left", crank), rod("right", crank), rod("bar", bar)]
+    for name, before, after, x in (
+        ("a", "frame", "left", 0),
+        ("b", "frame", "right", bar),
+        ("c", "left", "bar", crank),
+    ):
+        parts.append(joint(name, before, after, "continuous", turn, (x, 0, 0)))
+    loop = Loop("pin", "bar", (bar, 0, 0), "right", (crank, 0, 0))
+    return built(*parts), Scene(loops=(loop,), initial_q=dict.fromkeys("abc", 0.0), **more)
+
+
 def spatial_loop(seed=0, kind="point", moving_base=False, to="b2", **more):
     """A tree of skew joints with full inertias, two of whose branches are closed, or one to the ground."""
     rng = np.random.default_rng(seed)

@@ -15,6 +15,7 @@ from robodyn.accuracy.motion_error import MotionError, between_records
 from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.scene import Scene
+from robodyn.simulation.follow import TOO_LONG
 from robodyn.simulation.how import LEAST_RTOL, TooMuchError
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.result import Simulation
@@ -82,7 +83,8 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
         f"length, rate or speed (from step to step: {settled.error:.0e}, {_named(other)} differs by "
         f"{checked.error:.0e})"
     )
-    return replace(quicker, notes=(*quicker.notes, said), shaky=(), target=target, expected_error=error)
+    shaky = tuple(doubt for doubt in quicker.shaky if doubt.clause != TOO_LONG)  # of which there is no more doubt
+    return replace(quicker, notes=(*quicker.notes, said), shaky=shaky, target=target, expected_error=error)
 
 
 def _settled(effort: Effort, target: float, stiff: bool) -> Settled:

@@ -78,6 +78,8 @@ def _loops(loops: LoopFigures) -> dict[str, Any]:
         "dropped": list(loops.dropped),
         "rank": loops.rank,
         "freedoms": loops.freedoms,
+        "usual_freedoms": loops.usual,
+        "singular": [each._asdict() for each in loops.singular],
         "stabilised": loops.stabilised,
         "closures": [
             {"name": name, "final": dict(zip(PARTS, wrench, strict=True)), "gap": gap, "slip": slip}

@@ -19,6 +19,8 @@ from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 Floats = NDArray[np.float64]
 MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
+TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
+"""The clause of steps that are kept though they are too long."""
 LOOKED_AT = 1e5
 """Rows of the mass matrices that a motion is looked at in, about; those around the stiffest come on top."""
 
@@ -136,7 +138,7 @@ def _doubt(a_plan: Plan, how: How, fastest: Stiffest, since: float) -> Doubt:
     remedy = fastest.remedy(how.method, how.step, a_plan.scene.slip_speed)
     said = f"STEP TOO LONG{when}: {fastest}, which {how.method.name} follows with steps of up to {longest:.2g} s"
     return Doubt(
-        "by steps that are too long for it (STEP TOO LONG)",
+        TOO_LONG,
         f"{said}; with {how.step:.3g} s it chatters ({remedy})",
     )
 

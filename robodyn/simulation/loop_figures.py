@@ -20,6 +20,7 @@ from robodyn.plan import Plan, applied
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
+from robodyn.simulation.singular import Singular, passed
 from robodyn.simulation.table import Signal
 from robodyn.spatial import Scalar
 from robodyn.trace.program import Program, trace
@@ -41,6 +42,7 @@ class LoopFigures:
             others are independent where the motion begins.
         freedoms: that are left there.
         stabilised: how the loops are kept closed.
+        singular: when they leave more freedoms than elsewhere, at the start or on the way.
     """
 
     names: tuple[str, ...]
@@ -52,6 +54,12 @@ class LoopFigures:
     rank: int
     freedoms: int
     stabilised: str
+    singular: tuple[Singular, ...] = ()
+
+    @property
+    def usual(self) -> int:
+        """Degrees of freedom elsewhere."""
+        return self.freedoms + self.rank - (self.equations - len(self.dropped))
 
     @property
     def drift(self) -> tuple[float, float]:
@@ -95,6 +103,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         rank=rank,
         freedoms=plan.model.n - rank,
         stabilised=kept,
+        singular=passed(plan, motion),
     )
 
 

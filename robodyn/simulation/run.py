@@ -31,6 +31,7 @@ from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
 from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Figures, Simulation
+from robodyn.simulation.singular import passing_notes, start_doubts
 from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 
@@ -86,6 +87,7 @@ def simulate(
     length = duration or (DURATION if signal.table is None else signal.table.duration)
     begun = initial_state(model, scene)
     start = start_of(a_plan)
+    unsure = start_doubts(a_plan, start)
     motion, how, stiff, doubts = followed(
         a_plan,
         how,
@@ -94,6 +96,7 @@ def simulate(
         Free(step is None, method is None),
         lambda how: integrated(a_plan, how, length, executor, signal, start),
     )
+    loops = loop_figures(a_plan, motion, executor, signal, not how.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     pushed = deepest(model, motion.time, q, qd)
     return Simulation(
@@ -111,9 +114,9 @@ def simulate(
         evaluations=motion.evaluations,
         executor=motion.executor,
         effects=a_plan.verdicts,
-        loops=loop_figures(a_plan, motion, executor, signal, not how.method.adaptive),
+        loops=loops,
         ended=motion.ended,
-        shaky=doubts,
+        shaky=(*unsure, *doubts),
         notes=(
             *model.notes,
             *signal.said,
@@ -122,6 +125,7 @@ def simulate(
             *limits_at_start(model, scene),
             *start_notes(model, scene, motion.states[0], begun),
             *stiff,
+            *(passing_notes(loops.singular, loops.usual) if loops else []),
             *([f"recorded every {motion.every} steps"] if motion.every > 1 else []),
             *([motion.note] if motion.note else []),
             *map(str, held(model, scene, motion.time, qd)),

@@ -40,7 +40,8 @@ def test_table_and_document(tmp_path: Path) -> None:
     out = tmp_path / "pump.csv"
     document = json.loads(simulate(*PUMP, "--duration", "0.5", "--out", str(out), "--format", "json"))
     loops = document["loops"]
-    assert list(loops) == ["equations", "dropped", "rank", "freedoms", "stabilised", "closures"]
+    keys = ["equations", "dropped", "rank", "freedoms", "usual_freedoms", "singular", "stabilised", "closures"]
+    assert list(loops) == keys
     assert (loops["equations"], loops["dropped"], loops["rank"], loops["freedoms"]) == (3, ["wrist_pin along y"], 2, 1)
     (pin,) = loops["closures"]
     assert list(pin) == ["name", "final", "gap", "slip"]
