@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 from typing import Any, NamedTuple, NoReturn
@@ -29,6 +28,10 @@ CONFIRMING = "dop853", "radau", "bdf"
 """Methods of which another one has to agree."""
 SLOWEST = 1.5
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
+SEEN = 50
+"""Records at which motions by different methods are compared."""
+SAME = 1e-12
+"""Times nearer than this part of them are the same."""
 TINY = 1e-300
 FLOOR = 8.0
 """What a difference at the floor of rounding is multiplied with."""
@@ -106,45 +109,37 @@ def _settled(effort: Effort, target: float, stiff: bool) -> Settled:
 
 def _refined(effort: Effort, name: str, target: float) -> Settled:
     """Raises: UnsettledError: the changes stop falling above the target, or the work is done."""
-    before, change, problem, step = None, inf, "one motion alone tells no error", inf
+    before, change, problem = None, inf, "one motion alone tells no error"
     effort.next_way()
-    for how in _finer(name, target):
-        if "step" in how and how["step"] > 0.75 * step:
-            continue
+    finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
+    while finer:
+        how, motion = finer, None
         try:
-            motion = effort.run(name, **how)
+            motion = effort.run(name, also=seen(before), **how)
         except TooMuchError:
             left = f"finer steps change it by {change:.0e} yet" if change < inf else problem
             raise UnsettledError(f"{left}, and going to {_shown(how)} is more work than is allowed", change) from None
         except InputError as error:
             problem = error.what
-            continue
-        if before is not None:
+        if motion is not None and before is not None:
             last, change = change, apart(before, motion)
             expected = _expected(name, last, change, target)
             if expected <= 2.0 * target:
                 return Settled(motion, expected)
             if change * SLOWEST > last and last < 1e-6:
                 raise UnsettledError(f"going to {_shown(how)} changes the motion by {change:.0e} yet", change)
-        before, step = motion, motion.step or inf
+        before, finer = motion or before, _finer(how, motion)
     raise UnsettledError(
         f"going to {_shown(how)} changes the motion by {change:.0e} yet" if change < inf else problem, change
     )
 
 
-def _finer(name: str, target: float) -> Iterator[dict[str, float]]:
-    """Ever shorter steps, or smaller tolerances."""
-    if method_named(name).adaptive:
-        rtol = max(0.2 * target, LEAST_RTOL)
-        while rtol > LEAST_RTOL:
-            yield {"rtol": rtol}
-            rtol = max(rtol / 100.0, LEAST_RTOL)
-        yield {"rtol": LEAST_RTOL}
-    else:
-        step = FIRST_STEP
-        while step >= LAST_STEP:
-            yield {"step": step}
-            step *= 0.5
+def _finer(how: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:
+    """Half the step that a motion had, whose records these are too, or a smaller tolerance; None at the end."""
+    if "rtol" in how:
+        return {"rtol": max(how["rtol"] / 100.0, LEAST_RTOL)} if how["rtol"] > LEAST_RTOL else None
+    step = 0.5 * (how["step"] if motion is None or motion.step is None else motion.step)
+    return {"step": step} if step >= LAST_STEP else None
 
 
 def _expected(name: str, last: float, change: float, target: float) -> float:
@@ -158,22 +153,34 @@ def _expected(name: str, last: float, change: float, target: float) -> float:
 
 
 def apart(coarse: Simulation, fine: Simulation) -> float:
-    """How far a motion is from a finer one: at the records of the coarser, up to a limit that ends either.
+    """How far a motion is from a finer one: at times that both record, up to a limit that ends either.
 
-    inf where one ends at another limit than the other, or both are too short.
+    Where there are few of these, at those of the coarser, between records of the other. inf where one ends at another
+    limit than the other, or both are too short.
     """
     if _limit(coarse) != _limit(fine):
         return inf
     end = min(coarse.time[-1], fine.time[-1])
-    rows = coarse.time < end if coarse.ended else coarse.time <= end
-    count = int(rows.sum())
-    if count < 2:
+    rows = np.flatnonzero(coarse.time < end if coarse.ended else coarse.time <= end)
+    if len(rows) < 2:
         return inf
-    near = fine.time[::2][:count]
-    shared = len(near) == count and np.allclose(near, coarse.time[:count], rtol=1e-12, atol=0.0)
-    expected = states_of(fine)[::2][:count] if shared else between_records(fine)(coarse.time[:count])
-    off = MotionError.over(fine.model, expected)(states_of(coarse)[:count], expected)
+    times, states = coarse.time[rows], states_of(fine)
+    near = np.searchsorted(fine.time, times * (1.0 - SAME))
+    shared = np.abs(fine.time[near] - times) <= SAME * times
+    few = shared.sum() < 0.5 * min(len(rows), SEEN)
+    expected = between_records(fine)(times) if few else states[near[shared]]
+    off = MotionError.over(fine.model, states)(states_of(coarse)[rows if few else rows[shared]], expected)
     return max(float(off.max()), _late(coarse, fine))
+
+
+def seen(motion: Simulation | None) -> list[float]:
+    """Times of some records of a motion, spread over it, at which another one is compared with it."""
+    if motion is None:
+        return []
+    last = len(motion.time) - (2 if motion.ended else 1)
+    rows = np.unique(np.linspace(0, max(last, 0), min(last, SEEN) + 1).astype(int))
+    times: list[float] = motion.time[rows[1:]].tolist()
+    return times
 
 
 def _late(one: Simulation, other: Simulation) -> float:
@@ -201,11 +208,11 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
         effort.next_way()
         for rtol in (target / 10, target / 1e3, target / 1e5, LEAST_RTOL):
             try:
-                other = effort.run(name, rtol=max(rtol, LEAST_RTOL))
+                other = effort.run(name, rtol=max(rtol, LEAST_RTOL), also=seen(motion))
             except InputError as error:
                 problem = error.what
                 break
-            off = _differs(other, motion)
+            off = apart(motion, other)
             if best is None or off < best.error:
                 best = Settled(other, off)
             if off + settled.error <= target and (off <= settled.error or rtol <= LEAST_RTOL or off <= 0.1 * target):
@@ -213,16 +220,6 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
         if best is not None:
             return best
     _refuse(effort, target, f"no second method gets through to confirm it: {problem}", settled.error)
-
-
-def _differs(other: Simulation, motion: Simulation) -> float:
-    """How far a motion is from another one, at the records of the first."""
-    if _limit(other) != _limit(motion):
-        return inf
-    rows = other.time <= motion.time[-1]
-    measure = MotionError.over(motion.model, states_of(motion))
-    off = measure(states_of(other)[rows], between_records(motion)(other.time[rows]))
-    return max(float(off.max()), _late(other, motion))
 
 
 def states_of(motion: Simulation) -> Floats:

@@ -52,7 +52,7 @@ def adaptive_motion(
     are four numbers here, of any length; those of the record have unit length.
 
     Args:
-        most: evaluations of the equations of motion; also: further times at which steps end [s].
+        most: evaluations of the equations of motion; also: further times at which it is recorded [s].
 
     Raises:
         TooMuchError: it takes more.
@@ -60,14 +60,18 @@ def adaptive_motion(
     """
     steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
     rows = signal.corners(KNOTS)
-    rows = rows[rows < duration * (1.0 - NEAR)]
-    time, states, reached = [0.0], [state[:-1]], None
-    for begin, end in pairwise(_apart([*rows, *also], duration)):
-        for solver in steps(begin, states[-1], end):
-            reached = steps.limit_within(solver, states[-1], limits) if limits.stops else None
-            when, y = (solver.t, solver.y) if reached is None else reached
+    rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
+    y, reached, wanted = state[:-1], None, np.array(also)
+    time, states = [0.0], [y]
+    for begin, end in pairwise(_apart(rows, duration)):
+        for solver in steps(begin, y, end):
+            reached = steps.limit_within(solver, y, limits) if limits.stops else None
+            when, after = (solver.t, solver.y) if reached is None else reached
             if when > time[-1]:  # else a limit is reached where the motion begins
-                time, states = [*time, when], [*states, y]
+                between = wanted[(wanted > solver.t_old) & (wanted < when)].tolist()
+                states += [*steps.states(solver, y, between), after]
+                time += [*between, when]
+            y = after
             if reached is not None:
                 break
         if reached is not None:
@@ -78,9 +82,9 @@ def adaptive_motion(
     return Motion(np.array(time), found, len(time) - 1, 1, steps.executor, ended, steps.evaluations, note)
 
 
-def _apart(inner: Sequence[float], duration: float) -> list[float]:
+def _apart(inner: Floats, duration: float) -> list[float]:
     """0, the times within a duration that are apart by more than rounding, and the duration."""
-    times = np.unique([0.0, *(time for time in inner if 0.0 < time < duration * (1.0 - NEAR))])
+    times = np.unique([0.0, *inner])
     return [*times[np.diff(times, prepend=-inf) > NEAR * duration].tolist(), duration]
 
 
@@ -155,10 +159,18 @@ class AdaptiveSteps:
         """When, and in what state, the last step of a solver, from y, first reached a limit."""
         begin, length = float(solver.t_old), float(solver.t - solver.t_old)
         dense = solver.dense_output()
-
-        def after(time: float) -> Floats:
-            return list(self(begin, y, begin + time))[-1].y if begin + time > begin else y
-
         touches = dense_touches(limits, lambda part: dense(begin + length * part).T, solver.y)
-        time = first_passed(touches, lambda time: limits.room(after(time)), length)
-        return None if time is None else (begin + time, after(time))
+        time = first_passed(touches, lambda time: limits.room(self.after(begin, y, begin + time)), length)
+        return None if time is None else (begin + time, self.after(begin, y, begin + time))
+
+    def after(self, begin: float, y: Floats, end: float) -> Floats:
+        """The state at the end of a part of a step, by steps of the method itself."""
+        for solver in self(begin, y, end) if end > begin else ():
+            y = solver.y
+        return y
+
+    def states(self, solver: Any, y: Floats, times: Sequence[float]) -> list[Floats]:
+        """States at times within the last step of a solver, from y; Radau has no dense output as fine as its steps."""
+        if self.name == "radau":
+            return [self.after(float(solver.t_old), y, time) for time in times]
+        return list(solver.dense_output()(np.array(times)).T) if times else []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import inf
 
@@ -51,6 +52,7 @@ def simulate(
     method: str | None = None,
     executor: str = "auto",
     most: float = inf,
+    also: Sequence[float] = (),
 ) -> Simulation:
     """The motion of a robot: M(q) qdd + c + g + friction + springs - J^T w = tau, from the scene's initial state.
 
@@ -70,6 +72,7 @@ def simulate(
             too many steps, with `rtol` "dop853".
         executor: "numpy", "compiled", or "auto": the quicker.
         most: evaluations of the equations of motion that it may take.
+        also: times at which an adaptive method is recorded too, besides the ends of its steps [s].
 
     Raises:
         TooMuchError: it takes more.
@@ -94,7 +97,7 @@ def simulate(
         start[: model.nq],
         length,
         Free(step is None, method is None),
-        lambda how: integrated(a_plan, how, length, executor, signal, start),
+        lambda how: integrated(a_plan, how, length, executor, signal, start, also),
     )
     loops = loop_figures(a_plan, motion, executor, signal, not how.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
@@ -144,13 +147,21 @@ def start_of(a_plan: Plan) -> Floats:
     return closed_start(Closing(a_plan), state) if a_plan.scene.loops else state
 
 
-def integrated(a_plan: Plan, how: How, duration: float, executor: str, signal: Signal, state: Floats) -> Motion:
-    """The motion from a state of `start_of`."""
+def integrated(
+    a_plan: Plan,
+    how: How,
+    duration: float,
+    executor: str,
+    signal: Signal,
+    state: Floats,
+    also: Sequence[float] = (),
+) -> Motion:
+    """The motion from a state of `start_of`; `also` as for `simulate`."""
     method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
-        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal, how.most)
+        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal, how.most, also)
     if method.leapfrog:
         check_leapfrog(Equations(a_plan))
     if method.keeps:

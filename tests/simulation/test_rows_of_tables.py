@@ -10,6 +10,7 @@ from random_scenes import momentum_of, pushed_slide
 from simulated_robots import pendulum, slide
 
 import robodyn
+from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import RobodynError
 from robodyn.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS
@@ -29,6 +30,12 @@ def test_no_pulse_is_passed_over(between, table, impulse, how):
     found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), table=table, **how)
     first = how.get("method") in ("euler", "symplectic-euler") and between == "linear"  # they take a step's first force
     assert abs(found.qd[-1, 0] - impulse) <= (1.5 if first else 1e-8)
+
+
+@pytest.mark.parametrize(("between", "table", "impulse"), CASES)
+def test_an_accuracy_that_is_asked_for_holds_for_pulses(between, table, impulse):
+    found = simulate_within(slide(1.0), replace(PUSHED, between_rows=between), None, 1e-3, table=table)
+    assert abs(found.qd[-1, 0] - impulse) <= 1e-3 * impulse
 
 
 @pytest.mark.parametrize("seed", range(12))
