@@ -79,7 +79,7 @@ class FixedSteps:
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
         """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
-        They end at the rows of a table too; what is recorded are ends of whole steps, and a limit that is reached.
+        They end at the rows of a table too; all of these are recorded, and a limit that is reached.
 
         Args:
             most: evaluations of the equations of motion.
@@ -100,19 +100,20 @@ class FixedSteps:
             raise TooMuchError(what, 0.0, state, "give a longer --step")
         now = np.zeros(self.run.width)
         now[: self.width], now[self.width - 1] = state, h
-        records, done, end, self._sweeps = [now[None, : self.width]], 0, None, 0
+        records, times, done, end, self._sweeps = [now[None, : self.width]], [np.zeros(1)], 0, None, 0
         for steps in pieces(corners, h, total, CHUNK):
             states, problem = self._advance(now, steps)
             end = self._limit_within(now, states, steps, limits)
             if end is None and problem is not None:
                 raise problem
             kept = steps.recorded(every)
-            records.append(states[kept[kept < (len(states) if end is None else end.step)], : self.width])
+            kept = kept[kept < (len(states) if end is None else end.step)]
+            records.append(states[kept, : self.width])
+            times.append(steps.end[kept])
             if end is not None:
                 break
             done, now = done + len(states), states[-1]
-        states = np.concatenate(records)
-        time: Floats = np.arange(float(len(states))) * (every * h)
+        time, states = np.concatenate(times), np.concatenate(records)
         if end is None:
             note = f"steps end at rows of the table too: {done} steps instead of {total}" if done > total else ""
             return Motion(time, states, done, every, self.name, "", self._evaluations(done), note)
@@ -161,7 +162,8 @@ class FixedSteps:
         for step, some in groupby(touches, key=lambda touch: touch.step):
 
             def after(length: float, step: int = step) -> Floats:
-                part = Piece(steps.begin[step : step + 1], np.array([length]), steps.whole[:1])
+                begin = steps.begin[step : step + 1]
+                part = Piece(begin, begin + length, np.array([length]), steps.whole[:1])
                 found, problem = self._advance(states[step], part)
                 if problem is not None:
                     raise problem

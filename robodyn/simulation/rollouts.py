@@ -138,7 +138,7 @@ def _driven(run: CompiledSteps | NumpySteps, slots: Floats, every: int, given: l
         after[0] = now
         if not _done(run, after, 1, columns):
             return False
-        rows = steps.recorded(every)
+        rows = np.flatnonzero((steps.whole > 0) & (steps.whole % every == 0))
         slots[steps.whole[rows] // every] = after[1 + rows]
         now = after[-1]
     return True

@@ -17,17 +17,18 @@ class Piece(NamedTuple):
     """Steps that follow each other.
 
     Attributes:
-        begin, length: (N,) s of each.
+        begin, end, length: (N,) s of each.
         whole: (N,) how many whole steps are done where it ends; 0 where it ends within one, at a row.
     """
 
     begin: Floats
+    end: Floats
     length: Floats
     whole: NDArray[np.int64]
 
     def recorded(self, every: int) -> NDArray[np.intp]:
-        """Which of the steps end those that are recorded: every so many whole ones."""
-        return np.flatnonzero((self.whole > 0) & (self.whole % every == 0))
+        """Which of the steps are recorded: those that end at rows, and every so many whole ones."""
+        return np.flatnonzero(self.whole % every == 0)
 
 
 def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
@@ -41,18 +42,19 @@ def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
         steps = _divided(first, min(size, count - first), h, apart)
         for k in range(0, len(steps.begin), size):
             some = slice(k, k + size)
-            yield Piece(steps.begin[some], steps.length[some], steps.whole[some])
+            yield Piece(steps.begin[some], steps.end[some], steps.length[some], steps.whole[some])
 
 
 def _divided(first: int, count: int, h: float, rows: Floats) -> Piece:
     """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one."""
     numbers = np.arange(first, first + count)
-    starts, end = numbers * h, (first + count) * h
-    inside = rows[slice(*np.searchsorted(rows, (starts[0], end)))]
+    starts, last = numbers * h, (first + count) * h
+    inside = rows[slice(*np.searchsorted(rows, (starts[0], last)))]
     begin = np.sort(np.concatenate((starts, inside)))
-    length, whole = np.diff(begin, append=end), np.zeros(len(begin), np.int64)
+    end = np.append(begin[1:], last)
+    length, whole = end - begin, np.zeros(len(begin), np.int64)
     places = np.searchsorted(begin, starts)
-    last = np.append(places[1:], len(begin)) - 1
-    whole[last] = numbers + 1
-    length[places[last == places]] = h
-    return Piece(begin, length, whole)
+    final = np.append(places[1:], len(begin)) - 1
+    whole[final] = numbers + 1
+    length[places[final == places]] = h
+    return Piece(begin, end, length, whole)

@@ -75,9 +75,20 @@ def test_how_many_steps_rows_make_is_told():
     found = robodyn.simulate(slide(1.0), PUSHED, table=TENTHS)
     assert found.steps in (3000, 10000)
     assert f"steps end at rows of the table too: {found.steps} steps instead of 1000" in found.notes
-    assert len(found.time) == 1001
+    assert len(found.time) == found.steps + 1
     quick = robodyn.simulate(slide(1.0), PUSHED, table=PULSE, rtol=1e-6)
     assert "steps end at 3 rows of the table too" in " ".join(quick.notes)
+
+
+@pytest.mark.parametrize("how", [{}, {"step": 0.05}, {"rtol": 1e-3}], ids=str)
+@pytest.mark.parametrize("between", ["linear", "hold"])
+def test_a_peak_between_steps_is_held_against_the_limit_of_effort(between, how):
+    """5000 N for less than a step, of a drive that may have 1000 N."""
+    found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), table=PULSE, **how)
+    (use,) = found.joints
+    assert use.peak == 5000.0
+    assert use.peak_time == 0.1004
+    assert [excess.limit for excess in found.exceeded] == [1000.0]
 
 
 def test_rows_at_which_nothing_changes_make_no_steps():
