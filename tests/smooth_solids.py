@@ -14,6 +14,7 @@ from plane_curves import (
     arc,
     bracket,
     circle,
+    corners_of,
     hole,
     lever,
     line,
@@ -55,7 +56,9 @@ def extruded(name: str, outline: Loop, holes: list[Loop], height: float) -> Soli
     c = np.array((cx / area, cy / area, 0.0))
     S = height * np.array([(xx, xy, 0), (xy, yy, 0), (0, 0, area * height**2 / 12)])
     V = height * area
-    return Solid(name, V, c, S - V * np.outer(c, c), lambda n: prism([outline, *holes], height, n))
+    return Solid(
+        name, V, c, S - V * np.outer(c, c), lambda n: prism([corners_of(loop, n) for loop in (outline, *holes)], height)
+    )
 
 
 def rounded_box(name: str, sizes: tuple[float, float, float], r: float) -> Solid:

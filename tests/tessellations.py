@@ -39,10 +39,10 @@ def quads(grid: np.ndarray) -> np.ndarray:
     return found[(p != q).any(axis=1) & (q != r).any(axis=1) & (r != p).any(axis=1)]
 
 
-def prism(loops: list[Loop], height: float, facets: int) -> np.ndarray:
+def prism(rings: list[np.ndarray], height: float) -> np.ndarray:
+    """Over an outline (n, 2) counter-clockwise and holes clockwise."""
     from manifold3d import triangulate
 
-    rings = [corners_of(loop, facets) for loop in loops]
     flat = np.concatenate(rings)
     cap = triangulate(rings)
     low, high = (np.column_stack([flat, np.full(len(flat), z)]) for z in (-height / 2, height / 2))
@@ -78,7 +78,7 @@ def icosphere(facets: int) -> np.ndarray:
     golden = (1 + 5**0.5) / 2
     points = np.array([(s, t * golden, 0) for s in (-1, 1) for t in (-1, 1)], float)
     points = np.concatenate([points, np.roll(points, 1, axis=1), np.roll(points, 2, axis=1)])
-    found = _hull(points / np.linalg.norm(points[0]))
+    found = hull(points / np.linalg.norm(points[0]))
     for _ in range(max(int(np.log2(facets / 5)), 1)):
         found = quartered(found)
     return found
@@ -96,10 +96,10 @@ def quartered(sphere: np.ndarray) -> np.ndarray:
 def scattered(facets: int) -> np.ndarray:
     """A hull of points that lie anywhere."""
     points = np.random.default_rng(facets).normal(size=(facets**2 // 2, 3))
-    return _hull(points / np.linalg.norm(points, axis=1, keepdims=True))
+    return hull(points / np.linalg.norm(points, axis=1, keepdims=True))
 
 
-def _hull(points: np.ndarray) -> np.ndarray:
+def hull(points: np.ndarray) -> np.ndarray:
     from scipy.spatial import ConvexHull
 
     found = points[ConvexHull(points).simplices]

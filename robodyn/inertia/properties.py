@@ -102,6 +102,11 @@ class MassProperties:
         """Principal moments and axes about the centre of mass; see `principal_axes`."""
         return principal_axes(self.S_c, self.S_low)
 
+    @property
+    def gyration(self) -> float:
+        """The largest radius of gyration about an axis through the centre of mass [m]; 0 where there is no mass."""
+        return float((self.principal.moments.max() / self.mass) ** 0.5) if self.mass > 0 else 0.0
+
     def placed(self, R: Array, p: Array) -> MassProperties:
         """The body in the outer frame in which its own stands at rotation R and origin p: c -> R c + p, S -> R S R^T.
 

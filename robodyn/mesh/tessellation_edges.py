@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import radians, tan
+from math import radians
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.mesh.indexed import components
 from robodyn.mesh.tessellation_pairs import Integers, paired_edges
 from robodyn.spatial import Array
 
 Floats = NDArray[np.float64]
 
-SHARPEST = radians(40)
-"""Facets that meet at a larger angle are meant so."""
+SHARPEST = radians(65)
+"""Facets that meet at a larger angle are meant so, unless both belong to curved faces."""
+
+_WIDEST = radians(120)
 
 BENT = 1e-3
 """Below this many radians an angle may be a rounding error."""
@@ -26,7 +29,7 @@ _BLOCK = 1 << 14
 
 @dataclass(frozen=True, eq=False)
 class BentEdges:
-    """Edges of two triangles that meet at an angle below 40 degrees which is not zero.
+    """Edges of two triangles that meet at an angle below 120 degrees which is not zero.
 
     Attributes:
         start, end: (3, k).
@@ -35,6 +38,7 @@ class BentEdges:
         heights: (2, k) of the two triangles over the edge.
         triangles: (2, k) their numbers.
         flat: (m,) whether a triangle lies in one plane with another one.
+        facet: (m,) number of the connected triangles in one plane that each belongs to. areas: (m,) of these.
     """
 
     start: Floats
@@ -44,6 +48,8 @@ class BentEdges:
     heights: Floats
     triangles: Integers
     flat: NDArray[np.bool_]
+    facet: Integers
+    areas: Floats
 
     def among(self, chosen: NDArray[np.bool_]) -> BentEdges:
         """Some of them."""
@@ -62,18 +68,26 @@ def bent_edges(corners: Array) -> BentEdges:
     points = np.ascontiguousarray(X.transpose(0, 2, 1)).reshape(-1, 3)
     normals = _normals(X)
     one, other = paired_edges(X)
-    flat = np.zeros(X.shape[2], dtype=np.bool_)
+    coplanar: list[Integers] = []
     blocks = (slice(k, k + _BLOCK) for k in range(0, max(len(one), 1), _BLOCK))
-    parts = [_bent(points, normals, one[block], other[block], flat) for block in blocks]
+    parts = [_bent(points, normals, one[block], other[block], coplanar) for block in blocks]
     columns: dict[str, Any] = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in _COLUMNS}
-    return BentEdges(**columns, flat=flat)
+    a, b = np.concatenate(coplanar, axis=1)
+    flat = np.zeros(len(normals), dtype=np.bool_)
+    flat[a] = flat[b] = True
+    facet = components(len(normals), a, b)
+    of_facets: Floats = np.bincount(facet, np.sqrt((normals * normals).sum(axis=1)) / 2).astype(np.float64)
+    return BentEdges(**columns, flat=flat, facet=facet, areas=of_facets[facet])
 
 
-def _bent(points: Floats, normals: Floats, one: Integers, other: Integers, flat: NDArray[np.bool_]) -> dict[str, Array]:
-    """The columns of `BentEdges` of some edges; flat is filled in.
+def _bent(
+    points: Floats, normals: Floats, one: Integers, other: Integers, coplanar: list[Integers]
+) -> dict[str, Array]:
+    """The columns of `BentEdges` of some edges.
 
     Args:
         points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
+        coplanar: gets the pairs (2, n) of triangles that lie in one plane.
     """
     count = len(normals)
     triangles = np.stack([one, other]) % count
@@ -81,13 +95,14 @@ def _bent(points: Floats, normals: Floats, one: Integers, other: Integers, flat:
     cosine = first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
     cross = np.stack([first[i - 2] * second[i - 1] - first[i - 1] * second[i - 2] for i in range(3)])
     sine = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
-    flat[triangles[:, (sine <= BENT * cosine) & (cosine > 0)]] = True
-    (kept,) = np.nonzero((sine > _FLAT * cosine) & (sine < tan(SHARPEST) * cosine))
+    coplanar.append(triangles[:, (sine <= BENT * cosine) & (cosine > 0)])
+    angle = np.arctan2(sine, cosine)
+    (kept,) = np.nonzero((angle > _FLAT) & (angle < _WIDEST))
     one = one[kept]
     start, end = points.take(one, axis=0).T, points.take((one + count) % len(points), axis=0).T
     along = end - start
     length = np.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
-    angle = np.copysign(np.arctan2(sine[kept], cosine[kept]), (cross[:, kept] * along).sum(axis=0))
+    angle = np.copysign(angle[kept], (cross[:, kept] * along).sum(axis=0))
     heights = np.sqrt([(side[:, kept] ** 2).sum(axis=0) for side in (first, second)]) / length
     return dict(zip(_COLUMNS, (start, end, angle, length, heights, triangles[:, kept]), strict=True))
 

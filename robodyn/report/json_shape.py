@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from robodyn.part import Part
 from robodyn.report.json_body import finite
+
+if TYPE_CHECKING:
+    from robodyn.mesh.tessellation import Bars, Tessellation
 
 
 def symmetry_data(part: Part) -> dict[str, Any] | None:
@@ -46,7 +50,11 @@ def symmetry_data(part: Part) -> dict[str, Any] | None:
 
 
 def tessellation_data(part: Part) -> dict[str, Any] | None:
-    """Numbers of the mesh beside those of the smooth body; bars are relative."""
+    """Numbers of the mesh beside those of the smooth body.
+
+    Bars are relative, of the centre in metres; null where nothing can be said. `bar_corners_on_surface` is that of the
+    corrected numbers if the corners lie on the smooth surface, `bar_corrected` wherever they lie.
+    """
     found, smooth = part.tessellation, part.corrected
     if found is None or smooth is None:
         return None
@@ -54,13 +62,16 @@ def tessellation_data(part: Part) -> dict[str, Any] | None:
         "volume": {
             "mesh": part.body.volume,
             "corrected": smooth.volume,
-            "bar": found.mesh.volume,
-            "bar_corrected": found.rest.volume,
+            **_bars(found, lambda bars: bars.volume),
         },
-        "inertia": {
-            "corrected": smooth.inertia.tolist(),
-            "bar": found.mesh.inertia,
-            "bar_corrected": found.rest.inertia,
-        },
-        "com": {"corrected": smooth.com.tolist()},
+        "inertia": {"corrected": smooth.inertia.tolist(), **_bars(found, lambda bars: bars.inertia)},
+        "com": {"corrected": smooth.com.tolist(), **_bars(found, lambda bars: bars.centre * part.body.gyration)},
+    }
+
+
+def _bars(found: Tessellation, of: Callable[[Bars], float]) -> dict[str, float | None]:
+    return {
+        "bar": finite(of(found.mesh)),
+        "bar_corrected": finite(of(found.rest)),
+        "bar_corners_on_surface": finite(of(found.on_surface)),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,9 @@ from robodyn.report.text_body import point_text
 
 if TYPE_CHECKING:
     from robodyn.mesh.symmetry_kinds import Axis, Plane
+    from robodyn.mesh.tessellation import Bars
 
+_UNKNOWN = "an unknown amount (facets too coarse)"
 _MOST = 9
 """Planes and axes that are listed; of the others there is a count."""
 
@@ -42,12 +44,23 @@ def tessellation_text(part: Part) -> str:
     if not found.mesh.volume:
         return "tessellation: no facets that may stand for a curved face\n"
     moments = ", ".join(number(x) for x in smooth.principal.moments)
+    reach = float(np.abs((part.lo, part.hi)).max())
+    meant, tight, wide = (_bars(bars, part.body.gyration) for bars in (found.mesh, found.on_surface, found.rest))
+    volume, inertia, centre = (f"within {on}, else {off}" for on, off in zip(tight, wide, strict=True))
     return (
-        f"tessellation: if facets stand for smooth faces, the volume is off by up to {_percent(found.mesh.volume)} "
-        f"and the inertia by {_percent(found.mesh.inertia)}\n"
-        f"with smooth faces: volume {number(smooth.volume or 0.0)} m^3 (within {_percent(found.rest.volume)}), "
-        f"principal moments {moments} kg m^2 (within {_percent(found.rest.inertia)})\n"
+        "tessellation: if facets are meant flat, nothing is missing; if they stand for smooth faces, the volume is off "
+        f"by up to {meant[0]}, the inertia by {meant[1]}, the centre of mass by {meant[2]}\n"
+        f"with smooth faces through the corners: volume {number(smooth.volume or 0.0)} m^3, "
+        f"principal moments {moments} kg m^2, centre of mass {point_text(smooth.com, reach)} m\n"
+        f"if the corners are on them: volume {volume}; inertia {inertia}; centre of mass {centre}\n"
     )
+
+
+def _bars(bars: Bars, gyration: float) -> tuple[str, str, str]:
+    """Of volume, inertia and centre of mass."""
+    centre = bars.centre * gyration
+    length = f"{centre:.1g} m" if isfinite(centre) else _UNKNOWN
+    return _percent(bars.volume), _percent(bars.inertia), length
 
 
 def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
@@ -78,4 +91,4 @@ def _short(value: float, scale: float) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+    return f"{100 * share:.2g} %" if isfinite(share) else _UNKNOWN

@@ -76,8 +76,9 @@ def test_text(lever):
     assert [line.split()[0] for line in block[1:-1]] == ["plane", "plane", "axis,"]
     assert all(line.endswith("exact") for line in block[1:-1])
     assert block[-1].startswith("0 by symmetry: Ixy, Ixz, Iyz (computed ")
-    assert "tessellation: if facets stand for smooth faces, the volume is off by up to 0.14 % and the inertia by" in out
-    assert "with smooth faces: volume 3.287 m^3 (within " in out
+    assert "if facets are meant flat, nothing is missing; if they stand for smooth faces, the volume is off by" in out
+    assert "with smooth faces through the corners: volume 3.287 m^3, principal moments" in out
+    assert "if the corners are on them: volume within " in out
 
 
 def test_text_of_what_has_neither(tmp_path):

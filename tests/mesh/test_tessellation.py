@@ -51,7 +51,7 @@ def test_bars_hold_at_a_given_mass():
 
 def test_bars_are_not_idle(density_cases):
     assert np.median([one.found.mesh.inertia / one.inertia for one in density_cases]) < 1.5
-    assert np.median([one.found.rest.inertia / one.inertia for one in density_cases]) < 0.4
+    assert np.median([one.found.on_surface.inertia / one.inertia for one in density_cases]) < 0.4
 
 
 def test_pose_and_winding_do_not_matter():
@@ -74,7 +74,7 @@ def named(name):
 
 
 def test_sharp_bodies_stand_for_themselves():
-    for body in (samples.box(), bracket(), samples.cylinder(sectors=6), samples.tetrahedron()):
+    for body in (samples.box(), bracket(), samples.cylinder(sectors=5), samples.tetrahedron()):
         integrals, found = estimated(samples.moved(body, (0.1, 0.2, 0.3), any_rotation(1)))
         assert np.array_equal(found.corrected.S, integrals.S)
         assert (found.corrected.volume, found.mesh.volume, found.mesh.inertia) == (integrals.volume, 0, 0)
