@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from mesh_oracle import rotation
-from tessellations import quads, quartered
+from tessellations import open_quads, quads, quartered
 
 Floats = np.ndarray
 
@@ -14,10 +14,14 @@ Floats = np.ndarray
 def klein_bottle(around: int = 40, across: int = 24) -> Floats:
     """A figure of eight that turns over on its way around; it cuts itself, but every edge has two triangles."""
     u, v = np.meshgrid(2 * np.pi * np.arange(around) / around, 2 * np.pi * np.arange(across) / across, indexing="ij")
+    grid = _figure_of_eight(u, v)
+    return quads(np.concatenate([grid, grid[:1, -np.arange(across) % across]]))
+
+
+def _figure_of_eight(u: Floats, v: Floats) -> Floats:
     reach = 2 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
     rise = np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)
-    grid = np.stack([reach * np.cos(u), reach * np.sin(u), rise], axis=-1)
-    return quads(np.concatenate([grid, grid[:1, -np.arange(across) % across]]))
+    return np.stack([reach * np.cos(u), reach * np.sin(u), rise], axis=-1)
 
 
 def boy(p: Floats) -> Floats:
@@ -61,7 +65,15 @@ def _half_sphere(times: int) -> Floats:
     return found
 
 
+def seamed(around: int = 60, across: int = 32) -> Floats:
+    """The Klein bottle with its seams computed twice, so that they meet but for rounding."""
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, around + 1), np.linspace(0, 2 * np.pi, across + 1), indexing="ij")
+    return open_quads(_figure_of_eight(u, v))
+
+
 SURFACES = {
+    "Klein bottle with a seam": seamed(),
+    "Klein bottle with a seam in single precision": seamed().astype(np.float32).astype(float),
     "Klein bottle": klein_bottle(),
     "Klein bottle of odd counts": klein_bottle(41, 25),
     "Klein bottle without a face": klein_bottle()[1:],

@@ -36,8 +36,8 @@ class Case:
 
     @property
     def covered(self) -> tuple[bool, bool]:
-        """Whether the bars of the mesh's numbers hold, and those of the corrected ones."""
-        mesh, rest = self.found.mesh, self.found.rest
+        """Whether the bars of the mesh's numbers hold, and those of the corrected ones, all corners being in place."""
+        mesh, rest = self.found.mesh, self.found.on_surface
         return (
             self.volume <= mesh.volume and self.inertia <= mesh.inertia,
             self.volume_corrected <= rest.volume and self.inertia_corrected <= rest.inertia,

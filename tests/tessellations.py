@@ -32,8 +32,12 @@ def turned_profile(profile: Loop) -> Callable[[int], np.ndarray]:
 
 def quads(grid: np.ndarray) -> np.ndarray:
     """Triangles over a grid (rows, columns, 3) that closes along the columns; those without area left out."""
-    right = np.roll(grid, -1, axis=1)
-    a, b, c, d = grid[:-1], right[:-1], right[1:], grid[1:]
+    return open_quads(np.concatenate([grid, grid[:, :1]], axis=1))
+
+
+def open_quads(grid: np.ndarray) -> np.ndarray:
+    """Triangles over a grid (rows, columns, 3); those without area left out."""
+    a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
     found = np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
     p, q, r = found.transpose(1, 0, 2)
     return found[(p != q).any(axis=1) & (q != r).any(axis=1) & (r != p).any(axis=1)]

@@ -13,6 +13,7 @@ from robodyn.mesh.quadrature import Quadrature, by_columns, by_winding_numbers
 from robodyn.mesh.shells import Shells, wound
 from robodyn.mesh.triangles import Floats, MemoryTriangles, Triangles
 from robodyn.mesh.union import United, united
+from robodyn.mesh.welded import welded
 
 _BY_REGION = ("overlaps", "winding numbers")
 """Steps that leave the surface as it is."""
@@ -88,7 +89,7 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     if not len(mesh.faces):
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
-    _check_sides(shells, triangles.name)
+    _check_sides(shells if shells.closed.all() else wound(welded(shells.mesh))[0], triangles.name)
     steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
@@ -114,7 +115,10 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
 
 
 def _check_sides(shells: Shells, name: str) -> None:
-    """Refuse a surface that cannot be wound, whose inside and outside are therefore not told apart."""
+    """Refuse a surface that cannot be wound, whose inside and outside are therefore not told apart.
+
+    Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
+    """
     if shells.twisted:
         raise MeshError(
             f"{shells.twisted} of {_many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "

@@ -4,7 +4,7 @@
 | --- | --- | --- |
 | `inertia` | arithmetic of volume (and of second moments) | here |
 | `inertia` | rounding of the file | here |
-| `inertia` | tessellation, of the mesh's and of corrected numbers | `mesh/test_tessellation.py` |
+| `inertia` | tessellation, of the mesh's and of corrected numbers | `accuracy/test_tessellation_bars.py` |
 | `inertia` | overlaps, by columns | `mesh/test_quadrature.py` |
 | `inertia` | holes, by caps and by winding numbers | here, and `mesh/test_quadrature_holes.py` |
 | `inertia --accuracy` | proven arithmetic | here, by the first two |

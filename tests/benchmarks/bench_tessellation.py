@@ -28,7 +28,7 @@ def measured(poses: int) -> list[list[Case]]:
 def row(found: list[Case]) -> tuple[str, ...]:
     first = found[0]
     errors = [np.median([one.inertia for one in found]), np.median([one.inertia_corrected for one in found])]
-    bars = first.found.mesh.inertia, first.found.rest.inertia
+    bars = first.found.mesh.inertia, first.found.on_surface.inertia
     hold = sum(all(one.covered) for one in found)
     numbers = [f"{x:.1e}" for x in errors], [f"{x:.1e}" for x in bars]
     ratio = f"{errors[0] / errors[1]:.3g}"
