@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from simulated_robots import slide
 from small_robots import built, joint, link
 
@@ -145,3 +149,74 @@ def _passed(x: float, v: float, a: float, limit: float, length: float) -> list[f
     below = v + np.sqrt(root)  # the earlier root of a falling arc, the later one of a rising one
     at = 2.0 * (limit - x) / below if below > 0.0 else np.inf
     return [at] if 0.0 <= at <= length else []
+
+
+class Swung(NamedTuple):
+    """A pendulum with limits whose hinge a column drives, the end of its motion (q, qd), and when a limit ends it."""
+
+    model: Model
+    scene: Scene
+    table: dict[str, Floats]
+    end: Floats
+    moment: float | None
+
+
+def swung(rng: np.random.Generator) -> Swung:
+    """Return a pendulum with an upper limit near the highest point of a swing, and its motion by SciPy's DOP853."""
+    count = int(rng.integers(2, 40))
+    time = np.concatenate(([0.0], np.cumsum(10.0 ** rng.uniform(-4, -0.5, count))))
+    torque = rng.normal(size=len(time)) * 10.0 ** rng.uniform(-2, 1)
+    between = ("linear", "hold")[rng.integers(2)]
+    start, speed = float(rng.uniform(-1.0, 1.0)), float(rng.normal())
+    arcs = _arcs(time, torque, between == "hold", np.array([start, speed]))
+    tops = [top for arc in arcs for top in _tops(*arc)]
+    chosen = tops[int(rng.integers(len(tops)))][1]
+    limit = max(chosen + float(rng.choice([-1.0, 1.0])) * 10.0 ** float(rng.uniform(-9, -1)), start + 1e-3)
+    moment = next((at for arc in arcs if (at := _first_at(*arc, limit)) is not None), None)
+    scene = Scene(
+        initial_q={"j1": start}, initial_qd={"j1": speed}, drive={"j1": Drive(torque="push")}, between_rows=between
+    )
+    table = {"time": time, "push": torque}
+    return Swung(hanging(-1000.0, float(limit)), scene, table, np.asarray(arcs[-1][2](time[-1])), moment)
+
+
+Arc = tuple[float, float, Callable[[float], Floats]]
+
+
+def _arcs(time: Floats, torque: Floats, held: bool, state: Floats) -> list[Arc]:
+    """Return from when, until when and how a pendulum of 1 kg at 1 m moves between rows."""
+    arcs: list[Arc] = []
+    for begin, end, a, b in zip(time[:-1], time[1:], torque[:-1], torque[1:], strict=True):
+        slope = 0.0 if held else (b - a) / (end - begin)
+
+        def rates(t: float, y: Floats, begin: float = begin, a: float = a, slope: float = slope) -> list[float]:
+            return [y[1], -9.81 * np.sin(y[0]) + a + slope * (t - begin)]
+
+        found = solve_ivp(
+            rates, (begin, end), state, "DOP853", rtol=1e-13, atol=1e-14, max_step=0.02, dense_output=True
+        )
+        arcs.append((float(begin), float(end), found.sol))
+        state = found.y[:, -1]
+    return arcs
+
+
+def _turns(begin: float, end: float, at: Callable[[float], Floats]) -> list[float]:
+    """Return where an arc changes its direction, with both of its ends."""
+    times = np.linspace(begin, end, max(int((end - begin) / 1e-3), 8))
+    speeds = at(times)[1]
+    inner = [
+        brentq(lambda t: at(t)[1], *times[k : k + 2], xtol=1e-15) for k in np.flatnonzero(np.diff(np.sign(speeds)))
+    ]
+    return [begin, *inner, end]
+
+
+def _tops(begin: float, end: float, at: Callable[[float], Floats]) -> list[tuple[float, float]]:
+    return [(t, float(at(t)[0])) for t in _turns(begin, end, at)]
+
+
+def _first_at(begin: float, end: float, at: Callable[[float], Floats], limit: float) -> float | None:
+    turns = _turns(begin, end, at)
+    for low, high in pairwise(turns):
+        if at(low)[0] < limit < at(high)[0]:
+            return float(brentq(lambda t: at(t)[0] - limit, low, high, xtol=1e-15))
+    return None

@@ -28,6 +28,10 @@ CONFIRMING = "dop853", "radau", "bdf"
 """Methods of which another one has to agree."""
 SLOWEST = 1.5
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
+ROUNDING = 2.0**-51
+"""Of the largest number of a motion: no error is below."""
+GROWN = 1.5
+"""Twice as many whole steps have to make at least so many times as many in all."""
 SEEN = 50
 """Records at which motions by different methods are compared."""
 SAME = 1e-12
@@ -76,7 +80,7 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     effort = Effort(model, scene, duration, how)
     settled = _settled(effort, target, effort.is_stiff())
     checked = _confirmed(effort, settled, target)
-    error = settled.error + checked.error
+    error = settled.error + checked.error + ROUNDING
     if error > target:
         what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
         _refuse(effort, target, what, error)
@@ -121,17 +125,25 @@ def _refined(effort: Effort, name: str, target: float) -> Settled:
             raise UnsettledError(f"{left}, and going to {_shown(how)} is more work than is allowed", change) from None
         except InputError as error:
             problem = error.what
+        finer = _finer(how, motion)
         if motion is not None and before is not None:
+            if not _is_finer(motion, before):
+                continue
             last, change = change, apart(before, motion)
             expected = _expected(name, last, change, target)
             if expected <= 2.0 * target:
                 return Settled(motion, expected)
             if change * SLOWEST > last and last < 1e-6:
                 raise UnsettledError(f"going to {_shown(how)} changes the motion by {change:.0e} yet", change)
-        before, finer = motion or before, _finer(how, motion)
+        before = motion or before
     raise UnsettledError(
         f"going to {_shown(how)} changes the motion by {change:.0e} yet" if change < inf else problem, change
     )
+
+
+def _is_finer(motion: Simulation, before: Simulation) -> bool:
+    """Whether steps are shorter indeed: where rows of a table or an early end make them short, half of one is none."""
+    return motion.step is None or motion.steps >= GROWN * before.steps
 
 
 def _finer(how: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from random_scenes import braked_slide, hanging, passing_of
+from random_scenes import braked_slide, hanging, passing_of, swung
 from scipy.integrate import solve_ivp
 from simulated_robots import slide
 
@@ -114,3 +114,12 @@ def test_every_method_looks_for_limits():
         scene = Scene(gravity=(0, 0, 0), initial_qd={"j1": 3.0})
         found = robodyn.simulate(slide(), scene, 10.0, method=method.name)
         assert abs(found.time[-1] - 3.0) <= 1e-9, method.name
+
+
+@pytest.mark.parametrize("seed", [17, 30, 41])
+def test_what_halved_steps_say_covers_the_moment_of_an_early_limit(seed):
+    """A limit that is reached within the first whole step, by steps that halving that one does not change."""
+    found = swung(np.random.default_rng(seed))
+    motion = simulate_within(found.model, found.scene, None, 1e-3, table=found.table)
+    assert found.moment is not None
+    assert abs(motion.time[-1] - found.moment) <= motion.expected_error * found.moment + 1e-15
