@@ -96,7 +96,7 @@ def _base(description: Description, carried: dict[str, list[DescribedJoint]], mo
 
 def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
     turn, c = placement(inertial.origin)
-    return inertia_of(inertial.mass, c, product(product(turn, _matrix(inertial)), turn.T), R, p)
+    return inertia_of(inertial.mass, c, product(turn, _matrix(inertial), turn.T), R, p)
 
 
 def _matrix(inertial: Inertial) -> Floats:

@@ -14,6 +14,7 @@ from robodyn.doubts import Doubt
 from robodyn.model import Model
 from robodyn.result import ComponentLoad, JointLoad
 from robodyn.scene import Scene
+from robodyn.spatial import length, product
 from robodyn.wording import figure, shown
 
 Floats = NDArray[np.float64]
@@ -150,11 +151,11 @@ def _leg(name: str) -> bool:
 
 def _branches(model: Model) -> Iterator[_Branch]:
     """Yield the branches of two or more joints in a row that the base carries."""
-    first, depth, length = [0], [0], [0.0]
+    first, depth, reach = [0], [0], [0.0]
     for i, body in enumerate(model.bodies[1:], 1):
         first.append(first[body.parent] or i)
         depth.append(depth[body.parent] + (body.joint.mimics is None))
-        length.append(length[body.parent] + (float(np.linalg.norm(body.joint.p)) if body.parent else 0.0))
+        reach.append(reach[body.parent] + (length(body.joint.p) if body.parent else 0.0))
     places = _origins(model)
     for hip in dict.fromkeys(first[1:]):
         links = [name for name, frame in model.links.items() if first[frame.body] == hip]
@@ -162,7 +163,7 @@ def _branches(model: Model) -> Iterator[_Branch]:
             foot = min(ends, key=lambda name: places[name][2])
             end, height = model.links[foot], float(places[foot][2])
             drop = float(model.bodies[hip].joint.p[2]) - height
-            yield _Branch(links, foot, height, drop, length[end.body] + float(np.linalg.norm(end.p)))
+            yield _Branch(links, foot, height, drop, reach[end.body] + length(end.p))
 
 
 def _bottom(model: Model) -> float:
@@ -176,6 +177,6 @@ def _origins(model: Model) -> Mapping[str, Floats]:
     """Return where the links are in the base's frame, all joints at 0 [m]."""
     R, p = [np.eye(3)], [np.zeros(3)]
     for body in model.bodies[1:]:
-        R.append(R[body.parent] @ body.joint.R)
-        p.append(p[body.parent] + R[body.parent] @ body.joint.p)
-    return {name: p[frame.body] + R[frame.body] @ frame.p for name, frame in model.links.items()}
+        R.append(product(R[body.parent], body.joint.R))
+        p.append(p[body.parent] + product(R[body.parent], body.joint.p))
+    return {name: p[frame.body] + product(R[frame.body], frame.p) for name, frame in model.links.items()}

@@ -7,8 +7,9 @@ Vectors have shape (3,) and matrices (3, 3); their dtype is float64 for floats a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterable
+from functools import reduce
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ Array = NDArray[Any]
 
 Scalar = Any
 """Any scalar; see the module's docstring."""
+
+Arrays = TypeVar("Arrays", bound=tuple[Array, ...])
+"""A named tuple of arrays."""
 
 ZERO = np.zeros(3)
 ZERO.flags.writeable = False
@@ -56,15 +60,35 @@ def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:
     return np.array((x, y, z))
 
 
-def product(A: Array, B: Array) -> Array:
-    """The product of a small matrix (3, 3) and a matrix or vector, summed in order.
+def product(*factors: Array) -> Any:
+    """The product of matrices and vectors from left to right, like `A @ B`, summed in the same order everywhere.
 
-    `A @ B` means the same, and is what recursions say. On arrays of float64 it is BLAS, whose order of sums, and with
-    it the last digit, depends on the processor.
+    On float64 `A @ B` is BLAS, whose order of sums, and with it the last digit, depends on the processor. On any other
+    scalar NumPy itself multiplies, in order; so do recursions, which say `A @ B` for all scalars.
+
+    Args:
+        factors: (k,), (m, k) or stacks (..., m, k) that NumPy's `@` takes.
     """
-    if B.ndim == 1:
-        return np.asarray((A * B).sum(axis=1))
-    return np.asarray((A[:, :, None] * B).sum(axis=1))
+    return reduce(_times, factors)
+
+
+def _times(A: Array, B: Array) -> Any:
+    if object in (A.dtype, B.dtype):
+        return A @ B
+    return np.einsum(_SUMS[min(A.ndim, 2), min(B.ndim, 2)], A, B)
+
+
+_SUMS = {(1, 1): "j,j->", (1, 2): "j,...jk->...k", (2, 1): "...ij,j->...i", (2, 2): "...ij,...jk->...ik"}
+
+
+def narrowed(x: Array) -> Array:
+    """The array in float64 where its entries are floats, as recursions leave them, else as it is."""
+    return np.array(x.tolist()).reshape(x.shape)
+
+
+def narrowed_all(places: Iterable[Arrays]) -> list[Arrays]:
+    """The same tuples of arrays, each of these `narrowed`."""
+    return [type(place)(*map(narrowed, place)) for place in places]
 
 
 def length(x: Array) -> float:

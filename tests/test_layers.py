@@ -16,6 +16,7 @@ ORDER = [
     ("frozen", "library_messages"),
     ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties"),
     (
+        "linear",
         "whole_file",
         "workers",
         "inertia",

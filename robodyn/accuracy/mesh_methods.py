@@ -14,7 +14,7 @@ from robodyn.mesh.pieces import Pieces, pieces
 from robodyn.mesh.sweep import swept
 from robodyn.mesh.triangles import Floats, Triangles
 from robodyn.mesh.winding_tree import WindingTree
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 _TESTS = 1 << 18
 """Tests of a point against a triangle that are made at once."""
@@ -46,7 +46,7 @@ def by_voxels(corners: Floats, count: int) -> Moments:
     points = np.stack([*places, height * step, np.ones(len(which))])
     frame = np.eye(4)
     frame[:3, :3] = lattice.frame
-    return _of_matrix(step**3 * (frame.T @ (points @ points.T) @ frame))
+    return _of_matrix(step**3 * product(frame.T, product(points, points.T), frame))
 
 
 def by_chance(corners: Floats, count: int) -> Moments:
@@ -91,7 +91,7 @@ def _inside(corners: Floats, lattice: Lattice) -> Pieces:
 def _of_points(inside: Floats, size: Floats, count: int) -> Moments:
     """By the points inside of so many in a box."""
     Y = np.concatenate([inside, np.ones((len(inside), 1))], axis=1)
-    return _of_matrix((Y.T @ Y) * (size[0] * size[1] * size[2] / count))
+    return _of_matrix(product(Y.T, Y) * (size[0] * size[1] * size[2] / count))
 
 
 def _of_matrix(matrix: Floats) -> Moments:

@@ -12,6 +12,7 @@ from robodyn.mesh.indexed import merged
 from robodyn.mesh.integrate import integrate
 from robodyn.mesh.triangles import Floats, MemoryTriangles
 from robodyn.mesh.union import manifold
+from robodyn.spatial import length
 
 
 def by_hull(corners: Floats) -> Moments:
@@ -37,7 +38,7 @@ def by_decimation(corners: Floats, tolerance: float) -> Moments:
         MeshError: the surface is no manifold.
     """
     solid = _manifold(corners)
-    away = tolerance * float(np.linalg.norm(np.ptp(corners, axis=(0, 1))))
+    away = tolerance * length(np.ptp(corners, axis=(0, 1)))
     mesh = solid.simplify(away).to_mesh64()
     return _about_origin(mesh.vert_properties[:, :3][mesh.tri_verts])
 

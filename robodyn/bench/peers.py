@@ -21,6 +21,7 @@ from robodyn.inverse import torque_runner
 from robodyn.model import Joint, Model
 from robodyn.plan import plan
 from robodyn.scene import DEFAULT, Friction, Rotor, Scene
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 
@@ -52,7 +53,7 @@ def compared(
     ours = partial(runner, sources, samples, tau, executor=executor, threads=1)
     mine, *others = taking_turns(dict(enumerate([ours, *(task.run for task in tasks)]))).values()
     S, _ = following(model)
-    found = [_bench(task, time, task.torques() @ S, tau) for task, time in zip(tasks, others, strict=True)]
+    found = [_bench(task, time, product(task.torques(), S), tau) for task, time in zip(tasks, others, strict=True)]
     return PeersBench(runner.program.size, executor, mine.per(samples), (*found, *missing))
 
 
@@ -73,7 +74,7 @@ def library_tasks(name: str, model: Model, gravity: Gravity, sources: Mapping[st
         raise InputError("a joint floats, whose rates each library defines in its own way")
     S, offset = following(model)
     names = tuple(joint.name for joint in _moving(model))
-    moving = sources["q"] @ S.T + offset, sources["qd"] @ S.T, sources["qdd"] @ S.T
+    moving = product(sources["q"], S.T) + offset, product(sources["qd"], S.T), product(sources["qdd"], S.T)
     states = States(model.bodies[0].name, names, *moving)
     tasks = list(LIBRARIES[name][1](bare_description(model), gravity, states))
     for task in tasks:

@@ -15,6 +15,7 @@ from robodyn.checks.view import InertialView, LinkView
 from robodyn.inertia.boxes import Box
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.second import second_moments
+from robodyn.spatial import product
 
 _LEAST = 0.01
 _STILL = Pose(np.eye(3), np.zeros(3))
@@ -49,13 +50,13 @@ class Body:
         if self.own is not None or self.group is None:
             return self.own
         R = self.pose.R
-        return self.group.placed(R.T, -(R.T @ self.pose.p))
+        return self.group.placed(R.T, -product(R.T, self.pose.p))
 
     @property
     def in_group(self) -> tuple[Floats, Floats | None]:
         """Centre and second moments in the group's frame."""
         R = self.pose.R
-        return R @ self.c + self.pose.p, None if self.S is None else R @ self.S @ R.T
+        return product(R, self.c) + self.pose.p, None if self.S is None else product(R, self.S, R.T)
 
 
 def bodies(context: Context) -> Mapping[str, Body]:
@@ -95,5 +96,5 @@ def _second(link: LinkView, where: Pose) -> Floats | None:
         return None
     xx, xy, xz, yy, yz, zz = tensor
     I = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-    S: Floats = where.R @ second_moments(I) @ where.R.T
+    S: Floats = product(where.R, second_moments(I), where.R.T)
     return S

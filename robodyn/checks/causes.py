@@ -18,6 +18,7 @@ from robodyn.checks.nearest import nearest
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.checks.view import INERTIA, LinkView, numbers
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import length, product
 from robodyn.wording import figure
 
 _DIGITS = 12
@@ -88,7 +89,7 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     near = None if given is None else nearest(given.tensor)
     if given is None or near is None:
         return fault
-    change = float(np.linalg.norm(near - given.tensor) / np.linalg.norm(given.tensor))
+    change = float(length(near - given.tensor) / length(given.tensor))
     what = f"the nearest one that a body can have, {figure(100 * change, 2)} % away"
     return replace(fault, fix=_fix(link, _entries(near, given), what))
 
@@ -168,7 +169,7 @@ def _given(link: LinkView) -> Given | None:
     placed = pose(link.inertial.origin)
     if placed is None or not all(map(isfinite, link.tensor)):
         return None
-    return Given(link.mass, placed.R.T @ placed.p, placed.R, link.tensor)
+    return Given(link.mass, product(placed.R.T, placed.p), placed.R, link.tensor)
 
 
 def _same(one: Proposal, other: Proposal) -> bool:

@@ -16,6 +16,7 @@ from robodyn.checks.primitives import own_box
 from robodyn.checks.view import LinkView
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.second import second_moments
+from robodyn.spatial import product
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
@@ -84,7 +85,7 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
     if not possible(I):
         return evidence, given
     scale = given.mass / twin.left.inertial.mass
-    image, copy = (given.R.T @ tensor @ given.R for tensor in (I, link_inertia(twin.left.inertial)[1]))
+    image, copy = (product(given.R.T, tensor, given.R) for tensor in (I, link_inertia(twin.left.inertial)[1]))
     return replace(evidence, image=scale * image), replace(given, copy=copy)
 
 

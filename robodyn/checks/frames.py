@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from robodyn.checks.context import Context
 from robodyn.checks.view import OriginView
+from robodyn.spatial import product
 
 if TYPE_CHECKING:
     from robodyn.spatial import Array
@@ -43,7 +44,7 @@ def link_poses(context: Context) -> Mapping[str, Pose]:
             joint = context.tree.above[link.name]
             outer, inner = poses.get(joint.parent), pose(joint.origin)
             if outer is not None and inner is not None:
-                poses[link.name] = Pose(outer.R @ inner.R, outer.p + outer.R @ inner.p)
+                poses[link.name] = Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
     return poses
 
 
@@ -55,5 +56,5 @@ def centres_of_mass(context: Context) -> Mapping[str, tuple[float, ...]]:
         inertial = None if link.inertial is None else pose(link.inertial.origin)
         if inertial is not None and link.name in poses:
             outer = poses[link.name]
-            centres[link.name] = tuple((outer.p + outer.R @ inertial.p).tolist())
+            centres[link.name] = tuple((outer.p + product(outer.R, inertial.p)).tolist())
     return centres

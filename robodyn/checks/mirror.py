@@ -12,6 +12,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror_names import named_pairs
 from robodyn.inertia.exact import Floats
 from robodyn.joints import placement
+from robodyn.spatial import length, product
 from robodyn.ties import first_largest
 from robodyn.urdf.description import Description, Inertial, Joint, Link
 
@@ -52,7 +53,7 @@ class Plane:
 
     def image(self, p: Floats) -> Floats:
         """(..., 3) mirror images of points."""
-        moved: Floats = p @ self.H + 2.0 * self.offset * self.normal
+        moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
         return moved
 
 
@@ -80,9 +81,9 @@ def pairs(context: Context) -> tuple[Pair, ...]:
     near = _NEAR * _size(p)
     found = []
     for left, right in proposed:
-        D = R[right].T @ plane.H @ R[left]
-        there = np.linalg.norm(plane.image(p[left]) - p[right]) <= near
-        apart = np.linalg.norm(p[left] - p[right]) > near or abs(plane.normal @ p[left] - plane.offset) <= near
+        D = product(R[right].T, plane.H, R[left])
+        there = length(plane.image(p[left]) - p[right]) <= near
+        apart = length(p[left] - p[right]) > near or abs(product(plane.normal, p[left]) - plane.offset) <= near
         if there and apart and np.abs(D - np.round(D)).max() <= _SQUARE:
             found.append(Pair(links[left], links[right], above[left], above[right], D))
     return tuple(sorted(_rooted(found), key=lambda pair: pair.right.line))
@@ -99,7 +100,7 @@ def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[
         link = waiting.pop()
         for joint in below.get(link, ()):
             turn, shift = placement(joint.origin)
-            R[joint.child], p[joint.child] = R[link] @ turn, p[link] + R[link] @ shift
+            R[joint.child], p[joint.child] = product(R[link], turn), p[link] + product(R[link], shift)
             waiting.append(joint.child)
     return R, p
 
@@ -107,13 +108,13 @@ def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[
 def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
     """Centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's axes."""
     c, I = link_inertia(inertial)
-    return pair.D @ c, pair.D @ I @ pair.D.T
+    return product(pair.D, c), product(pair.D, I, pair.D.T)
 
 
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
     """Centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
     R, c = placement(inertial.origin)
-    return c, R @ matrix(inertial.inertia) @ R.T
+    return c, product(R, matrix(inertial.inertia), R.T)
 
 
 def matrix(entries: Sequence[float]) -> Floats:
@@ -139,7 +140,7 @@ def _plane(proposed: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Plan
     widest = apart[longest] / lengths[longest]
     planes = []
     for normal in (*np.eye(3), widest):
-        offset = median(((left + right) @ normal).tolist()) / 2.0
+        offset = median(product(left + right, normal).tolist()) / 2.0
         planes.append(Plane(normal, offset))
     counts = [int((np.linalg.norm(one.image(left) - right, axis=1)[lengths > near] <= near).sum()) for one in planes]
     best = int(np.argmax(counts))

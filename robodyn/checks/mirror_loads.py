@@ -10,7 +10,9 @@ import numpy as np
 from robodyn.checks.context import Context
 from robodyn.checks.mirror import Pair, link_inertia, pairs, reflected
 from robodyn.checks.view import InertialView, LinkView
+from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import length
 
 MASS = 0.02
 """How far the masses of twins may differ."""
@@ -65,7 +67,7 @@ class Twins:
     @property
     def shift(self) -> float:
         """How far the centre of mass is from its mirror image [m]."""
-        return float(np.linalg.norm(self.c_right - self.c))
+        return length(self.c_right - self.c)
 
     @property
     def most_shift(self) -> float:
@@ -90,7 +92,7 @@ def _twins(context: Context) -> Iterator[Twins]:
 
 
 def _ascending(I: Floats) -> Floats:
-    return np.asarray(np.linalg.eigvalsh(I), dtype=float)
+    return eigen(I)[0][::-1]
 
 
 def _apart(one: Floats, other: Floats) -> float:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import product
 
 _LEAST = 1e-6
 """Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""
@@ -18,10 +20,10 @@ def nearest(I: Floats) -> Floats | None:
     mass being kept). With them all sums of two, the principal moments of inertia, are positive and obey the triangle
     inequality. None where no second moment is positive: nothing is near that a body can have.
     """
-    moments, axes = np.linalg.eigh(np.trace(I) / 2.0 * np.eye(3) - I)
-    if not moments[2] > 0.0:
+    moments, axes = eigen(np.trace(I) / 2.0 * np.eye(3) - I)
+    if not moments[0] > 0.0:
         return None
-    kept = np.maximum(moments, _LEAST * moments[2])
-    S = (axes * kept) @ axes.T
+    kept = np.maximum(moments, _LEAST * moments[0])
+    S = product(axes.T * kept, axes)
     found: Floats = kept.sum() * np.eye(3) - (S + S.T) / 2.0
     return found

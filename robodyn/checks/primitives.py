@@ -8,6 +8,7 @@ from robodyn.checks.frames import pose
 from robodyn.checks.view import GeometryView, LinkView, numbers
 from robodyn.inertia.boxes import Box, around
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import product
 
 
 def own_box(link: LinkView, R: Floats) -> Box | None:
@@ -24,7 +25,7 @@ def _box(geometry: GeometryView, R: Floats) -> Box | None:
     placed, half = pose(geometry.origin), half_size(geometry)
     if placed is None or half is None:
         return None
-    return Box(-half, half).placed(R.T @ placed.R, R.T @ placed.p)
+    return Box(-half, half).placed(product(R.T, placed.R), product(R.T, placed.p))
 
 
 def half_size(geometry: GeometryView) -> Floats | None:

@@ -11,7 +11,7 @@ from robodyn.checks.static_torque import MOST_BODIES, position_ranges
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.laws import about_centre
 from robodyn.model import Joint, Model
-from robodyn.spatial import rotation_about
+from robodyn.spatial import product, rotation_about
 
 _WORTH = 1e-2
 """s; damping that is slower than this on the body's own inertia is of no interest."""
@@ -74,10 +74,10 @@ def joint_space_inertia(model: Model, q: Floats) -> Floats:
     for i, body in enumerate(model.bodies):
         joint, above = body.joint, body.parent
         R0, p0 = (R[above], p[above]) if above >= 0 else (np.eye(3), np.zeros(3))
-        R[i], p[i] = R0 @ joint.R, p0 + R0 @ joint.p
-        axes[i] = R[i] @ joint.axis
+        R[i], p[i] = product(R0, joint.R), p0 + product(R0, joint.p)
+        axes[i] = product(R[i], joint.axis)
         if joint.kind == "revolute":
-            R[i] = R[i] @ rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset)
+            R[i] = product(R[i], rotation_about(joint.axis, joint.multiplier * q[joint.coordinate] + joint.offset))
             spin[i] = joint.multiplier
         elif joint.kind == "prismatic":
             p[i] += axes[i] * (joint.multiplier * q[joint.coordinate] + joint.offset)
@@ -91,12 +91,12 @@ def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) 
     """The sum over the bodies, from the bodies' places and each joint's angular and linear velocity per rate."""
     on, rates = _carries(model), [max(body.joint.rate, 0) for body in model.bodies]
     centres = np.array([body.inertia.centre_of_mass for body in model.bodies])
-    c = p + (R @ centres[:, :, None])[:, :, 0]
+    c = p + product(R, centres[:, :, None])[:, :, 0]
     masses = np.array([body.inertia.m for body in model.bodies])
     inertias = np.array(
         [about_centre(b.inertia.I, b.inertia.m, centre) for b, centre in zip(model.bodies, centres, strict=True)]
     )
-    turned = R @ inertias @ R.transpose(0, 2, 1)
+    turned = product(R, inertias, R.transpose(0, 2, 1))
     J_w, J_v = np.zeros((2, model.n, len(p), 3))
     np.add.at(J_w, rates, (on[:, :, None] * spins[None]).transpose(1, 0, 2))
     arms = np.cross(spins[None], c[:, None] - p[None]) + slides[None]
@@ -121,6 +121,6 @@ def _damped(model: Model) -> Iterator[Joint]:
         joint = body.joint
         if joint.kind not in ("revolute", "prismatic") or joint.mimics is not None or not joint.damping > 0.0:
             continue
-        own = body.inertia.m if joint.kind == "prismatic" else float(joint.axis @ body.inertia.I @ joint.axis)
+        own = body.inertia.m if joint.kind == "prismatic" else float(product(joint.axis, body.inertia.I, joint.axis))
         if own < _WORTH * joint.damping:
             yield joint

@@ -14,6 +14,7 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.inertia.exact import Floats
 from robodyn.inverse import inverse_dynamics
 from robodyn.model import Joint, Model
+from robodyn.spatial import length
 from robodyn.ties import first_largest
 
 SAME = 1e-9
@@ -125,7 +126,7 @@ def _bodies(before: Model, after: Model) -> Iterator[Change]:
         mass = abs(now.m - was.m) / max(abs(now.m), abs(was.m), 1e-300)
         if mass > SAME:
             yield Change("link", body.name, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass)
-        centre = float(np.linalg.norm(now.centre_of_mass - was.centre_of_mass))
+        centre = length(now.centre_of_mass - was.centre_of_mass)
         if centre > SAME:
             yield Change("link", body.name, f"the centre of mass has moved by {centre:.3g} m", centre)
         size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)

@@ -18,6 +18,7 @@ from robodyn.checks.tree import Group
 from robodyn.checks.view import GeometryView, LinkView, numbers
 from robodyn.inertia.boxes import Box, around
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import length, product
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,7 @@ class Solid:
 
     def placed(self, outer: Pose) -> Box:
         """The box along outer axes, in which the link's frame stands at a pose."""
-        return self.box.placed(outer.R @ self.pose.R, outer.R @ self.pose.p + outer.p)
+        return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
 
 
 Solids = Mapping[GeometryView, Solid]
@@ -115,9 +116,9 @@ def real_shapes(link: LinkView) -> list[GeometryView]:
 
 def size_of(box: Box) -> float:
     """Length of its diagonal [m]."""
-    return float(np.linalg.norm(box.hi - box.lo))
+    return length(box.hi - box.lo)
 
 
 def outside(box: Box, point: Floats) -> float:
     """Distance of a point (3,) from the box [m]; 0 within."""
-    return float(np.linalg.norm(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0)))
+    return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.inertia.exact import Floats
 from robodyn.model import Body, Model
-from robodyn.spatial import skew
+from robodyn.spatial import product, skew
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,12 @@ class _Hinge:
         if body.joint.kind != "revolute":
             along, turned = np.eye(3), np.zeros((3, 3))
         across = np.eye(3) - along
-        return cls(np.vstack((R @ along, R @ across, R @ turned)), np.vstack((along, across, -turned)), along, turned)
+        return cls(
+            np.vstack((product(R, along), product(R, across), product(R, turned))),
+            np.vstack((along, across, -turned)),
+            along,
+            turned,
+        )
 
 
 _NOTHING = 1e-12
@@ -110,14 +115,14 @@ class Sweep:
             if i in self._rows:
                 rows, axis = self._rows[i], body.joint.axis
                 sliding = body.joint.kind == "prismatic"
-                own[:, 1, rows] = self._carried[i] * axis[:, None] if sliding else skew(axis) @ own[:, 0, rows]
+                own[:, 1, rows] = self._carried[i] * axis[:, None] if sliding else product(skew(axis), own[:, 0, rows])
             if body.parent < 0:
                 continue
             above, q = x[body.parent], self._positions(i)
             above += _turned(self._hinges[i].forward, own, q)
             above[:, 0] += self._carried[i] * body.joint.p[:, None]
             if body.joint.kind == "prismatic":
-                above[:, 0] += self._carried[i] * np.outer(body.joint.R @ body.joint.axis, q)
+                above[:, 0] += self._carried[i] * np.outer(product(body.joint.R, body.joint.axis), q)
         return x
 
     def _outward(self, x: Mapping[int, Floats]) -> None:
@@ -127,7 +132,7 @@ class Sweep:
         y = {0: ground}
         for i in self._relevant[1:]:
             body = self._bodies[i]
-            here = (body.joint.R.T @ y[body.parent].reshape(3, -1)).reshape(ground.shape)
+            here = product(body.joint.R.T, y[body.parent].reshape(3, -1)).reshape(ground.shape)
             if self._free[body.joint.coordinate] and body.joint.mimics is None:
                 self._best(i, x[i], here)
             own = _turned(self._hinges[i].back, here, self._positions(i))
@@ -135,7 +140,7 @@ class Sweep:
                 rows = self._rows[i]
                 self._up[i] = own[:, 0, rows]
                 if body.joint.kind == "revolute":
-                    own[:, 1, rows] = -skew(body.joint.axis) @ own[:, 0, rows]
+                    own[:, 1, rows] = product(-skew(body.joint.axis), own[:, 0, rows])
             y[i] = own
 
     def _best(self, i: int, x: Floats, y: Floats) -> None:
@@ -144,11 +149,11 @@ class Sweep:
         low, high = self._low[joint.coordinate], self._high[joint.coordinate]
         q = self.q[joint.coordinate]
         if joint.kind == "prismatic":
-            gain = self._sign * (joint.axis @ y[:, 1])
+            gain = self._sign * product(joint.axis, y[:, 1])
             q[:] = np.where(gain > 0.0, high, np.where(gain < 0.0, low, q))
             return
-        turned = (hinge.turned @ x.reshape(3, -1)).reshape(x.shape)
-        along = (hinge.along @ x.reshape(3, -1)).reshape(x.shape)
+        turned = product(hinge.turned, x.reshape(3, -1)).reshape(x.shape)
+        along = product(hinge.along, x.reshape(3, -1)).reshape(x.shape)
         # y has up with h and w with v the other way about: v goes with up, h with w
         cosine = self._sign * (y * (x - along)[:, ::-1]).sum(axis=(0, 1))
         sine = self._sign * (y * turned[:, ::-1]).sum(axis=(0, 1))
@@ -175,6 +180,6 @@ def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
 
 def _turned(parts: Floats, x: Floats, q: Floats) -> Floats:
     """(along + cos q across + sin q turned) x."""
-    along, across, turned = (parts @ x.reshape(3, -1)).reshape(3, *x.shape)
+    along, across, turned = product(parts, x.reshape(3, -1)).reshape(3, *x.shape)
     result: Floats = along + np.cos(q) * across + np.sin(q) * turned
     return result

@@ -11,6 +11,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.static_sweep import Sweep, around
 from robodyn.inertia.exact import Floats
 from robodyn.model import Joint, Model
+from robodyn.spatial import length, product
 from robodyn.ties import first_largest
 
 STARTS = 4
@@ -131,14 +132,14 @@ def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
         joint, mass = body.joint, body.inertia.m
         carried[i] += mass
         if mass > 0.0:
-            reach[i] = max(reach[i], float(np.linalg.norm(body.inertia.mc)) / mass)
+            reach[i] = max(reach[i], length(body.inertia.mc) / mass)
         lever = 1.0 if joint.kind == "prismatic" else float(reach[i])
         whole = model.total_mass * GRAVITY * max(lever, _LEAST_LEVER)
         bounds[joint.name] = GravityBound(float(carried[i]) * GRAVITY * lever * tilt[i], whole)
         if body.parent >= 0:
             carried[body.parent] += carried[i]
             slide = max(abs(joint.lower or 0.0), abs(joint.upper or 0.0)) if joint.kind == "prismatic" else 0.0
-            reach[body.parent] = max(reach[body.parent], float(np.linalg.norm(joint.p)) + slide + reach[i])
+            reach[body.parent] = max(reach[body.parent], length(joint.p) + slide + reach[i])
     return bounds
 
 
@@ -150,9 +151,9 @@ def _tilts(model: Model) -> list[float]:
         if body.parent not in standing:
             tilts.append(1.0)
             continue
-        up = (standing[body.parent] @ joint.R)[2]
-        along = abs(float(up @ joint.axis))
-        tilts.append(along if joint.kind == "prismatic" else float(np.linalg.norm(np.cross(up, joint.axis))))
+        up = product(standing[body.parent], joint.R)[2]
+        along = abs(float(product(up, joint.axis)))
+        tilts.append(along if joint.kind == "prismatic" else length(np.cross(up, joint.axis)))
         if joint.kind != "revolute":
-            standing[i] = standing[body.parent] @ joint.R
+            standing[i] = product(standing[body.parent], joint.R)
     return tilts

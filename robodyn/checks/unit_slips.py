@@ -12,6 +12,7 @@ from robodyn.checks.bodies import Body, bodies, share
 from robodyn.checks.context import Context
 from robodyn.checks.shapes import outside, size_of
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import length, product
 
 _FACTORS = (1e3, 1e6, 1e9)
 _LENGTHS = (1e3, 25.4)
@@ -125,6 +126,6 @@ def _centre(body: Body) -> Slip | None:
         return None
     for factor in _LENGTHS:
         c = body.c / factor
-        if outside(body.group, body.pose.R @ c + body.pose.p) == 0 and np.linalg.norm(c) > _NEAR * size:
+        if outside(body.group, product(body.pose.R, c) + body.pose.p) == 0 and length(c) > _NEAR * size:
             return Slip("centre of mass", factor, "mm for m?" if factor == 1e3 else "in other units?")
     return None

@@ -49,11 +49,11 @@ def _axes(joint: Joint, carried: Joint | None) -> Floats:
 
 def _turned(body: Body, Q: Floats, Q_parent: Floats) -> Body:
     m, mc, I = body.inertia
-    I = product(product(Q.T, np.triu(I) + np.triu(I, 1).T), Q)
+    I = product(Q.T, np.triu(I) + np.triu(I, 1).T, Q)
     R, p, axis = body.joint.R, body.joint.p, body.joint.axis
     joint = replace(
         body.joint,
-        R=snapped(product(product(Q_parent.T, R), Q)),
+        R=snapped(product(Q_parent.T, R, Q)),
         p=product(Q_parent.T, p),
         axis=snapped(product(Q.T, axis)),
     )

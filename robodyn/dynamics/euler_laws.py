@@ -7,7 +7,7 @@ accelerations are those relative to an inertial frame.
 from __future__ import annotations
 
 from robodyn.dynamics.euler import euler
-from robodyn.spatial import Array, Scalar, cross, skew
+from robodyn.spatial import Array, Scalar, cross, product, skew
 
 
 def acceleration_of_point(a_p: Array, r: Array, w: Array, wd: Array) -> Array:
@@ -77,13 +77,13 @@ def moment_about(M: Array, F: Array, r: Array) -> Array:
 
 def inertia_about(I_c: Array, m: Scalar, r: Array) -> Array:
     """The inertia matrix about a point from which the mass centre is at r: `I_c - m [r][r]` (parallel axes)."""
-    I: Array = I_c - m * (skew(r) @ skew(r))
+    I: Array = I_c - m * product(skew(r), skew(r))
     return I
 
 
 def inertia_about_centre(I_p: Array, m: Scalar, r: Array) -> Array:
     """The inertia matrix about the mass centre from that about p, r being c - p: `I_p + m [r][r]`."""
-    I: Array = I_p + m * (skew(r) @ skew(r))
+    I: Array = I_p + m * product(skew(r), skew(r))
     return I
 
 

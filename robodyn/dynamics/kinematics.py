@@ -18,18 +18,21 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
     `a = axis qdd`. Floating: position and quaternion in the parent's axes; its rates are the angular velocity in the
     body's axes and the rate of the position in the parent's. Fixed: the placement, at rest.
 
+    R and p are arrays of objects even where these are floats, so that NumPy multiplies them in order, without BLAS.
+
     Args:
         joint: with its placement R_0, p_0.
         q, qd, qdd: the values of this joint alone, one each, or 7, 6 and 6 for a floating joint (x y z qx qy qz qw;
             wx wy wz vx vy vz) [rad or m, and per s and s^2].
     """
+    R, p = joint.R.astype(object), joint.p.astype(object)
     if joint.kind == "fixed":
-        return REST._replace(R=joint.R, p=joint.p)
+        return REST._replace(R=R, p=p)
     if joint.kind == "floating":
-        turn = rotation_from_quaternion(*q[3:])
+        turn = rotation_from_quaternion(*q[3:]).astype(object)
         return Motion(
-            joint.R @ turn,
-            joint.p + joint.R @ vector(*q[:3]),
+            R @ turn,
+            p + R @ vector(*q[:3]),
             vector(*qd[:3]),
             turn.T @ vector(*qd[3:]),
             vector(*qdd[:3]),
@@ -37,8 +40,8 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
         )
     axis = joint.axis
     if joint.kind == "revolute":
-        return Motion(joint.R @ rotation_about(axis, q[0]), joint.p, axis * qd[0], ZERO, axis * qdd[0], ZERO)
-    return Motion(joint.R, joint.p + (joint.R @ axis) * q[0], ZERO, axis * qd[0], ZERO, axis * qdd[0])
+        return Motion(R @ rotation_about(axis, q[0]), p, axis * qd[0], ZERO, axis * qdd[0], ZERO)
+    return Motion(R, p + (R @ axis) * q[0], ZERO, axis * qd[0], ZERO, axis * qdd[0])
 
 
 def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[Motion]:

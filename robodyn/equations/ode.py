@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from robodyn.arrays import still
 from robodyn.equations.jobs import bias_plan, check_equations
 from robodyn.errors import InputError
+from robodyn.inertia.eigen import eigen
 from robodyn.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.model import Model
 from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
@@ -67,7 +68,7 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
         bias = bias_forces(model, q, speeds, scene=scene, executor="numpy")
         shares = _shares(model, scene, q, speeds)
         _finite(model, np.array([*M, bias, *shares.values()]))
-        moments = np.abs(np.linalg.eigvalsh(M))
+        moments = np.abs(eigen(M)[0])
     least, most = float(moments.min()), float(moments.max())
     return Ode(
         robot=model.name,

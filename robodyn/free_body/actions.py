@@ -17,7 +17,7 @@ from robodyn.inertia.moments import Inertia
 from robodyn.model import Joint, Model
 from robodyn.plan import at_rest
 from robodyn.scene import Scene
-from robodyn.spatial import ZERO
+from robodyn.spatial import ZERO, narrowed, product
 
 Floats = NDArray[np.float64]
 
@@ -32,9 +32,8 @@ _LETTERS = {
 
 def weight(body: Inertia, pose: Pose, gravity: Floats) -> Action:
     """m g at the mass centre."""
-    return Action(
-        "weight", "weight", "gravity", ("W", ""), body.centre_of_mass, body.m * (pose.R.T @ gravity), np.zeros(3)
-    )
+    force = body.m * product(pose.R.T, gravity)
+    return Action("weight", "weight", "gravity", ("W", ""), body.centre_of_mass, force, np.zeros(3))
 
 
 def inertial(body: Inertia, moving: Velocity, speeding: Acceleration) -> Action:
@@ -64,10 +63,11 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
             continue
         found = effect.add(at_rest(sample), sample, scene).wrenches
         letters = ("E", "N") if effect.name == "external wrench" else ("B", "")
-        for k, ((i, wrench), (link, point)) in enumerate(zip(found, places[effect.name], strict=True), 1):
+        for k, ((i, loads), (link, point)) in enumerate(zip(found, places[effect.name], strict=True), 1):
+            wrench = Wrench(*map(narrowed, loads))
             symbols = (f"{letters[0]}{k}", f"{letters[1]}{k}" if letters[1] else "")
             _, R, p = sample.model.links[link]
-            where = p + R @ np.array(point)
+            where = p + product(R, np.array(point))
             moment = wrench.n - np.cross(where, wrench.f)
             what = f"{effect.name} on {link}"
             out.append(Applied(i, Action(effect.name, what, "surroundings", symbols, where, wrench.f, moment)))
@@ -106,7 +106,7 @@ def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int,
         return Cut(joint, wrench, np.zeros(3), np.zeros(3), None, 0.0, {})
     others = {name: float(by_body[i]) for name, by_body in torques.items() if by_body.get(i, 0.0)}
     turning = joint.kind == "revolute"
-    along = float(joint.axis @ (n if turning else f))
+    along = float(product(joint.axis, n if turning else f))
     drive = along + sum(others.values())
     force, moment = (f, n - along * joint.axis) if turning else (f - along * joint.axis, n)
     return Cut(joint, wrench, force, moment, along, drive, others)
@@ -119,7 +119,7 @@ def at_joint(number: int, at: Cut, by: str, motion: Motion | None = None, sign: 
 
     def action(kind: str, what: str, letters: tuple[str, str], f: Floats, n: Floats) -> Action:
         symbols = (f"{minus}{letters[0]}{number}", f"{minus}{letters[1]}{number}")
-        return Action(kind, what, by, symbols, p, sign * (R @ f), sign * (R @ n))
+        return Action(kind, what, by, symbols, p, sign * product(R, f), sign * product(R, n))
 
     joint = at.joint
     if joint.kind == "floating":

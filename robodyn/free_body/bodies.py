@@ -21,6 +21,7 @@ from robodyn.model import Model
 from robodyn.plan import applied, plan
 from robodyn.scene import DEFAULT, Scene
 from robodyn.scene_fit import refuse_loops
+from robodyn.spatial import narrowed_all
 
 GROUND = "ground"
 _FREEDOM = {"fixed": 0, "revolute": 1, "prismatic": 1, "floating": 6}
@@ -62,7 +63,7 @@ def free_bodies(
     sample = Sample(model, state["q"], state["qd"], state["qdd"], extra)
     terms = applied(a_plan.effects, sample, scene)
     joints = motions(model, sample.q, terms.qd, terms.qdd)
-    wrenches = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
+    wrenches = narrowed_all(newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches))
     torques = torques_at_joints(a_plan.effects, sample, scene)
     cuts = [cut(i, model, wrench, torques) for i, wrench in enumerate(wrenches)]
     around = applied_wrenches(a_plan.effects, sample, scene)
@@ -76,7 +77,8 @@ def _cut_free(
 ) -> Iterator[FreeBody]:
     """Each body with what acts on it."""
     parents = model.parents
-    moving, speeding, where = velocities(parents, joints), accelerations(parents, joints), poses(parents, joints)
+    moving, speeding = narrowed_all(velocities(parents, joints)), narrowed_all(accelerations(parents, joints))
+    where, joints = narrowed_all(poses(parents, joints)), narrowed_all(joints)
     for i, body in enumerate(model.bodies):
         own = terms.inertias[i]
         children = [k for k, parent in enumerate(parents) if parent == i]

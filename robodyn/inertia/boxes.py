@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.inertia.exact import Floats
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 _TOUCH = 1e-6
 
@@ -22,8 +22,8 @@ class Box(NamedTuple):
 
     def placed(self, R: Array, p: Array) -> Box:
         """The box along the outer axes around this one, whose frame stands there at rotation R and origin p."""
-        centre = R @ ((self.lo + self.hi) / 2) + p
-        half = np.abs(R) @ ((self.hi - self.lo) / 2)
+        centre = product(R, (self.lo + self.hi) / 2) + p
+        half = product(np.abs(R), (self.hi - self.lo) / 2)
         return Box(centre - half, centre + half)
 
 

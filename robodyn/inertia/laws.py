@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.inertia.moments import inertia_of
-from robodyn.spatial import IDENTITY, Array
+from robodyn.spatial import IDENTITY, Array, product
 
 _ORTHOGONAL = 1e-9
 
@@ -46,7 +46,7 @@ def rotation_law(I: Array, R: Array) -> Array:
 
     Accuracy: each entry within 16 eps of the sum of the magnitudes that add up to it, for R as given.
     """
-    turned: Array = R @ I @ R.T
+    turned: Array = product(R, I, R.T)
     return turned
 
 
@@ -56,7 +56,7 @@ def orthogonal(R: Array) -> Array:
     Raises:
         InputError: with the largest entry of R R^T - 1.
     """
-    error = np.abs(R @ R.T - IDENTITY).max() if np.shape(R) == (3, 3) else np.inf
+    error = np.abs(product(R, R.T) - IDENTITY).max() if np.shape(R) == (3, 3) else np.inf
     if not error <= _ORTHOGONAL:
         raise InputError(
             f"the rotation is not orthogonal: R R^T differs from 1 by {error:.3g}",

@@ -45,7 +45,7 @@ def inertia_of(m: float, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = Z
 
     Accuracy: each entry within 16 eps of the sum of the magnitudes that add up to it.
     """
-    centre, turned = product(R, c) + p, product(product(R, I_c), R.T)
+    centre, turned = product(R, c) + p, product(R, I_c, R.T)
     return Inertia(m, m * centre, turned - m * product(skew(centre), skew(centre)))
 
 

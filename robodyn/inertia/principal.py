@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.inertia.eigen import eigen
 from robodyn.inertia.exact import Floats, exact, rounded
 from robodyn.inertia.second import principal_moments
-from robodyn.spatial import IDENTITY, Array, cross
+from robodyn.spatial import IDENTITY, Array, cross, length, product
 from robodyn.ties import first_largest
 
 EQUAL = 1e-9
@@ -83,10 +83,10 @@ def principal_axes(S: Array, S_low: Array | float = 0.0, tolerance: float = EQUA
     """
     given = exact(S) + exact(S_low)
     _, rough = eigen(rounded(given))
-    second, correction = eigen(rounded(exact(rough) @ given @ exact(rough).T))
+    second, correction = eigen(rounded(product(exact(rough), given, exact(rough).T)))
     moments = principal_moments(second)
     groups = _groups(second, tolerance * np.abs(moments).max())
-    return Principal(moments, _oriented(correction @ rough, groups) + 0.0, second, groups, tolerance)
+    return Principal(moments, _oriented(product(correction, rough), groups) + 0.0, second, groups, tolerance)
 
 
 def _groups(second: Floats, within: float) -> tuple[tuple[int, ...], ...]:
@@ -122,5 +122,5 @@ def pointed(axis: Floats) -> Floats:
 def _nearest_in_plane(normal: Floats) -> Floats:
     """The unit projection of the coordinate axis (the first of several) nearest to the plane with this normal."""
     nearest = IDENTITY[first_largest(-np.abs(normal), noise=EQUAL)]
-    projection = nearest - normal * (normal @ nearest)
-    return np.asarray(projection / np.linalg.norm(projection), dtype=float)
+    projection = nearest - normal * product(normal, nearest)
+    return np.asarray(projection / length(projection), dtype=float)

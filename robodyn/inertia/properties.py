@@ -14,7 +14,7 @@ from robodyn.inertia.laws import orthogonal, parallel_axis
 from robodyn.inertia.moments import Inertia
 from robodyn.inertia.principal import Principal, principal_axes
 from robodyn.inertia.second import inertia_matrix
-from robodyn.spatial import IDENTITY, ZERO, Array
+from robodyn.spatial import IDENTITY, ZERO, Array, product
 
 _NOTHING = np.zeros((3, 3))
 _SYMMETRIC = 1e-12
@@ -126,12 +126,12 @@ class MassProperties:
     def carried(self, R: Array, p: Array) -> tuple[Array, Array]:
         """Centre of mass and second moments of `placed`, as fractions, for sums that are to be rounded once."""
         turn = exact(orthogonal(np.asarray(R, dtype=float)))
-        return turn @ exact(self.com) + exact(p), turn @ self.S_exact @ turn.T
+        return product(turn, exact(self.com)) + exact(p), product(turn, self.S_exact, turn.T)
 
     def in_frame(self, R: Array, p: Array) -> MassProperties:
         """The body seen from a frame that stands at rotation R and origin p in the present one: undoes `placed`."""
         back = np.asarray(R, dtype=float).T
-        return self.placed(back, -(exact(back) @ exact(p)))
+        return self.placed(back, -product(exact(back), exact(p)))
 
     def rotated(self, R: Array) -> MassProperties:
         """The body turned about the origin of the frame, by the inertia rotation law; see `placed`."""

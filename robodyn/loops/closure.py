@@ -12,7 +12,7 @@ from robodyn.dynamics.types import Motion
 from robodyn.loops.equation import Equation
 from robodyn.model import Frame, Model
 from robodyn.scene import Loop
-from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, cross, skew
+from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, cross, product, skew
 
 GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))
 
@@ -107,8 +107,8 @@ class Closure:
         """
         a, b = (self._outward(chain, motions) for chain in self.chains)
         link, to = a[-1], b[-1]
-        point = link.p + link.R @ (self.ends[0].p + self.ends[0].R @ np.array(self.loop.point))
-        other = to.p + to.R @ (self.ends[1].p + self.ends[1].R @ np.array(self.loop.to_point))
+        point = link.p + link.R @ (self.ends[0].p + product(self.ends[0].R, np.array(self.loop.point)))
+        other = to.p + to.R @ (self.ends[1].p + product(self.ends[1].R, np.array(self.loop.to_point)))
         turn = (to.R @ self.ends[1].R).T
         w, v = link.w - to.w, link.velocity(point) - to.velocity(point)
         wd = link.wd - to.wd - cross(to.w, w)

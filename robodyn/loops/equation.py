@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.scene import Loop
-from robodyn.spatial import IDENTITY, Array, Scalar, cross, rotation_from_rpy, skew, snapped
+from robodyn.spatial import IDENTITY, Array, Scalar, cross, product, rotation_from_rpy, skew, snapped
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class Equation(NamedTuple):
 
     def of(self, d: Array, B: Array) -> Scalar:
         """The left side."""
-        value: Scalar = self.D @ d
+        value: Scalar = product(self.D, d)
         return value + (self.E * B).sum() if self.E.any() else value
 
     def force(self) -> Floats:
@@ -40,7 +40,7 @@ class Equation(NamedTuple):
 
     def moment(self, B: Array) -> Array:
         """(3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`."""
-        return np.array([(self.E * (skew(axis) @ B)).sum() for axis in IDENTITY])
+        return np.array([(self.E * product(skew(axis), B)).sum() for axis in IDENTITY])
 
 
 def equations_of(loop: Loop) -> tuple[Equation, ...]:
@@ -68,13 +68,13 @@ def _across(loop: Loop) -> tuple[Floats, Floats]:
     """Two vectors across the hinge's axis in the other link, along coordinate axes where it is along one."""
     s = _unit(loop.to_axis)
     t = np.roll(IDENTITY[int(np.argmax(np.abs(s)))], 1)
-    t = _unit(t - s * (s @ t))
+    t = _unit(t - s * product(s, t))
     return t, snapped(cross(s, t))
 
 
 def _unit(values: object) -> Floats:
     x = np.asarray(values, dtype=float)
-    return snapped(x / np.sqrt(x @ x))
+    return snapped(x / np.sqrt(product(x, x)))
 
 
 def _shown(axis: Floats) -> str:

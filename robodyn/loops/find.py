@@ -19,6 +19,7 @@ from robodyn.loops.equation import Equation, equations_of
 from robodyn.model import Model
 from robodyn.plan import Plan, applied
 from robodyn.scene import GROUND, Loop
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 TRIALS = 6
@@ -109,7 +110,7 @@ def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
             break
         found.append(k)
         one = left[k] / sizes[k]
-        left -= np.outer(left @ one, one)
+        left -= np.outer(product(left, one), one)
         left[k] = 0.0
     return sorted(found)
 

@@ -15,6 +15,7 @@ from robodyn.maximal.posed import Posed
 from robodyn.maximal.rank import Rank
 from robodyn.maximal.solve import Solution
 from robodyn.plan import loads
+from robodyn.spatial import narrowed_all, product
 
 Floats = NDArray[np.float64]
 
@@ -52,9 +53,9 @@ def compared(robot: Posed, rank: Rank, solution: Solution, qdd: Floats, wrenches
         q, qd, tau = (np.array(x, dtype=float) for x in (sample.q, sample.qd, robot.tau))
         ode = forward_dynamics(model, q, qd, tau, scene=robot.scene, executor="numpy")
     terms = replace(robot.terms, qd=sample.qd, qdd=tuple(ode.tolist()), wrenches=(*robot.terms.wrenches, *loops))
-    others = tuple(loads(sample, terms).reactions)
+    others = tuple(narrowed_all(loads(sample, terms).reactions))
     found = robot.matrices
-    moved = [part.reshape(-1, 6)[:, 3:] for part in (found.f, found.M @ solution.a)]
+    moved = [part.reshape(-1, 6)[:, 3:] for part in (found.f, product(found.M, solution.a))]
     force = max(_largest(part) for part in (*moved, [wrench.f for wrench in others]))
     moment = max(_largest([wrench.n for wrench in others]), force * robot.length)
     return Comparison(

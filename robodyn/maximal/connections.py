@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.maximal.equations import Across, Along, Equation
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 from robodyn.ties import first_largest
 
 
@@ -64,14 +64,14 @@ def basis_about(axis: Array) -> Basis:
     if abs(axis[k]) == 1.0:
         return PLAIN._replace(last=k)
     first = np.cross(PLAIN.vectors[first_largest(-np.abs(axis), noise=1e-9)], axis)
-    first = first / np.sqrt(first @ first)
+    first = first / np.sqrt(product(first, first))
     return Basis((first, np.cross(axis, first), axis), ("1", "2", "a"))
 
 
 def held_along(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> list[tuple[str, Equation]]:
     """Equations that keep the point from moving along some of the directions, with their reactions' names."""
     body, other, point, to, R = anchors
-    return [(f"F{basis.names[k]}", Along(body, other, point, to, R @ basis.vectors[k])) for k in directions]
+    return [(f"F{basis.names[k]}", Along(body, other, point, to, product(R, basis.vectors[k]))) for k in directions]
 
 
 def held_about(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> list[tuple[str, Equation]]:
@@ -85,9 +85,9 @@ def held_about(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> lis
     for k in directions:
         i, j = (k + 1) % 3, (k + 2) % 3
         if j in directions or i not in directions:
-            own, across = basis.vectors[i], R @ basis.vectors[j]
+            own, across = basis.vectors[i], product(R, basis.vectors[j])
         else:
-            own, across = basis.vectors[j], -(R @ basis.vectors[i])
+            own, across = basis.vectors[j], -product(R, basis.vectors[i])
         out.append((f"M{basis.names[k]}", Across(body, other, own, across)))
     return out
 
@@ -136,7 +136,7 @@ def point(name: str, anchors: Anchors) -> Connection:
 
 def directions(name: str, anchors: Anchors, along: Sequence[Array]) -> Connection:
     """The points are level along some directions (in the other's axes): an equation for each."""
-    unit = [n / np.sqrt(n @ n) for n in along]
+    unit = [n / np.sqrt(product(n, n)) for n in along]
     body, other, own, to, _ = anchors
     return connected(
         name, "directions", anchors, [(f"F{k}", Along(body, other, own, to, n)) for k, n in enumerate(unit, 1)]

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
+from robodyn.linear import shortest
 from robodyn.maximal.equations import stacked, values
 from robodyn.maximal.state import STILL, Place, Speed, State
 from robodyn.maximal.system import System
-from robodyn.spatial import rotation_about
+from robodyn.spatial import narrowed, product, rotation_about
 
 Floats = NDArray[np.float64]
 STEPS = 40
@@ -33,12 +34,12 @@ class Residuals(NamedTuple):
 
 def residuals(system: System, at: State) -> Residuals:
     """g(x) and G v."""
-    return Residuals(values(system.equations, at), stacked(system.equations, at) @ flat_speeds(at))
+    return Residuals(values(system.equations, at), product(stacked(system.equations, at), flat_speeds(at)))
 
 
 def flat_speeds(at: State) -> Floats:
     """(w, v) of all bodies, 6 N numbers."""
-    return np.concatenate([part for speed in at.speeds[:-1] for part in speed])
+    return narrowed(np.concatenate([part for speed in at.speeds[:-1] for part in speed]))
 
 
 def projected(system: System, at: State, length: float) -> State:
@@ -79,7 +80,7 @@ def projected(system: System, at: State, length: float) -> State:
 def _slowed(system: System, at: State, arcs: Floats) -> State:
     G, v = stacked(system.equations, at), flat_speeds(at)
     for _ in range(2):
-        v = v + arcs * _smallest(G * arcs, -G @ v)
+        v = v + arcs * _smallest(G * arcs, product(-G, v))
     speeds = tuple(Speed(part[:3], part[3:]) for part in v.reshape(-1, 6))
     return State(at.places, (*speeds, STILL))
 
@@ -91,19 +92,19 @@ def _arcs(bodies: int, length: float) -> Floats:
 
 def _smallest(A: Floats, b: Floats) -> Floats:
     """The smallest x with A x = b, or with the smallest error where the equations depend on each other."""
-    return np.asarray(np.linalg.lstsq(A, b, rcond=1e-10)[0], dtype=float)
+    return shortest(A, b, 1e-10)
 
 
 def _moved(at: State, step: Floats) -> State:
     places = []
     for place, (dw, dc) in zip(at.places[:-1], step.reshape(-1, 2, 3), strict=True):
-        angle = float(np.sqrt(dw @ dw))
+        angle = float(np.sqrt(product(dw, dw)))
         turn = rotation_about(dw / angle, angle) if angle else np.eye(3)
-        places.append(Place(_orthonormal(place.R @ turn), place.c + dc))
+        places.append(Place(_orthonormal(product(place.R, turn)), place.c + dc))
     return State((*places, at.places[-1]), at.speeds)
 
 
 def _orthonormal(R: Floats) -> Floats:
     """The rotation next to a matrix that is one but for rounding: R (3 - R^T R) / 2."""
-    turned: Floats = R @ (1.5 * np.eye(3) - 0.5 * (R.T @ R))
+    turned: Floats = product(R, 1.5 * np.eye(3) - 0.5 * product(R.T, R))
     return turned

@@ -9,6 +9,7 @@ from robodyn.maximal.consistent import flat_speeds, projected
 from robodyn.maximal.equations import stacked, values
 from robodyn.maximal.posed import Posed, own_rates
 from robodyn.maximal.state import State
+from robodyn.spatial import product
 from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
@@ -20,13 +21,13 @@ def coordinates_of(robot: Posed, at: State) -> tuple[Floats, Floats]:
     A hinge's turn is the one nearest to that of `robot`; mimic joints are left to their masters.
     """
     model, system = robot.model, robot.system
-    qd = own_rates(model, system, (stacked(system.free, at) @ flat_speeds(at)).tolist())
+    qd = own_rates(model, system, product(stacked(system.free, at), flat_speeds(at)).tolist())
     q = np.zeros(model.nq)
     for i, (body, connection) in enumerate(zip(model.bodies, system.joints, strict=True)):
         joint = body.joint
         if joint.kind == "floating":
             R_o = at.places[body.parent].R if body.parent >= 0 else np.eye(3)
-            turn = joint.R.T @ R_o.T @ at.places[i].R
+            turn = product(joint.R.T, R_o.T, at.places[i].R)
             q[joint.coordinate : joint.coordinate + 7] = [*values(connection.free[3:], at), *quaternion(turn)]
         elif joint.kind != "fixed" and joint.mimics is None:
             q[joint.coordinate] = connection.free[0].value(at)
@@ -47,7 +48,7 @@ def quaternion(R: Floats) -> Floats:
     else:
         i, j = (k + 1) % 3, (k + 2) % 3
         h[k], h[i], h[j], h[3] = squares[k], R[i, k] + R[k, i], R[j, k] + R[k, j], R[j, i] - R[i, j]
-    h = h / np.sqrt(h @ h)
+    h = h / np.sqrt(product(h, h))
     if abs(h[3]) <= 1e-15:  # half a turn: the largest component is positive, whichever sign rounding gives w
         h[3] = 0.0
     found: Floats = -h if h[3] < 0.0 else h

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from robodyn.maximal.rank import Rank
 from robodyn.maximal.solve import equilibrated, saddle, scaled_rows
 from robodyn.maximal.system import Matrices, System
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 FULL = 1e-13
@@ -73,7 +74,7 @@ def counted(system: System, found: Matrices, rank: Rank, length: float) -> Count
     G = found.G[rank.independent]
     n = len(found.f)
     K = equilibrated(saddle(found.M, G))[0]
-    laws = _rank(K[:n] @ K[:n].T)
+    laws = _rank(product(K[:n], K[:n].T))
     return Counts(
         len(system.inertias),
         len(names),

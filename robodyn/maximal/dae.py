@@ -24,6 +24,7 @@ from robodyn.maximal.system import Matrices
 from robodyn.model import Model
 from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
 from robodyn.scene import DEFAULT, Scene
+from robodyn.spatial import narrowed_all, product
 
 Floats = NDArray[np.float64]
 CONTRADICTED = 1e-8
@@ -101,7 +102,9 @@ def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Da
     qdd = None if solution is None else accelerations_along(robot, solution)
     wrenches: tuple[Wrench, ...] = ()
     if solution is not None:
-        wrenches = tuple(joint_wrenches(robot.system, robot.at, found, solution.a, solution.reactions.tolist()))
+        wrenches = tuple(
+            narrowed_all(joint_wrenches(robot.system, robot.at, found, solution.a, solution.reactions.tolist()))
+        )
     return Dae(
         robot,
         q,
@@ -125,8 +128,8 @@ def contradictions(found: Matrices, rank: Rank, solution: Solution | None) -> tu
     if solution is None or not len(rows):
         return ()
     G, gamma = found.G[rows], found.gamma[rows]
-    off = float(np.abs(G @ solution.a - gamma).max())
-    if off <= CONTRADICTED * float((np.abs(G) @ np.abs(solution.a) + np.abs(gamma)).max()):
+    off = float(np.abs(product(G, solution.a) - gamma).max())
+    if off <= CONTRADICTED * float((product(np.abs(G), np.abs(solution.a)) + np.abs(gamma)).max()):
         return ()
     return (
         f"redundant constraints contradict the others for accelerations by {off:.3g} m/s^2 or rad/s^2: "

@@ -11,6 +11,7 @@ from robodyn.inverse import bias_forces, mass_matrix
 from robodyn.maximal.posed import Posed
 from robodyn.maximal.reduction import Reduced, accelerations_along, independent_accelerations
 from robodyn.maximal.solve import Solution
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 
@@ -47,25 +48,25 @@ def _velocities(robot: Posed, left: Reduced) -> list[Step]:
             "velocities of the bodies from those of the joints: they fulfil every joint's constraints by themselves",
             "v = J(q) qd",
             "G J = 0",
-            G @ J,
+            product(G, J),
             0.0,
-            np.abs(G) @ np.abs(J),
+            product(np.abs(G), np.abs(J)),
         ),
         _step(
             "accelerations likewise",
             "a = J qdd + Jdot qd",
             "G Jdot qd = gamma",
-            G @ left.drift,
+            product(G, left.drift),
             gamma,
-            np.abs(G) @ np.abs(left.drift) + np.abs(gamma),
+            product(np.abs(G), np.abs(left.drift)) + np.abs(gamma),
         ),
         _step(
             "inserted in M a = f + G^T lambda, and multiplied by J^T from the left: the reactions do no work and go",
             "J^T M (J qdd + Jdot qd) = J^T f + J^T G^T lambda",
             "J^T G^T = 0",
-            J.T @ G.T,
+            product(J.T, G.T),
             0.0,
-            np.abs(J.T) @ np.abs(G.T),
+            product(np.abs(J.T), np.abs(G.T)),
         ),
     ]
 
@@ -81,7 +82,7 @@ def _projected(robot: Posed, left: Reduced) -> list[Step]:
             "J^T M J against M(q) of the recursion",
             left.M,
             mass_matrix(model, q, scene=scene, executor="numpy"),
-            np.abs(J.T) @ np.abs(robot.matrices.M) @ np.abs(J),
+            product(np.abs(J.T), np.abs(robot.matrices.M), np.abs(J)),
         ),
         _step(
             "the forces become torques less the bias",
@@ -97,14 +98,14 @@ def _projected(robot: Posed, left: Reduced) -> list[Step]:
 def _solved(robot: Posed, left: Reduced, solution: Solution) -> list[Step]:
     """The solution of the DAE put into the equations that are left."""
     found, qdd = robot.matrices, accelerations_along(robot, solution)
-    a = left.J @ qdd + left.drift
+    a = product(left.J, qdd) + left.drift
     back = _step(
         "back to the reactions, where they are asked for",
         "G^T lambda = M a - f",
         "with qdd of the ODE form and lambda of the DAE",
-        found.G.T @ solution.reactions,
-        found.M @ a - found.f,
-        np.abs(found.M) @ np.abs(a) + np.abs(found.f),
+        product(found.G.T, solution.reactions),
+        product(found.M, a) - found.f,
+        product(np.abs(found.M), np.abs(a)) + np.abs(found.f),
     )
     ode = _with_loops if robot.system.loops else _without_loops
     return [*ode(robot, left, solution, qdd), back]
@@ -116,9 +117,9 @@ def _without_loops(robot: Posed, left: Reduced, solution: Solution, qdd: Floats)
             "the ODE form",
             "M(q) qdd = tau - bias(q, qd)",
             "with qdd of the DAE",
-            left.M @ qdd,
+            product(left.M, qdd),
             left.free,
-            np.abs(left.M) @ np.abs(qdd) + _sizes(robot, left),
+            product(np.abs(left.M), np.abs(qdd)) + _sizes(robot, left),
         )
     ]
 
@@ -132,9 +133,9 @@ def _with_loops(robot: Posed, left: Reduced, solution: Solution, qdd: Floats) ->
             "what is left: loops keep their reactions, with G_l = G J",
             "M(q) qdd = tau - bias(q, qd) + G_l^T lambda_l,  G_l qdd = gamma_l",
             "with qdd and lambda of the DAE",
-            left.M @ qdd,
-            left.free + left.G.T @ loops,
-            np.abs(left.M) @ np.abs(qdd) + np.abs(left.G.T) @ np.abs(loops) + _sizes(robot, left),
+            product(left.M, qdd),
+            left.free + product(left.G.T, loops),
+            product(np.abs(left.M), np.abs(qdd)) + product(np.abs(left.G.T), np.abs(loops)) + _sizes(robot, left),
         ),
         _step(
             "the motions that the loops leave, G_l N = 0: their reactions go too",
@@ -150,7 +151,7 @@ def _with_loops(robot: Posed, left: Reduced, solution: Solution, qdd: Floats) ->
 def _sizes(robot: Posed, left: Reduced) -> Floats:
     """Of what adds up to J^T (f - M drift)."""
     found = robot.matrices
-    sizes: Floats = np.abs(left.J.T) @ (np.abs(found.f) + np.abs(found.M) @ np.abs(left.drift))
+    sizes: Floats = product(np.abs(left.J.T), np.abs(found.f) + product(np.abs(found.M), np.abs(left.drift)))
     return sizes
 
 

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from robodyn.maximal.state import State
-from robodyn.spatial import Array, Scalar, cross
+from robodyn.spatial import Array, Scalar, cross, narrowed, product
 
 Row = list[tuple[int, Array]]
 """(body, its six entries) pairs; -1 is the ground, and entries of the same body add up."""
@@ -134,7 +134,7 @@ class Turn:
     def value(self, at: State) -> float:
         """For floats: sin and cos of the angle are the skew part of the turn along e, and half of its trace less 1."""
         Q = np.asarray(self.placed.T @ self._seen(at).T, dtype=float)
-        sine = 0.5 * self.axis @ np.array((Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1]))
+        sine = 0.5 * product(self.axis, np.array((Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1])))
         angle = atan2(sine, 0.5 * (np.trace(Q) - 1.0))
         return float(self.near + remainder(angle - self.near, tau))
 
@@ -179,7 +179,7 @@ def stacked(equations: Sequence[Equation], at: State) -> Array:
         for body, entries in equation.row(at):
             if body >= 0:
                 G[k, 6 * body : 6 * body + 6] = G[k, 6 * body : 6 * body + 6] + entries
-    return G
+    return narrowed(G)
 
 
 def drifts(equations: Sequence[Equation], at: State) -> Array:

@@ -10,7 +10,7 @@ from robodyn.maximal.connections import PLAIN, Anchors, Connection, directions, 
 from robodyn.maximal.equations import Along, Equation, Sum, Turn
 from robodyn.model import Joint, Model
 from robodyn.scene import Loop
-from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, rotation_from_rpy
+from robodyn.spatial import IDENTITY, ZERO, Array, Scalar, product, rotation_from_rpy
 
 
 def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:
@@ -35,11 +35,11 @@ def _joint(joint: Joint, anchors: Anchors, near: Scalar) -> Connection:
         return weld(joint.name, anchors, "fixed")
     if joint.kind == "floating":
         turns = [Turn(body, other, e, R) for e in PLAIN.vectors]
-        moves = [Along(body, other, own, to, R @ e) for e in PLAIN.vectors]
+        moves = [Along(body, other, own, to, product(R, e)) for e in PLAIN.vectors]
         return Connection(joint.name, "floating", body, other, (), (), (*turns, *moves))
     if joint.kind == "revolute":
         return hinge(joint.name, anchors, joint.axis, "revolute", [Turn(body, other, joint.axis, R, near)])
-    return slide(joint.name, anchors, joint.axis, "prismatic", [Along(body, other, own, to, R @ joint.axis)])
+    return slide(joint.name, anchors, joint.axis, "prismatic", [Along(body, other, own, to, product(R, joint.axis))])
 
 
 def mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Connection]:
@@ -61,16 +61,16 @@ def loop_connections(model: Model, centres: Sequence[Array], loops: Sequence[Loo
         body, R, place = _frame(model, centres, loop.link, loop.point)
         other, R_o, to = _frame(model, centres, loop.to, loop.to_point)
         if loop.kind == "hinge":
-            axis, to_axis = _unit(R @ np.array(loop.axis)), _unit(R_o @ np.array(loop.to_axis))
+            axis, to_axis = _unit(product(R, np.array(loop.axis))), _unit(product(R_o, np.array(loop.to_axis)))
             yield hinge(loop.name, Anchors(body, other, place, to, _turn_between(axis, to_axis)), axis)
         elif loop.kind == "weld":
-            turn = R_o @ rotation_from_rpy(*loop.rpy) @ R.T
+            turn = product(R_o, rotation_from_rpy(*loop.rpy), R.T)
             yield weld(loop.name, Anchors(body, other, place, to, turn))
         elif loop.directions:
-            along = [R_o @ np.array(n) for n in loop.directions]
+            along = [product(R_o, np.array(n)) for n in loop.directions]
             yield directions(loop.name, Anchors(body, other, place, to, IDENTITY), along)
         else:
-            yield point(loop.name, Anchors(body, other, place, to, R_o @ R.T))
+            yield point(loop.name, Anchors(body, other, place, to, product(R_o, R.T)))
 
 
 def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float]) -> tuple[int, Array, Array]:
@@ -78,11 +78,11 @@ def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float
     if link not in model.links:
         return -1, IDENTITY, np.array(at, dtype=float)
     body, R, p = model.links[link]
-    return body, R, p + R @ np.array(at, dtype=float) - centres[body]
+    return body, R, p + product(R, np.array(at, dtype=float)) - centres[body]
 
 
 def _unit(axis: Array) -> Array:
-    unit: Array = axis / np.sqrt(axis @ axis)
+    unit: Array = axis / np.sqrt(product(axis, axis))
     return unit
 
 
@@ -94,7 +94,10 @@ def _turn_between(a: Array, b: Array) -> Array:
     middle = a + b
     if np.abs(middle).max() < 1e-6:
         middle = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
-        m = _unit(middle)
-        return 2.0 * np.outer(m, m) - np.eye(3)
-    m = _unit(middle)
-    return (2.0 * np.outer(m, m) - np.eye(3)) @ (2.0 * np.outer(a, a) - np.eye(3))
+        return _half_turn(_unit(middle))
+    turn: Array = product(_half_turn(_unit(middle)), _half_turn(a))
+    return turn
+
+
+def _half_turn(axis: Array) -> Array:
+    return 2.0 * np.outer(axis, axis) - np.eye(3)

@@ -17,7 +17,7 @@ from robodyn.maximal.system import Matrices, System, matrices
 from robodyn.model import Model
 from robodyn.plan import applied
 from robodyn.scene import Scene
-from robodyn.spatial import Scalar
+from robodyn.spatial import Scalar, length
 
 Floats = NDArray[np.float64]
 
@@ -61,8 +61,8 @@ def posed(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scalar],
     at = state_of(model, centres, sample.q, sample.qd)
     found = matrices(system, at, terms.gravity, terms.wrenches, along_joints(model, system, terms, tau))
     arms = [*centres, *(body.joint.p - centres[body.parent] for body in model.bodies if body.parent >= 0)]
-    length = max(float(np.linalg.norm(np.asarray(arm, dtype=float))) for arm in arms) or 1.0
-    return Posed(model, scene, sample, terms, tau, system, at, found, length)
+    size = max(length(np.asarray(arm, dtype=float)) for arm in arms) or 1.0
+    return Posed(model, scene, sample, terms, tau, system, at, found, size)
 
 
 def along_joints(model: Model, system: System, terms: Terms, tau: Sequence[Scalar]) -> list[Scalar]:

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.spatial import product
+
 Floats = NDArray[np.float64]
 DEPENDENT = 1e-10
 """A row is dependent if less than this part of it is left outside the span of the rows before it."""
@@ -43,9 +45,9 @@ def ranked(rows: Floats) -> Rank:
         block = rows[start : start + BLOCK] / np.where(sizes > 0.0, sizes, 1.0)[start : start + BLOCK, None]
         for k, row in enumerate(_outside(block, basis[:first]), start):
             rest = _outside(row, basis[first : len(independent)])
-            if rest @ rest < SHRUNK**2:
+            if product(rest, rest) < SHRUNK**2:
                 rest = _outside(rest, basis[: len(independent)])
-            left = np.sqrt(rest @ rest)
+            left = np.sqrt(product(rest, rest))
             if left <= DEPENDENT or len(independent) == len(basis):
                 dependent.append(k)
             else:
@@ -56,4 +58,4 @@ def ranked(rows: Floats) -> Rank:
 
 def _outside(rows: Floats, basis: Floats) -> Floats:
     """What of rows lies outside the span of an orthonormal basis."""
-    return np.asarray(rows - (rows @ basis.T) @ basis)
+    return np.asarray(rows - product(rows, basis.T, basis))

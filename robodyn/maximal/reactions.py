@@ -10,7 +10,7 @@ from robodyn.dynamics.types import Wrench
 from robodyn.maximal.equations import Equation
 from robodyn.maximal.state import State
 from robodyn.maximal.system import Matrices, System
-from robodyn.spatial import Array, Scalar, cross
+from robodyn.spatial import Array, Scalar, cross, product
 
 
 def joint_wrenches(system: System, at: State, found: Matrices, a: Array, reactions: Sequence[Scalar]) -> list[Wrench]:
@@ -28,7 +28,7 @@ def joint_wrenches(system: System, at: State, found: Matrices, a: Array, reactio
     for k, rule in enumerate(system.rules, start):
         for weight, term in rule.terms:
             own[id(term)] = own.get(id(term), 0.0) + weight * reactions[k]
-    along = found.along - found.armature * (found.S @ a + found.sigma)
+    along = found.along - found.armature * (product(found.S, a) + found.sigma)
     out, row, k = [], 0, 0
     for i, joint in enumerate(system.joints):
         acting = [(equation, reactions[row + j]) for j, equation in enumerate(joint.equations)]

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.linear import across, shortest, solve
 from robodyn.maximal.consistent import flat_speeds
 from robodyn.maximal.posed import Posed, own_rates
 from robodyn.maximal.solve import Solution
 from robodyn.maximal.state import accelerations_of, state_of
+from robodyn.spatial import narrowed, product
 
 Floats = NDArray[np.float64]
 LOOSE = 1e-10
-"""Equations of loops whose singular value is a smaller part of the largest follow from the others."""
+"""Equations of loops of which no more than this part of the largest is left follow from the others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,10 @@ def reduced(robot: Posed) -> Reduced:
     return Reduced(
         J,
         drift,
-        J.T @ found.M @ J,
-        J.T @ (found.f - found.M @ drift),
-        found.G[rows:] @ J,
-        found.gamma[rows:] - found.G[rows:] @ drift,
+        product(J.T, found.M, J),
+        product(J.T, found.f - product(found.M, drift)),
+        product(found.G[rows:], J),
+        found.gamma[rows:] - product(found.G[rows:], drift),
     )
 
 
@@ -61,7 +63,7 @@ def accelerations_at_rest(robot: Posed) -> Floats:
     """Jdot qd: the accelerations of all bodies where no coordinate accelerates."""
     model, sample = robot.model, robot.sample
     each = accelerations_of(model, robot.system.centres, sample.q, sample.qd, (0.0,) * model.n)
-    return np.concatenate([part for pair in each for part in pair])
+    return narrowed(np.concatenate([part for pair in each for part in pair]))
 
 
 def independent_accelerations(left: Reduced) -> Floats:
@@ -70,15 +72,13 @@ def independent_accelerations(left: Reduced) -> Floats:
     The columns of N span the motions that loops allow, G N = 0, and G q_p = gamma.
     """
     if not len(left.G):
-        return np.asarray(np.linalg.solve(left.M, left.free))
-    _, sizes, V = np.linalg.svd(left.G)
-    N = V[int((sizes > LOOSE * sizes[0]).sum()) :].T
-    start = np.linalg.lstsq(left.G, left.gamma, rcond=LOOSE)[0]
-    z = np.linalg.solve(N.T @ left.M @ N, N.T @ (left.free - left.M @ start))
-    return np.asarray(start + N @ z)
+        return solve(left.M, left.free)
+    N, start = across(left.G, LOOSE).T, shortest(left.G, left.gamma, LOOSE)
+    z = solve(product(N.T, left.M, N), product(N.T, left.free - product(left.M, start)))
+    return np.asarray(start + product(N, z))
 
 
 def accelerations_along(robot: Posed, solution: Solution) -> Floats:
     """qdd out of the accelerations of the bodies."""
     found = robot.matrices
-    return np.array(own_rates(robot.model, robot.system, list(found.S @ solution.a + found.sigma)))
+    return np.array(own_rates(robot.model, robot.system, list(product(found.S, solution.a) + found.sigma)))

@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.linear import solve
 from robodyn.maximal.rank import Rank, ranked
 from robodyn.maximal.system import Matrices
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 SINGULAR = 1e-14
@@ -76,15 +78,15 @@ def solved(found: Matrices, rank: Rank) -> Solution | None:
     K, factors = equilibrated(saddle(found.M, G))
     right = factors * np.concatenate((found.f, found.gamma[rows]))
     try:
-        inverse = np.linalg.inv(K)
+        inverse = solve(K, np.eye(len(K)))
     except np.linalg.LinAlgError:
         return None
     if 1.0 / (np.abs(K).sum(axis=1).max() * np.abs(inverse).sum(axis=1).max()) < SINGULAR:
         return None
-    x = inverse @ right
+    x = product(inverse, right)
     exact, target = K.astype(np.longdouble), right.astype(np.longdouble)
     for _ in range(REFINEMENTS):
-        x = x + inverse @ (target - exact @ x).astype(float)
+        x = x + product(inverse, (target - product(exact, x)).astype(float))
     x = factors * x
     a, reactions = x[:n], np.zeros(len(found.G))
     reactions[rows] = -x[n:]

@@ -14,7 +14,7 @@ from robodyn.inertia.moments import Inertia
 from robodyn.maximal.connections import Connection
 from robodyn.maximal.equations import Equation, Sum, drifts, stacked
 from robodyn.maximal.state import State
-from robodyn.spatial import ZERO, Array, Scalar, cross, skew
+from robodyn.spatial import ZERO, Array, Scalar, cross, narrowed, product, skew
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def matrices(
     S, sigma = stacked(system.free, at), drifts(system.free, at)
     G, gamma = stacked(system.equations, at), -drifts(system.equations, at)
     forces = np.array(along) if along is not None else np.zeros(len(system.free))
-    M, f = _mass(system), _forces(system, at, gravity, wrenches) + S.T @ forces
+    M, f = _mass(system), narrowed(_forces(system, at, gravity, wrenches)) + product(S.T, forces)
     armature = np.array([system.rotors.get(joint.body, 0.0) for joint in system.joints for _ in joint.free])
     for k in np.flatnonzero(armature):
         M = M + armature[k] * np.outer(S[k], S[k])
@@ -116,7 +116,7 @@ def matrices(
 def about_centre(inertia: Inertia) -> Array:
     """I_c = I_o + m [c][c] (parallel axes)."""
     c = inertia.centre_of_mass
-    I: Array = inertia.I + inertia.m * (skew(c) @ skew(c))
+    I: Array = inertia.I + inertia.m * product(skew(c), skew(c))
     return I
 
 

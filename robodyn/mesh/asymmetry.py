@@ -16,7 +16,7 @@ from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.same_triangles import TriangleSet
 from robodyn.mesh.tessellation_lines import LineMasses, line_masses
 from robodyn.mesh.triangles import Triangles
-from robodyn.spatial import IDENTITY, Array, rotation_about
+from robodyn.spatial import IDENTITY, Array, length, product, rotation_about
 
 GOLDEN_TURN = pi * (3 - 5**0.5)
 
@@ -106,7 +106,7 @@ class CentredBody:
         The columns are oblique to the axis: along it they would pass by the difference of two thin rims.
         """
         Q = rotation_about(axis, angle)
-        oblique = _OBLIQUE @ frame_along(axis)
+        oblique = product(_OBLIQUE, frame_along(axis))
 
         def by_columns(count: int) -> float:
             lattice = Lattice.over(self.corners, oblique, Q, count)
@@ -145,12 +145,12 @@ class CentredBody:
 
         x is the direction in the plane along which the product of inertia with the normal n is all of it.
         """
-        product = self.S @ normal
-        product = product - normal * (normal @ product)
-        size = float(np.linalg.norm(product))
+        mixed = product(self.S, normal)
+        mixed = mixed - normal * product(normal, mixed)
+        size = length(mixed)
         if size <= 1e-14 * abs(float(np.trace(self.S))):
             return 0.0
-        reach = np.abs(self.corners @ np.stack([product / size, normal], axis=1)).max(axis=(0, 1))
+        reach = np.abs(product(self.corners, np.stack([mixed / size, normal], axis=1))).max(axis=(0, 1))
         return size / (self.volume * float(reach[0] * reach[1]))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from robodyn.mesh.columns import frame_along
 from robodyn.mesh.indexed import Numbers
 from robodyn.mesh.triangles import Floats
+from robodyn.spatial import product
 
 _FRAME = frame_along(np.array((0.36, 0.48, 0.8)))
 """Along nothing that a part has, so that its points do not lie side by side."""
@@ -21,7 +22,7 @@ def clusters(points: Floats, most: int) -> list[Numbers]:
     n = len(points)
     if not n:
         return []
-    points = points @ _FRAME.T
+    points = product(points, _FRAME.T)
     order, starts = np.arange(n), np.zeros(1, np.int64)
     while (sizes := np.diff(starts, append=n)).max() > most:
         P = points[order]

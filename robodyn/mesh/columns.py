@@ -8,7 +8,7 @@ from math import ceil, cos, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.spatial import IDENTITY, Array
+from robodyn.spatial import IDENTITY, Array, length, product
 from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ class Lattice:
             image: (3, 3) orthogonal.
         """
         frame = frame_along(direction)
-        shadows = [frame[:2]] if image is IDENTITY else [frame[:2], (frame @ image)[:2]]
+        shadows = [frame[:2]] if image is IDENTITY else [frame[:2], product(frame, image)[:2]]
         along = [[_along(corners.T, axis) for axis in axes] for axes in shadows]
         corner = np.min([[u.min() for u in shadow] for shadow in along], axis=0)
         width, height = (np.max([[u.max() for u in shadow] for shadow in along], axis=0) - corner).tolist()
@@ -77,7 +77,7 @@ class Lattice:
 
     def seen_by(self, Q: Array) -> Lattice:
         """The lattice whose columns go through a body as these go through its image Q x."""
-        return replace(self, frame=self.frame @ Q)
+        return replace(self, frame=product(self.frame, Q))
 
     @property
     def cell(self) -> float:
@@ -155,7 +155,7 @@ def frame_along(direction: Array) -> Floats:
     """Orthonormal rows, the last along a unit vector, the others in no special position to the coordinate axes."""
     nearest = np.eye(3)[first_largest(-np.abs(direction), noise=1e-9)]
     across = np.cross(direction, nearest)
-    across /= np.linalg.norm(across)
+    across /= length(across)
     other = np.cross(direction, across)
     c, s = cos(_TURN), sin(_TURN)
     return np.array([c * across + s * other, c * other - s * across, direction])

@@ -9,6 +9,7 @@ import numpy as np
 from robodyn.mesh.columns import Lattice
 from robodyn.mesh.pieces import pieces
 from robodyn.mesh.triangles import Floats
+from robodyn.spatial import length
 
 COLUMNS = 16384
 """In each direction, for surfaces that are closed."""
@@ -19,7 +20,7 @@ _DIRECTIONS = np.array([(0.8203, -0.4115, 0.3971), (0.2391, 0.8770, 0.4168), (-0
 
 def directions() -> list[Floats]:
     """Three unit vectors."""
-    return [direction / np.linalg.norm(direction) for direction in _DIRECTIONS]
+    return [direction / length(direction) for direction in _DIRECTIONS]
 
 
 def excess(corners: Floats, count: int = COLUMNS) -> Floats:

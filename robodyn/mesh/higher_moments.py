@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 Floats = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class CentralMoments:
         for order, M in enumerate(self.tensors, start=2):
             image = M
             for _ in range(order):
-                image = image.reshape(3, -1).T @ Q.T
+                image = product(image.reshape(3, -1).T, Q.T)
             bound = max(bound, float(np.abs(M - image.reshape(M.shape)).max()) / (2 * self.volume * self.reach**order))
         return bound
 
@@ -62,11 +62,11 @@ def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
     third, fourth = np.zeros((6, 3)), np.zeros((6, 6))
     for start in range(0, len(corners), _BLOCK):
         block = corners[start : start + _BLOCK]
-        X = np.tensordot(_SHARES, block, axes=(1, 1)).transpose(2, 0, 1).reshape(3, -1)
+        X = product(_SHARES, block).transpose(2, 1, 0).reshape(3, -1)
         pairs = np.stack([X[i] * X[j] for i, j in zip(*_UPPER, strict=True)])
         weighted = pairs * np.outer(_WEIGHTS, _determinants(block)).ravel()
-        third += weighted @ X.T
-        fourth += weighted @ pairs.T
+        third += product(weighted, X.T)
+        fourth += product(weighted, pairs.T)
     tensors = S, third[_PAIR] / 12, fourth[_PAIR][:, :, _PAIR] / 14
     return CentralMoments(volume, float(np.sqrt((corners**2).sum(axis=2).max())), tensors)
 
@@ -80,7 +80,7 @@ def axial_moments(corners: Array, frame: Array, volume: float) -> Array:
     Args:
         frame: (3, 3) rows: x, y, z.
     """
-    local = corners @ frame.T
+    local = product(corners, frame.T)
     radius, height = np.hypot(local[..., 0], local[..., 1]).max(), np.abs(local[..., 2]).max()
     local = local / (radius, radius, height)
     found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
@@ -109,7 +109,7 @@ def _axial_sums(corners: Array) -> Array:
             jets[corner] = grown if corner == 0 else grown + jets[corner - 1]
         share = 1.0 / ((degree + 1) * (degree + 2) * (degree + 3))
         for k in range(min(degree, _HEIGHTS)):
-            found[degree - k - 1, k] = share * (jets[2, k] @ D) / comb(degree, k)
+            found[degree - k - 1, k] = share * product(jets[2, k], D) / comb(degree, k)
     return found
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from robodyn.mesh.indexed import Edges, Numbers
 from robodyn.mesh.triangles import Floats
+from robodyn.spatial import length
 
 _SEAM = 1e-6
 """Area over squared perimeter below which a gap is a seam: a T-junction, or an edge drawn twice."""
@@ -45,7 +46,7 @@ def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
 
     def ear(vertex: int) -> tuple[float, int, int, int]:
         a, c = before[vertex], after[vertex]
-        return float(np.linalg.norm(points[c] - points[a])), vertex, a, c
+        return length(points[c] - points[a]), vertex, a, c
 
     queue = [ear(vertex) for vertex in loop]
     heapify(queue)

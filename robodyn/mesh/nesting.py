@@ -72,7 +72,7 @@ def nested(shells: Shells, caps: int = 0, cavities: bool = False) -> Nesting:
         bodies=int((wrong & ~state.inward).sum()),
         cavities=int((wrong & state.inward).sum()),
         within=int(state.within.sum()),
-        less=float(np.abs(volumes) @ (state.adds - other.adds)),
+        less=float((np.abs(volumes) * (state.adds - other.adds)).sum()),
     )
 
 

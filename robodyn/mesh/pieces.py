@@ -8,6 +8,7 @@ import numpy as np
 
 from robodyn.mesh.columns import Floats, Hits, Integers, Lattice, in_order
 from robodyn.mesh.indexed import Mask
+from robodyn.spatial import product
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +29,12 @@ class Pieces:
         length = self.stop - self.start
         share = lattice.cell * self.weight * length
         Y = np.stack([*lattice.places(self.column), (self.start + self.stop) / 2, np.ones(len(length))])
-        found: Floats = (Y * share) @ Y.T
-        found[2, 2] += float(share @ length**2) / 12
+        found: Floats = product(Y * share, Y.T)
+        found[2, 2] += float(product(share, length**2)) / 12
         frame = np.eye(4)
         frame[:3, :3] = lattice.frame
-        return frame.T @ found @ frame
+        turned: Floats = product(frame.T, found, frame)
+        return turned
 
 
 def pieces(hits: Hits) -> Pieces:
@@ -55,7 +57,7 @@ def centred(totals: Floats, region: Floats) -> Floats:
     """Integrals (..., 4, 4) of y y^T, y = (x, 1), with x from the centre of a region that has such integrals (4, 4)."""
     shift = np.eye(4)
     shift[:3, 3] = -region[:3, 3] / region[3, 3]
-    about: Floats = shift @ totals @ shift.T
+    about: Floats = product(shift, totals, shift.T)
     return about
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 _BITS = 30
 _SHIFT = 0.3819660113
@@ -26,7 +26,7 @@ class TriangleSet:
         Sets are told apart by a sum of 64 bits. Corners that are rounded differently make sets differ that do not; a
         set that is called invariant is so within the rounding.
         """
-        return self._hash((Q @ self._X.reshape(3, -1)).reshape(self._X.shape)) == self._sum
+        return self._hash(product(Q, self._X.reshape(3, -1)).reshape(self._X.shape)) == self._sum
 
     def _hash(self, X: Array) -> int:
         """The sum over the triangles (3 coordinates, 3 corners, m) of a mix of the sum of a mix of each corner."""

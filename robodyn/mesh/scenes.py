@@ -17,6 +17,7 @@ from robodyn.mesh.polygons import triangles_of
 from robodyn.mesh.source import Source
 from robodyn.mesh.triangles import Corners, Floats, IndexedTriangles
 from robodyn.mesh.units import scale_of
+from robodyn.spatial import product
 
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""
@@ -97,9 +98,9 @@ def _placed(loaded: Mapping[str, Any]) -> Iterator[_Part]:
 
 def _to_base(edge: Mapping[str, Any], above: Mapping[Any, Mapping[str, Any]], base: Any) -> Floats:
     """The transform (4, 4) from the end of an edge of the scene's graph to its base; `above`: edges by their ends."""
-    matrix = np.eye(4)
+    matrix: Floats = np.eye(4)
     for _ in range(len(above) + 1):
-        matrix = np.asarray(edge.get("matrix", np.eye(4)), dtype=np.float64) @ matrix
+        matrix = product(np.asarray(edge.get("matrix", np.eye(4)), dtype=np.float64), matrix)
         parent = edge.get("frame_from", base)
         if parent == base:
             return matrix

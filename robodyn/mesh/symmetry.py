@@ -15,7 +15,7 @@ from robodyn.mesh.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.mesh.columns import Floats, frame_along
 from robodyn.mesh.symmetry_kinds import Axis, Product, Symmetry
 from robodyn.mesh.symmetry_search import Search
-from robodyn.spatial import Array, rotation_about
+from robodyn.spatial import Array, length, product, rotation_about
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""
@@ -61,9 +61,9 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
     flat = S.astype(float).ravel()
     change = (flat - np.einsum("ki,kj,j->i", rows, rows, flat)).reshape(3, 3)
     S = S - exact((change + change.T) / 2)
-    for product in found.products:
-        if product.zero:
-            i, j = ("xyz".index(name) for name in product.axes)
+    for one in found.products:
+        if one.zero:
+            i, j = ("xyz".index(name) for name in one.axes)
             S[i, j] = S[j, i] = fraction(0.0)
     return replace(body, com=body.com - shift, S_c=S, S_low=np.zeros((3, 3)))
 
@@ -72,7 +72,7 @@ def _shift(com: Array, found: Symmetry) -> Floats:
     """How far a point is from the nearest one on all accepted planes and axes."""
     normals = [(plane.normal, plane.offset) for plane in found.planes if plane.holds]
     for axis in found.axes:
-        normals += [(across, across @ axis.point) for across in frame_along(axis.direction)[:2] if axis.holds]
+        normals += [(across, product(across, axis.point)) for across in frame_along(axis.direction)[:2] if axis.holds]
     if not normals:
         return np.zeros(3)
     N = np.array([normal for normal, _ in normals])
@@ -101,7 +101,7 @@ def _products(S: Array, invariants: Floats, slack: float) -> tuple[Product, ...]
     """A product is 0 by symmetry where it is zero in all matrices that the maps of the body to itself leave as is."""
     found = []
     for i, j in combinations(range(3), 2):
-        free = float(np.linalg.norm(invariants[:, i, j] + invariants[:, j, i])) / 2
+        free = length(invariants[:, i, j] + invariants[:, j, i]) / 2
         size = float(np.sqrt(abs(S[i, i] * S[j, j])))
         residual = float(S[i, j])
         found.append(Product("xyz"[i] + "xyz"[j], residual, residual / size if size else 0.0, free <= slack))

@@ -7,7 +7,7 @@ from math import atan2, gcd, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.spatial import Array
+from robodyn.spatial import Array, length, product
 from robodyn.ties import first_largest
 
 Floats = NDArray[np.float64]
@@ -97,7 +97,7 @@ def distinct_lines(directions: Array) -> Floats:
     """(n, 3) each direction once, whatever its sign, within 1e-6."""
     kept: list[Array] = []
     for direction in directions:
-        if all(np.linalg.norm(np.cross(direction, other)) > 1e-6 for other in kept):
+        if all(length(np.cross(direction, other)) > 1e-6 for other in kept):
             kept.append(direction)
     return np.array(kept).reshape(-1, 3)
 
@@ -117,11 +117,12 @@ def _newton(fourth: Array, n: Array) -> tuple[Array, Array]:
     hessian = 3 * np.einsum("ijkl,nk,nl->nij", fourth, n, n)
     gradient = np.einsum("nij,nj->ni", hessian, n) / 3
     slope = np.einsum("ni,ni->n", gradient, n)
-    tangent = np.eye(3) - n[:, :, None] * n[:, None, :]
-    curvature = tangent @ (hessian - slope[:, None, None] * np.eye(3)) @ tangent
-    size = np.abs(curvature).max() + 1e-300
-    values, axes = np.linalg.eigh(curvature + 1e3 * size * n[:, :, None] * n[:, None, :])
-    values, axes = values[:, :2], axes[:, :, :2]
+    across = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    tangent = np.stack((across, np.cross(n, across)), axis=2)
+    curvature = product(tangent.transpose(0, 2, 1), hessian - slope[:, None, None] * np.eye(3), tangent)
+    values, turned = _plane_eigen(curvature)
+    axes, size = product(tangent, turned), np.abs(curvature).max() + 1e-300
     safe = np.where(np.abs(values) > 1e-14 * size, values, size)
     step = -np.einsum("nij,nj->ni", axes, np.einsum("nij,ni->nj", axes, gradient) / safe)
     return step, np.abs(values).min(axis=1)
@@ -133,3 +134,15 @@ def _spread(count: int) -> Floats:
     z, turn = index / count, np.pi * (1 + 5**0.5) * index
     r = np.sqrt(1 - z * z)
     return np.concatenate([np.eye(3), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)])
+
+
+def _plane_eigen(A: Array) -> tuple[Array, Array]:
+    """Eigenvalues (n, 2) and orthonormal eigenvectors (n, 2, 2), as columns, of symmetric matrices (n, 2, 2)."""
+    half, off = (A[:, 0, 0] - A[:, 1, 1]) / 2, A[:, 0, 1]
+    radius = np.copysign(np.sqrt(half * half + off * off), half)
+    x, y = half + radius, off
+    size = np.sqrt(x * x + y * y)
+    x, y = np.where(size > 0, (x, y), [[1.0], [0.0]]) / np.where(size > 0, size, 1.0)
+    middle = (A[:, 0, 0] + A[:, 1, 1]) / 2
+    values = np.stack((middle + radius, middle - radius), axis=1)
+    return values, np.stack((x, -y, y, x), axis=1).reshape(-1, 2, 2)

@@ -16,7 +16,7 @@ from robodyn.mesh.asymmetry import CentredBody, mirror
 from robodyn.mesh.columns import Floats, frame_along
 from robodyn.mesh.higher_moments import FREQUENCIES, axial_moments
 from robodyn.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
-from robodyn.spatial import Array, rotation_about
+from robodyn.spatial import Array, length, product, rotation_about
 from robodyn.ties import ranked
 
 DECIMALS = 12
@@ -141,10 +141,10 @@ class Search:
         found = [normal for normal in self._further_normals(axes) if self._promising(mirror(normal))]
         directions = [axis.direction for axis in axes if axis.fold == inf and axis.holds]
         for direction in directions:
-            implied = [normal for normal in found if self._ball or abs(normal @ direction) <= _APART]
-            others = [normal for normal in found if not (self._ball or abs(normal @ direction) <= _APART)]
+            implied = [normal for normal in found if self._ball or abs(product(normal, direction)) <= _APART]
+            others = [normal for normal in found if not (self._ball or abs(product(normal, direction)) <= _APART)]
             exact = [normal for normal in implied if self.body.same(mirror(normal))]
-            found = others + (exact or [row for row in self.principal if abs(row @ direction) <= _APART])
+            found = others + (exact or [row for row in self.principal if abs(product(row, direction)) <= _APART])
         return found
 
     def _further_normals(self, axes: Iterable[Axis]) -> Floats:
@@ -175,13 +175,13 @@ class Search:
 
     def _plane(self, normal: Array) -> Plane:
         nearest = np.eye(3)[np.argmax(np.abs(normal))]
-        if 0 < np.linalg.norm(np.cross(normal, nearest)) <= _ASKEW:
+        if 0 < length(np.cross(normal, nearest)) <= _ASKEW:
             along = self._plane(nearest)
             if along.holds:
                 return along
         normal = pointed(normal)
         asymmetry = round(self.body.mirrored(normal), DECIMALS)
-        return Plane(normal, float(normal @ self.body.centre), asymmetry, self._verdict(asymmetry))
+        return Plane(normal, float(product(normal, self.body.centre)), asymmetry, self._verdict(asymmetry))
 
     def _verdict(self, asymmetry: float) -> Verdict:
         facets = self.body.facets if self.tolerance < asymmetry <= NEAR else 0.0
@@ -189,4 +189,4 @@ class Search:
 
 
 def _parallel(one: Array, other: Array) -> bool:
-    return bool(min(np.linalg.norm(one - other), np.linalg.norm(one + other)) <= _APART)
+    return bool(min(length(one - other), length(one + other)) <= _APART)

@@ -8,11 +8,12 @@ from itertools import product
 
 import numpy as np
 
+from robodyn.inertia.eigen import eigen
 from robodyn.inertia.second import inertia_matrix
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.tessellation_edges import Floats
 from robodyn.mesh.tessellation_lines import LineMasses
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 OUTSIDE = 0.5
 """Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
@@ -151,8 +152,8 @@ def _moments(masses: LineMasses, weights: Floats) -> tuple[float, Floats, Floats
     """
     p, q = masses.start, masses.end
     s = p + q
-    second = sum((x * weights) @ x.T for x in (p, q, s))
-    return float(weights.sum()), s @ weights / 2, np.asarray(second) / 6
+    second = sum(product(x * weights, x.T) for x in (p, q, s))
+    return float(weights.sum()), product(s, weights) / 2, np.asarray(second) / 6
 
 
 def _corrected(integrals: Integrals, volume: float, first: Floats, second: Floats, centre: Array) -> Integrals:
@@ -169,4 +170,4 @@ def _corrected(integrals: Integrals, volume: float, first: Floats, second: Float
 
 
 def _largest(S: Floats) -> float:
-    return float(np.abs(np.linalg.eigvalsh(inertia_matrix(S))).max())
+    return float(np.abs(eigen(inertia_matrix(S))[0]).max())

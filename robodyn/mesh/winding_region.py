@@ -11,6 +11,7 @@ from robodyn.mesh.indexed import Indexed, Mask
 from robodyn.mesh.pieces import Pieces, joined
 from robodyn.mesh.triangles import Floats
 from robodyn.mesh.winding_tree import WindingTree
+from robodyn.spatial import product
 
 _NEAR_END = 1e-6
 """Share of a piece from its end at which the winding number there is taken."""
@@ -114,7 +115,7 @@ class Field:
         return root
 
     def _of_caps(self, column: Integers, depth: Floats) -> Floats:
-        return self.caps.numbers(np.stack([*self.lattice.places(column), depth], axis=1) @ self.lattice.frame)
+        return self.caps.numbers(product(np.stack([*self.lattice.places(column), depth], axis=1), self.lattice.frame))
 
 
 def _pieces(surface: Hits, caps: Hits) -> tuple[Pieces, Mask]:

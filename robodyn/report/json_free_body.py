@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from robodyn.free_body.types import Action, FreeBodies, FreeBody, JointRow
+from robodyn.spatial import product
 
 
 def free_bodies_json(found: FreeBodies, state: str) -> str:
@@ -68,8 +69,8 @@ def _action(action: Action, body: FreeBody) -> dict[str, Any]:
         "force": action.force.tolist(),
         "moment": action.moment.tolist(),
         "ground": {
-            "point": (p + R @ action.point).tolist(),
-            "force": (R @ action.force).tolist(),
-            "moment": (R @ action.moment).tolist(),
+            "point": (p + product(R, action.point)).tolist(),
+            "force": product(R, action.force).tolist(),
+            "moment": product(R, action.moment).tolist(),
         },
     }

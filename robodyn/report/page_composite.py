@@ -23,6 +23,7 @@ from robodyn.robot_inertia.compare import Comparison
 from robodyn.robot_inertia.configuration import configuration
 from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
 from robodyn.robot_inertia.from_shapes import LinkShapes
+from robodyn.spatial import product
 from robodyn.urdf.description import Description
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Floats | N
         shapes: the triangles (m, 3, 3) of each mesh in its own axes [m], None without a picture.
     """
     placed = [
-        triangles @ np.asarray(R, dtype=float).T + np.asarray(p, dtype=float)
+        product(triangles, np.asarray(R, dtype=float).T) + np.asarray(p, dtype=float)
         for triangles, (R, p) in zip(shapes, found.poses, strict=True)
         if triangles is not None
     ]

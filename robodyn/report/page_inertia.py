@@ -33,6 +33,7 @@ from robodyn.report.json_inertia import inertia_json
 from robodyn.report.table import Page, number, printable
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_inertia import inertia_text
+from robodyn.spatial import product
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -140,9 +141,9 @@ def body_figure(name: str, body: MassProperties, triangles: Floats, key: str) ->
         axes.set_aspect("equal", adjustable="datalim")
         if solids:
             paint(axes, solids)
-        centre = PAPER @ body.com
+        centre = product(PAPER, body.com)
         for k, axis in enumerate(body.principal.axes):
-            across, up, _ = 0.3 * reach * (PAPER @ axis)
+            across, up, _ = 0.3 * reach * product(PAPER, axis)
             ends = ((centre[0] - across, centre[0] + across), (centre[1] - up, centre[1] + up))
             axes.plot(*ends, color=SERIES[(1, 2, 5)[k]], linewidth=2, label=f"axis {k + 1}")
         axes.plot(centre[0], centre[1], marker="o", markersize=7, linestyle="none", color=INK, label="centre of mass")

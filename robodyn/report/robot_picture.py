@@ -14,7 +14,7 @@ from robodyn.report.figures import INK, SERIES, SOFT, plot
 from robodyn.report.solids import PAPER, Solid, on_paper, paint, triad
 from robodyn.report.table import printable
 from robodyn.robot_inertia.configuration import link_poses
-from robodyn.spatial import Array
+from robodyn.spatial import Array, product
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def robot_figure(
         if bare or not solids:
             _skeleton(axes, model, origins, marked)
         if marked is not None:
-            _label(axes, origins[marked] @ PAPER.T, printable(joint))
+            _label(axes, product(origins[marked], PAPER.T), printable(joint))
         axes.margins(0.06)
         triad(canvas)
 
@@ -92,7 +92,7 @@ def _placed(model: Model, poses: Mapping[str, tuple[Array, Array]], shapes: Visu
     for link, corners in shapes.triangles.items():
         if link in poses:
             R, p = (np.asarray(each, dtype=float) for each in poses[link])
-            found.append((model.links[link].body, corners @ R.T + p))
+            found.append((model.links[link].body, product(corners, R.T) + p))
     return found
 
 
@@ -100,9 +100,9 @@ def _skeleton(axes: Axes, model: Model, origins: list[Floats], marked: int | Non
     """Bars from joint to joint."""
     for k, parent in enumerate(model.parents):
         if parent >= 0:
-            across, up, _ = (np.stack((origins[parent], origins[k])) @ PAPER.T).T
+            across, up, _ = product(np.stack((origins[parent], origins[k])), PAPER.T).T
             axes.plot(across, up, color=SOFT, linewidth=5, solid_capstyle="round")
-    across, up, _ = (np.stack(origins) @ PAPER.T).T
+    across, up, _ = product(np.stack(origins), PAPER.T).T
     axes.plot(across, up, linestyle="none", marker="o", markersize=7, color=INK)
     if marked is not None:
         axes.plot(across[marked], up[marked], marker="o", markersize=11, color=SERIES[1])

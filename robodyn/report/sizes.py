@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.spatial import length, product
+
 if TYPE_CHECKING:
     from robodyn.free_body.types import FreeBodies
     from robodyn.model import Model
@@ -58,11 +60,13 @@ def result_sizes(result: Result) -> Sizes:
 def free_body_sizes(found: FreeBodies) -> Sizes:
     """Return those of the forces and moments on every body of a robot."""
     actions = [action for body in found.bodies for action in body.actions]
-    places = [body.pose.p for body in found.bodies] + [body.pose.p + body.pose.R @ body.com for body in found.bodies]
+    places = [body.pose.p for body in found.bodies] + [
+        body.pose.p + product(body.pose.R, body.com) for body in found.bodies
+    ]
     return sizes(
         (float(np.abs(action.force).max()) for action in actions),
         (float(np.abs(each).max()) for action in actions for each in (action.moment, action.at_origin)),
-        max((float(np.linalg.norm(place - places[0])) for place in places), default=0.0),
+        max((length(place - places[0]) for place in places), default=0.0),
     )
 
 
@@ -84,7 +88,7 @@ def simulation_sizes(result: Simulation) -> MotionSizes:
     """
     model, figures, reach = result.model, result.figures, result.model.reach
     lengths, sliding = linear(model)
-    gravity = float(np.linalg.norm(result.scene.gravity))
+    gravity = length(np.array(result.scene.gravity))
     place = [1.0, max(reach, _largest(result.q[:, lengths]))]
     turns, slides = _largest(result.qd[:, ~sliding]), _largest(result.qd[:, sliding])
     speed = [turns, max(slides, turns * reach)]

@@ -10,6 +10,7 @@ import numpy as np
 from robodyn.history import Floats
 from robodyn.report.figures import SOFT
 from robodyn.report.svg_arrows import RIGHT, TOWARDS, UP
+from robodyn.spatial import length, product
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +32,7 @@ Solid = tuple[int, Floats]
 
 def on_paper(solids: Sequence[Solid]) -> list[Solid]:
     """The solids in the axes of the paper, coarse enough for a picture; none where there is nothing to see."""
-    placed = [(number, triangles @ PAPER.T) for number, triangles in solids if len(triangles)]
+    placed = [(number, product(triangles, PAPER.T)) for number, triangles in solids if len(triangles)]
     if not placed:
         return []
     corners = np.concatenate([each.reshape(-1, 3) for _, each in placed])
@@ -49,7 +50,7 @@ def on_paper(solids: Sequence[Solid]) -> list[Solid]:
 def _coarse(triangles: Floats, cell: float) -> Floats:
     """The triangles between the means of the corners that lie in the same cell, each once; the surface keeps closed."""
     finite = triangles[np.isfinite(triangles).all(axis=(1, 2))].reshape(-1, 3)
-    places, cells = np.unique(np.rint(finite / cell).astype(np.int64) @ _PLACES, return_inverse=True)
+    places, cells = np.unique(product(np.rint(finite / cell).astype(np.int64), _PLACES), return_inverse=True)
     count = np.bincount(cells)
     means = np.stack([np.bincount(cells, weights=x) / count for x in finite.T], axis=1)
     corners = cells.reshape(-1, 3)
@@ -71,7 +72,7 @@ def paint(axes: Axes, solid: Sequence[Solid], marked: int | None = None) -> None
     triangles, colours = triangles[order], colours[order]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
-    light = np.abs(normal @ (_LIGHT / np.linalg.norm(_LIGHT)))
+    light = np.abs(product(normal, _LIGHT / length(_LIGHT)))
     colours = np.clip(colours * (0.5 + 0.62 * light[:, None]), 0.0, 1.0)
     flat: Any = triangles[:, :, :2]
     faces = PolyCollection(flat, facecolors=colours, edgecolors=colours, linewidths=0.3, rasterized=True)

@@ -11,7 +11,7 @@ from robodyn.free_body.types import FreeBody
 from robodyn.report.sizes import Sizes
 from robodyn.report.svg_labels import Point
 from robodyn.report.table import is_noise
-from robodyn.spatial import Array
+from robodyn.spatial import Array, length, product
 
 RIGHT = np.array([-1.0, 1.0, 0.0]) / sqrt(2)
 UP = np.array([-1.0, -1.0, 2.0]) / sqrt(6)
@@ -53,7 +53,7 @@ class Arrow(NamedTuple):
 
 def on_paper(vector: Array) -> Point:
     """A vector in ground axes as (right, down)."""
-    return float(RIGHT @ vector), -float(UP @ vector)
+    return float(product(RIGHT, vector)), -float(product(UP, vector))
 
 
 def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
@@ -65,18 +65,18 @@ def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
     """
     out: list[Arrow] = []
     for turning, name, unit in ((False, "force", "N"), (True, "moment", "N m")):
-        amounts = [float(np.linalg.norm(getattr(action, name))) for action in body.actions]
+        amounts = [length(getattr(action, name)) for action in body.actions]
         largest = max(amounts, default=0.0)
         for k, (action, amount) in enumerate(zip(body.actions, amounts, strict=True)):
             if is_noise(amount, size[unit]):
                 continue
-            unit_vector = body.pose.R @ getattr(action, name) / amount
+            unit_vector = product(body.pose.R, getattr(action, name)) / amount
             length = max(SHORTEST, LONGEST * amount / largest)
             x, y = (length * sqrt(1.5) * part for part in on_paper(unit_vector))
             start, symbol = spot[k], action.symbols[turning]
             flat = hypot(x, y) >= HEAD_ON
             end = (start[0] + x, start[1] + y) if flat else start
-            towards = bool(TOWARDS @ unit_vector > 0)
+            towards = bool(product(TOWARDS, unit_vector) > 0)
             out.append(_aside(Arrow(action.kind, symbol, amount, unit, start, end, towards, turning), out))
     return out
 

@@ -14,6 +14,7 @@ from robodyn.report.svg_arrows import Arrow, arrows, on_paper
 from robodyn.report.svg_labels import Box, Point, Segment, place, text_width
 from robodyn.report.svg_text import COLOURS, component_table, short, signed, svg_text, table_height
 from robodyn.report.table import number
+from robodyn.spatial import product
 
 
 class Paper(NamedTuple):
@@ -91,7 +92,7 @@ def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
 def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]]:
     """Origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
     places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
-    everything = np.array([on_paper(body.pose.R @ p) for p in [*places, *(a.point for a in body.actions)]])
+    everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
     low, high = everything.min(axis=0), everything.max(axis=0)
     spread = high - low
     room = np.array([paper.width, paper.bottom - paper.top]) - paper.edges

@@ -11,6 +11,7 @@ import numpy as np
 from robodyn.free_body.types import Action, Floats, FreeBody
 from robodyn.report.sizes import Sizes
 from robodyn.report.table import is_noise
+from robodyn.spatial import length
 from robodyn.wording import shortened
 
 COLOURS = {
@@ -80,7 +81,7 @@ def symbols(action: Action, size: Sizes) -> str:
 
 
 def _length(vector: Floats) -> float:
-    return float(np.linalg.norm(vector))
+    return length(vector)
 
 
 def _components(vector: Floats, scale: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from robodyn.inertia.eigen import eigen
 from robodyn.maximal.dae import Dae
 from robodyn.maximal.equations import Across
 from robodyn.report.sizes import sizes
@@ -127,5 +128,5 @@ def both_text(found: Dae) -> str:
 
 def _weakest(found: Dae) -> str:
     """The rate that moves most in the motion that the mass matrix resists least."""
-    sizes, motions = np.linalg.eigh(found.reduced.M)
-    return printable(found.robot.model.rates[first_largest(np.abs(motions[:, first_largest(-np.abs(sizes))]))])
+    sizes, motions = eigen(found.reduced.M)
+    return printable(found.robot.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))])

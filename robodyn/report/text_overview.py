@@ -10,6 +10,7 @@ from robodyn.overview import Branch, Meshes, Overview
 from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_body import point_text
+from robodyn.spatial import product
 from robodyn.urdf.description import Joint, Limit
 from robodyn.wording import shown
 
@@ -91,7 +92,7 @@ def _axis(joint: Joint) -> str:
     if joint.type in ("fixed", "floating"):
         return ""
     axis = np.array(joint.axis) / max(map(abs, joint.axis))
-    axis = axis / np.sqrt(axis @ axis)
+    axis = axis / np.sqrt(product(axis, axis))
     x, y, z = axis.tolist()
     for sign in (1.0, -1.0):
         letter = _NAMED.get((sign * x, sign * y, sign * z))

@@ -17,6 +17,7 @@ from robodyn.robot_inertia.declared import LinkInertia, declared
 from robodyn.robot_inertia.measured import MeshFile, Outcome, Reading
 from robodyn.robot_inertia.shapes import ShapesInertia, mesh_file, shapes_inertia
 from robodyn.robot_inertia.slips import relative, slip
+from robodyn.spatial import length
 from robodyn.ties import ranked
 from robodyn.urdf.description import Description, Link
 from robodyn.urdf.geometry import Kind, Shape, link_shapes
@@ -52,7 +53,7 @@ class Difference:
 
     @property
     def distance(self) -> float:
-        return float(np.linalg.norm(self.offset))
+        return length(self.offset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +150,7 @@ def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
     with np.errstate(over="ignore", invalid="ignore"):
         offset, ratios = given.com - body.com, given.principal.moments / body.principal.moments
         apart, density = relative(given.inertia, body.inertia), given.mass / float(shapes.body.volume or np.inf)
-        figures = (*ratios, apart, density, np.linalg.norm(offset))
+        figures = (*ratios, apart, density, length(offset))
     if not np.isfinite(figures).all():
         raise InputError("the declared numbers are too large for a comparison")
     return Difference(

@@ -10,7 +10,8 @@ from robodyn.dynamics.kinematics import REST, motions
 from robodyn.dynamics.places import Pose, poses
 from robodyn.errors import InputError
 from robodyn.inertia.exact import Floats
-from robodyn.model import Joint, Model
+from robodyn.model import Frame, Joint, Model
+from robodyn.spatial import narrowed
 from robodyn.wording import alternatives, listed, shown
 
 Values = Sequence[float] | Mapping[str, float]
@@ -120,7 +121,8 @@ def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
     """
     still = [0.0] * model.n
     bodies = poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
-    return {
-        name: Pose(bodies[frame.body].R @ frame.R, bodies[frame.body].p + bodies[frame.body].R @ frame.p)
-        for name, frame in model.links.items()
-    }
+    return {name: _placed(bodies[frame.body], frame) for name, frame in model.links.items()}
+
+
+def _placed(body: Pose, frame: Frame) -> Pose:
+    return Pose(narrowed(body.R @ frame.R), narrowed(body.p + body.R @ frame.p))

@@ -6,7 +6,7 @@ import numpy as np
 
 from robodyn.inertia.exact import Floats
 from robodyn.inertia.properties import MassProperties
-from robodyn.spatial import ZERO
+from robodyn.spatial import ZERO, length
 from robodyn.ties import first_largest
 
 _MUCH = 0.1
@@ -15,7 +15,7 @@ _AGREES = 0.05
 
 def relative(I: Floats, right: Floats) -> float:
     """|I - right| / |right| in Frobenius' norm."""
-    return float(np.linalg.norm(I - right) / np.linalg.norm(right))
+    return float(length(I - right) / length(right))
 
 
 def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
@@ -25,12 +25,12 @@ def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
     inertia with the opposite sign, a matrix about the origin of the link's frame in place of the centre of mass, and a
     factor of a power of ten, as a wrong unit leaves.
     """
-    own, size = right.inertia, float(np.linalg.norm(given))
+    own, size = right.inertia, length(given)
     apart = relative(given, own)
     if apart <= _AGREES:
         return ()
     mirrored = 2 * np.diag(np.diagonal(own)) - own
-    power = 10.0 ** round(np.log10(size / np.linalg.norm(own))) if size else 1.0
+    power = 10.0 ** round(np.log10(size / length(own))) if size else 1.0
     slips = (
         ("the products of inertia had the opposite sign", mirrored),
         ("it were meant about the origin of the link's frame", right.about(ZERO)),

@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from robodyn.effects.effect import Sample
 from robodyn.errors import InputError
+from robodyn.linear import shortest
 from robodyn.loops.find import NOTHING, jacobian
 from robodyn.model import Model
 from robodyn.scene import Scene
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.turning import moved, unit
-from robodyn.spatial import rotation_from_rpy
+from robodyn.spatial import product, rotation_from_rpy
 
 Floats = NDArray[np.float64]
 CLOSED = 1e-13
@@ -123,9 +124,9 @@ def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:
         for k, equation in enumerate(closure.equations, at):
             if closure.loop.kind == "weld" and equation.unit == "rad":
                 axis = equation.moment(turn)
-                error[k] = axis @ _rotation_vector(place.B @ turn.T)
+                error[k] = product(axis, _rotation_vector(product(place.B, turn.T)))
                 for rate, twist in place.columns.items():
-                    J[k, rate] = axis @ twist.w
+                    J[k, rate] = product(axis, twist.w)
         at += len(closure.equations)
     return error, J
 
@@ -134,13 +135,13 @@ def _rotation_vector(R: Floats) -> Floats:
     """The vector t with exp([t]) = R, |t| <= pi."""
     R = np.asarray(R, dtype=float)
     v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
-    sine, cosine = float(np.sqrt(v @ v)), 0.5 * (float(np.trace(R)) - 1.0)
+    sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
     if cosine > 0.0:
         return v * (np.arctan2(sine, cosine) / sine if sine else 1.0)
     across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
     axis = across[:, int(np.argmax(np.diag(across)))]
-    axis = axis / np.sqrt(axis @ axis)
-    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if axis @ v >= -NOTHING else -1.0))
+    axis = axis / np.sqrt(product(axis, axis))
+    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
 
 
 def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
@@ -151,7 +152,7 @@ def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Fl
     moving = _moving(J, free)
     change = np.zeros(closing.model.n)
     change[moving] = _shortest(J[:, moving], -rate)
-    left = np.abs(J @ change + rate).max(initial=0.0)
+    left = np.abs(product(J, change) + rate).max(initial=0.0)
     if left > CLOSED * _reach(closing) * max(1.0, np.abs(qd).max(initial=0.0)):
         return None
     rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
@@ -166,7 +167,7 @@ def _moving(J: Floats, free: Sequence[int]) -> list[int]:
 
 def _shortest(J: Floats, right: Floats) -> Floats:
     """The shortest x with J x as near to the right side as it can be."""
-    return np.asarray(np.linalg.lstsq(J, right, rcond=NOTHING)[0], dtype=float)
+    return shortest(J, right, NOTHING)
 
 
 def _reach(closing: Closing) -> float:

@@ -13,6 +13,7 @@ from robodyn.limits import coordinate_ranges
 from robodyn.model import Model
 from robodyn.robot_inertia.configuration import Values, coordinates, named
 from robodyn.scene import Scene
+from robodyn.spatial import length
 
 Floats = NDArray[np.float64]
 ROOM = 0.05
@@ -54,7 +55,7 @@ def initial_state(model: Model, scene: Scene) -> Floats:
             h = state[joint.coordinate + 3 : joint.coordinate + 7]
             if not h.any():
                 raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
-            h /= np.linalg.norm(h)
+            h /= length(h)
     return state
 
 

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
+from robodyn.linear import across
 from robodyn.loops.find import Dropped, Found, closed_chain, independent, jacobian
 from robodyn.plan import Plan
 from robodyn.simulation.closed_start import closed_near, closed_start
 from robodyn.simulation.closing import Closing
 from robodyn.simulation.initial import initial_state
+from robodyn.spatial import product
 
 Floats = NDArray[np.float64]
 AWAY = 0.1
@@ -60,8 +62,8 @@ def _begun(closing: Closing) -> Floats | None:
 
 def _nearby(closing: Closing, q: Floats, J: Floats) -> list[Floats]:
     """Closed places that motions which the loops allow lead to."""
-    free = np.linalg.svd(J)[2][_rank(J) :]
-    drawn = np.random.default_rng(0).normal(size=(LOOKS, len(free))) @ free
+    free = across(J, FEW)
+    drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
     places = [closed_near(closing, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]
 

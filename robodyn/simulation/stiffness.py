@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from robodyn.effects.friction import rubbing
 from robodyn.inverse import inverse_dynamics
+from robodyn.linear import solve
 from robodyn.model import Joint
 from robodyn.plan import Plan
 from robodyn.simulation.methods import Method
+from robodyn.spatial import product
 from robodyn.ties import first_largest, ranked
 
 Floats = NDArray[np.float64]
@@ -155,7 +157,7 @@ def reach(method: Method) -> float:
     one, low, high = np.ones(len(b)), 0.5, 10.0
     while high - low > 1e-9:
         x = 0.5 * (low + high)
-        stable = abs(1.0 - x * (b @ np.linalg.solve(np.eye(len(b)) + x * A, one))) <= 1.0
+        stable = abs(1.0 - x * product(b, solve(np.eye(len(b)) + x * A, one))) <= 1.0
         low, high = (x, high) if stable else (low, x)
     return low
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from math import factorial
 
 from robodyn.model import Model
-from robodyn.spatial import Array, Scalar, cross, sqrt, vector
+from robodyn.spatial import Array, Scalar, cross, product, sqrt, vector
 
 TERMS = 10
 """Of the series for turns within a step: errors below 1e-16 up to 1 rad per step, 1e-9 up to 3."""
@@ -64,16 +64,16 @@ def local_rates(model: Model, u: Sequence[Scalar], qd: Sequence[Scalar]) -> list
             part = slice(joint.rate, joint.rate + 3)
             t, w = vector(*u[part]), vector(*qd[part])
             once = cross(t, w)
-            out[part] = w + once * 0.5 + cross(t, once) * _series(_INVERSE, t @ t)
+            out[part] = w + once * 0.5 + cross(t, once) * _series(_INVERSE, product(t, t))
     return out
 
 
 def _turned(h: Sequence[Scalar], t: Array) -> list[Scalar]:
-    quarter = 0.25 * (t @ t)
+    quarter = 0.25 * product(t, t)
     w = _series(_COSINE, quarter)
     v = t * (0.5 * _series(_SINE, quarter))
     a, r = vector(*h[:3]), h[3]
-    return [*(v * r + a * w + cross(a, v)), r * w - a @ v]
+    return [*(v * r + a * w + cross(a, v)), r * w - product(a, v)]
 
 
 def _series(coefficients: Sequence[float], x: Scalar) -> Scalar:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.spatial import rotation_from_rpy
+from robodyn.spatial import product, rotation_from_rpy
 from robodyn.urdf.parts import Geometry
 
 Floats = NDArray[np.float64]
@@ -18,7 +18,7 @@ def primitive(geometry: Geometry) -> Floats:
     """The surface of a shape that is no mesh, (m, 3, 3) in its link's frame [m]."""
     R, p = rotation_from_rpy(*geometry.origin.rpy), np.array(geometry.origin.xyz)
     own = _box(geometry.size) if geometry.shape == "box" else _turned(_profile(geometry.shape, geometry.size))
-    found: Floats = own @ R.T + p
+    found: Floats = product(own, R.T) + p
     return found
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.library_messages import heard
+from robodyn.spatial import product
 from robodyn.urdf.parts import Description
 from robodyn.urdf.primitives import primitive
 
@@ -66,7 +67,7 @@ def _of_meshes(description: Description) -> Visuals:
             geometry = scene.geometry[name]
             if getattr(geometry, "faces", None) is not None and len(geometry.faces):
                 link = scene.graph.transforms.parents[node]
-                local = np.linalg.inv(scene.graph.get(link)[0]) @ matrix
-                corners = np.asarray(geometry.vertices, dtype=np.float64) @ local[:3, :3].T + local[:3, 3]
+                local = product(np.linalg.inv(scene.graph.get(link)[0]), matrix)
+                corners = product(np.asarray(geometry.vertices, dtype=np.float64), local[:3, :3].T) + local[:3, 3]
                 placed.setdefault(link, []).append(corners[np.asarray(geometry.faces)])
     return Visuals({link: np.concatenate(parts) for link, parts in placed.items()}, tuple(dict.fromkeys(missing)))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from robodyn.checks.causes import causes
 from robodyn.checks.context import Context
 from robodyn.checks.mirror_examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
@@ -13,6 +11,7 @@ from robodyn.checks.mirror_loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
 from robodyn.inertia.exact import Floats
+from robodyn.spatial import length, product
 from robodyn.wording import figure, shown
 
 _REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
@@ -36,7 +35,7 @@ def check(context: Context) -> Iterator[Fault]:
 
 def _centre(one: Twins) -> Fault:
     origin = one.inertial.origin.element
-    copied = np.linalg.norm(one.c_right - one.pair.D.T @ one.c) <= one.most_shift
+    copied = length(one.c_right - product(one.pair.D.T, one.c)) <= one.most_shift
     return Fault(
         at=one.inertial.element.span if origin is None else value_span(origin, "xyz"),
         subject=one.link.subject,

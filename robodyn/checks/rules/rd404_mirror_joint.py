@@ -11,6 +11,7 @@ from robodyn.checks.mirror import Pair, pairs
 from robodyn.checks.mirror_examples import LIMIT, two_arms
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import JointView, value_span
+from robodyn.spatial import length, product
 from robodyn.wording import shown
 
 _AXIS = 0.02
@@ -43,9 +44,9 @@ def _direction(pair: Pair) -> int | None:
     A reflection D carries a translation a to D a, and a rotation about a to one about -D a.
     """
     left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
-    left, right = left / np.linalg.norm(left), right / np.linalg.norm(right)
-    image = pair.D @ left * (1.0 if pair.left_joint.type == "prismatic" else -1.0)
-    along = float(image @ right)
+    left, right = left / length(left), right / length(right)
+    image = product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)
+    along = float(product(image, right))
     return None if abs(along) < 1.0 - _AXIS**2 else (1 if along > 0 else -1)
 
 
