@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.inertia.exact import Floats
 from robodyn.model import Body, Model
-from robodyn.spatial import product, skew
+from robodyn.spatial import arctan2, product, skew
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +157,7 @@ class Sweep:
         # y has up with h and w with v the other way about: v goes with up, h with w
         cosine = self._sign * (y * (x - along)[:, ::-1]).sum(axis=(0, 1))
         sine = self._sign * (y * turned[:, ::-1]).sum(axis=(0, 1))
-        best = low + (np.arctan2(sine, cosine) - low) % (2.0 * np.pi)
+        best = low + (arctan2(sine, cosine) - low) % (2.0 * np.pi)
         at_low = cosine * np.cos(low) + sine * np.sin(low)
         at_high = cosine * np.cos(high) + sine * np.sin(high)
         best = np.where(best <= high, best, np.where(at_low > at_high, low, high))

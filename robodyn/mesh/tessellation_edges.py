@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robodyn.mesh.indexed import components
 from robodyn.mesh.tessellation_pairs import Integers, paired_edges
-from robodyn.spatial import Array
+from robodyn.spatial import Array, arctan2
 
 Floats = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def _bent(
     cross = np.stack([first[i - 2] * second[i - 1] - first[i - 1] * second[i - 2] for i in range(3)])
     sine = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
     coplanar.append(triangles[:, (sine <= BENT * cosine) & (cosine > 0)])
-    angle = np.arctan2(sine, cosine)
+    angle = arctan2(sine, cosine)
     (kept,) = np.nonzero((angle > _FLAT) & (angle < _WIDEST))
     one = one[kept]
     start, end = points.take(one, axis=0).T, points.take((one + count) % len(points), axis=0).T

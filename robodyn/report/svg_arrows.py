@@ -71,8 +71,8 @@ def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
             if is_noise(amount, size[unit]):
                 continue
             unit_vector = product(body.pose.R, getattr(action, name)) / amount
-            length = max(SHORTEST, LONGEST * amount / largest)
-            x, y = (length * sqrt(1.5) * part for part in on_paper(unit_vector))
+            drawn = max(SHORTEST, LONGEST * amount / largest)
+            x, y = (drawn * sqrt(1.5) * part for part in on_paper(unit_vector))
             start, symbol = spot[k], action.symbols[turning]
             flat = hypot(x, y) >= HEAD_ON
             end = (start[0] + x, start[1] + y) if flat else start

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from math import atan2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,11 +138,11 @@ def _rotation_vector(R: Floats) -> Floats:
     v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
     sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
     if cosine > 0.0:
-        return v * (np.arctan2(sine, cosine) / sine if sine else 1.0)
+        return v * (atan2(sine, cosine) / sine if sine else 1.0)
     across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
     axis = across[:, int(np.argmax(np.diag(across)))]
     axis = axis / np.sqrt(product(axis, axis))
-    return np.asarray(axis * np.arctan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
+    return np.asarray(axis * atan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
 
 
 def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
