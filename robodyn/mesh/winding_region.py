@@ -18,6 +18,9 @@ _NEAR_END = 1e-6
 
 _STEPS = 4
 """In the search for where a winding number passes a level."""
+_SHARP = 2.0**-16
+"""Winding numbers are rounded to multiples: they are far less accurate, and the processor decides on their last digits,
+as NumPy has another arctan2 with AVX-512."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +118,8 @@ class Field:
         return root
 
     def _of_caps(self, column: Integers, depth: Floats) -> Floats:
-        return self.caps.numbers(product(np.stack([*self.lattice.places(column), depth], axis=1), self.lattice.frame))
+        points = product(np.stack([*self.lattice.places(column), depth], axis=1), self.lattice.frame)
+        return np.asarray(np.rint(self.caps.numbers(points) / _SHARP) * _SHARP)
 
 
 def _pieces(surface: Hits, caps: Hits) -> tuple[Pieces, Mask]:
