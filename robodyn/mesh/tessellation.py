@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 
@@ -79,7 +78,7 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
     body = _Body(V, np.sign(integrals.volume) * integrals.S - V * np.outer(arm, arm), fixed_mass)
     parts = [_moments(masses, np.maximum(side * masses.missing, 0.0) * side) for side in (1, -1)]
     given, on = body.smooth(parts, 0, 0), body.smooth(parts, 1, 1)
-    places = [body.smooth(parts, *place) for place in product((1, -OUTSIDE), repeat=2)]
+    places = [body.smooth(parts, one, other) for one in (1, -OUTSIDE) for other in (1, -OUTSIDE)]
     doubt, lean, spread = _moments(masses, masses.doubt)
     shift = (np.linalg.norm(lean) + SHIFT * _reach(masses)) / min(one.volume for one in (given, *places))
     doubts = np.array([doubt, _largest(spread) + (_largest(body.S) * doubt / V if fixed_mass else 0.0), shift])
