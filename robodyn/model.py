@@ -137,7 +137,7 @@ class Model(Frozen):
         """Names of the joints with a coordinate of their own, in the order of q."""
         return tuple(joint.name for joint in self.independent)
 
-    @property
+    @cached_property
     def total_mass(self) -> float:
         """kg."""
         return float(sum(body.inertia.m for body in self.bodies))

@@ -245,7 +245,7 @@ DEFECTS = tuple(
         ("RD501", '<axis xyz="-1 0 0"/>', '<axis xyz="@0 -0.0 0e5"/>'),
         ("RD502", '<axis xyz="0 0 1"/>', '<axis xyz="@0 0 2"/>'),
         ("RD502", '<axis xyz="0.6 0 0.8"/>', '<axis xyz="@1 0 1"/>'),
-        ("RD502", '<axis xyz="-1 0 0"/>', '<axis xyz="@-1e200 1e200 0"/>'),
+        ("RD502", '<axis xyz="-1 0 0"/>', '<axis xyz="@-1e29 1e29 0"/>'),
         ("RD503", _SHOULDER, _SHOULDER.replace('"-2.9', '"@3')),
         ("RD503", _GRIP, '<limit upper="@-0.04" effort="25" velocity="0.2"/>'),
         ("RD504", _SHOULDER, '@<limit effort="120" velocity="2.5"/>'),

@@ -51,15 +51,14 @@ class Numbers:
 
 
 def numbers(element: Element | None, attribute: str, count: int) -> Numbers:
-    text = None if element is None else element.values.get(attribute)
-    if text is None:
+    if element is None or (text := element.values.get(attribute)) is None:
         return Numbers(element, attribute, False, None)
     if unexpanded(text):
         return Numbers(element, attribute, True, None)
     try:
         if len(text) > _LONGEST:
             raise NumbersError(f"has {len(text)} characters", f"write {count} numbers")
-        return Numbers(element, attribute, True, parse_numbers(text, count))
+        return Numbers(element, attribute, True, parse_numbers(text, count, element.tag))
     except NumbersError as error:
         return Numbers(element, attribute, True, None, error)
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from robodyn.checks.view import JOINT_TYPES, JointView, LinkView, View
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Group:
     """Links that fixed joints make one body; `links[0]` hangs on `joint`, which moves it against `parent`.
 
@@ -20,9 +21,9 @@ class Group:
     parent: Group | None
     children: list[Group] = field(default_factory=list)
 
-    @property
+    @cached_property
     def mass(self) -> float | None:
-        """kg; None where a mass cannot be read."""
+        """kg, asked for when all links are there; None where a mass cannot be read."""
         masses = [link.mass for link in self.links]
         known = [mass for mass in masses if mass is not None]
         return sum(known) if len(known) == len(masses) else None

@@ -88,6 +88,7 @@ class Reader:
         except expat.ExpatError as error:
             self._malformed(error)
         except (LookupError, ValueError) as error:
+            self.places.encoding = "utf-8"  # in which excerpts are shown
             self._add("RD001", 0, 0, f"the text cannot be decoded: {error}", "save it as UTF-8")
         return self._whole
 
@@ -104,6 +105,8 @@ class Reader:
             self._add("RD002", start, end, "an entity that XML does not define", "write & as &amp;")
             return
         text = expat.ErrorString(error.code)
+        if "encoding" in text:
+            self.places.encoding = "utf-8"
         inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
         remedy = _REMEDIES.get(text, "correct the XML")
         if b"\0" in self.places.data:

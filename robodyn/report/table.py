@@ -64,7 +64,7 @@ def relative_text(error: float) -> str:
 
 def printable(text: str) -> str:
     """The text with control characters escaped."""
-    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def is_numeric(cells: Sequence[str]) -> bool:

@@ -61,7 +61,7 @@ class Fields:
         if text is None:
             return None
         try:
-            return parse_numbers(text, count)
+            return parse_numbers(text, count, element.tag)
         except NumbersError as error:
             line = element.attributes[attribute].span.line
             what = f"'{attribute}' in <{element.tag}> of {owner} {error}"

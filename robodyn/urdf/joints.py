@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isinf
+from math import hypot
 
 from robodyn.urdf.elements import Element
 from robodyn.urdf.fields import Fields
@@ -59,8 +59,8 @@ def _axis(element: Element, kind: str, owner: str, fields: Fields) -> Vector:
     length = hypot(*axis)
     if kind not in _WITH_AXIS or abs(length - 1) <= _UNIT_TOLERANCE:
         return axis
-    if length == 0 or isinf(length):
-        what = f"the axis of {owner} has the length {length:g}, which gives no direction"
+    if length == 0:
+        what = f"the axis of {owner} has the length 0, which gives no direction"
         raise fields.error(written.line, what, 'write a direction, for example xyz="0 0 1"')
     fields.warn(written.line, f"the axis of {owner} has the length {length:.9g}, not 1")
     return axis

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
+from robodyn.magnitude import LARGEST, SMALLEST
 from robodyn.wording import shown
 
 
@@ -15,8 +16,14 @@ class NumbersError(ValueError):
         self.remedy = remedy
 
 
-def parse_numbers(text: str, count: int) -> tuple[float, ...]:
-    """Exactly `count` finite numbers.
+_UNBOUNDED = frozenset({"limit", "safety_controller"})
+"""Elements in which files write the largest float for no limit at all."""
+
+
+def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
+    """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.magnitude` has.
+
+    What is next to nothing is 0. Limits may be of any size: they are compared, not calculated with.
 
     Python's float() is locale-proof and correctly rounded; what it takes beyond URDF (`1_000`, `inf`, `nan`, digits
     and blanks outside ASCII) is refused.
@@ -32,10 +39,18 @@ def parse_numbers(text: str, count: int) -> tuple[float, ...]:
         raise _not_numbers(text)
     if len(numbers) != count:
         raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {_numerals(count)}")
-    for number in numbers:
-        if not isfinite(number):
-            raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
+    if any(number and not SMALLEST <= abs(number) <= LARGEST for number in numbers):
+        return tuple(_settled(number, text, tag) for number in numbers)
     return numbers
+
+
+def _settled(number: float, text: str, tag: str) -> float:
+    """A number of unusual size, or 0 for next to nothing."""
+    if not isfinite(number):
+        raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
+    if abs(number) > LARGEST and tag not in _UNBOUNDED:
+        raise NumbersError(f"is too large: {shown(text)}", f"nothing of a robot exceeds {LARGEST:g} in SI units")
+    return number if abs(number) >= SMALLEST else 0.0
 
 
 def _not_numbers(text: str) -> NumbersError:

@@ -63,7 +63,7 @@ DESCRIPTIONS: list[tuple[str, str | bytes, str]] = [
     ("1e400", ARM.replace('"2"', '"1e400"'), r"bad.urdf:3: .*not finite: '1e400'"),
     ("comma", ARM.replace("0.2 0 0", "0.2,0,0"), r"bad.urdf:3: .*comma: '0.2,0,0'"),
     ("no mass", ARM.replace('<mass value="2"/>', ""), r"bad.urdf:3: .*<mass>"),
-    ("inertia overflows", ARM.replace("0.2 0 0", "1e200 0 0"), r"arm.csv: row 1: tau_shoulder overflows .*SI units"),
+    ("too large", ARM.replace("0.2 0 0", "1e200 0 0"), r"bad.urdf:3: 'xyz' .*'upper' is too large: .*SI units"),
 ]
 
 

@@ -128,7 +128,7 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
         ("child of joint 'j'", "did you mean 'forearm'?"),
     ),
     "zero axis": (arm(joint("\n<axis xyz='0 -0 0.0'/>")), 4, ("axis of joint 'j'", "length 0", "direction")),
-    "endless axis": (arm(joint("<axis xyz='1.7e308 1.7e308 0'/>")), 3, ("axis of joint 'j'", "length inf")),
+    "endless axis": (arm(joint("<axis xyz='1.7e308 1.7e308 0'/>")), 3, ("joint 'j'", "too large")),
     "axis without xyz": (arm(joint("<axis/>")), 3, ("<axis> of joint 'j'", "'xyz'")),
     "two origins": (arm(joint("<origin/>\n<origin/>")), 4, ("joint 'j' has 2 <origin>",)),
     # structure

@@ -30,7 +30,7 @@ RULE = Rule(
     name="bad-number",
     severity=Severity.E,
     stage=Stage.DOCUMENT,
-    summary="Numbers are finite, decimal, and as many as the attribute holds.",
+    summary="Numbers are finite, decimal, no larger than 1e30, and as many as the attribute holds.",
     explanation="""NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the
 whole element, an <inertial> for example, and reports success; other readers take a part of the text.""",
     bad=one_link(f'<origin xyz="0 0,1 0"/><mass value="2"/>{INERTIA}'),

@@ -1,0 +1,68 @@
+"""The work on a description grows with its links, not with their square."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable
+from types import CodeType, FrameType
+
+import pytest
+
+from robodyn.checks.run import check_one
+from robodyn.overview import overview
+from robodyn.report.text_overview import overview_text
+
+LINK = (
+    '<link name="link_{i}"><inertial><mass value="{m}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0"'
+    ' izz="0.1"/></inertial><visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link>'
+)
+JOINT = (
+    '<joint name="joint_{i}" type="{kind}"><origin xyz="0.1 0 0"/><parent link="link_{parent}"/>'
+    '<child link="link_{i}"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="10" velocity="1"/></joint>'
+)
+CARRIERS: dict[str, Callable[[int], int]] = {
+    "chain": lambda i: i - 1,
+    "star": lambda i: 0,
+    "tree": lambda i: (i - 1) // 2,
+}
+
+
+def robot(links: int, shape: str, kind: str) -> bytes:
+    bodies = (LINK.format(i=i, m=1 + i % 7) for i in range(links))
+    joints = (JOINT.format(i=i, kind=kind, parent=CARRIERS[shape](i)) for i in range(1, links))
+    return f'<robot name="large">{"".join((*bodies, *joints))}</robot>'.encode()
+
+
+def calls(work: Callable[[], object]) -> Counter[CodeType]:
+    """How often each function is called, each step of a generator being a call."""
+    found: Counter[CodeType] = Counter()
+
+    def hear(frame: FrameType, event: str, _: object) -> None:
+        if event == "call":
+            found[frame.f_code] += 1
+
+    sys.setprofile(hear)
+    try:
+        work()
+    finally:
+        sys.setprofile(None)
+    return found
+
+
+def grows_with_links(work: Callable[[bytes], object], shape: str, kind: str) -> None:
+    few, more, many = (robot(links, shape, kind) for links in (10, 40, 70))
+    work(few)  # imports and what is kept for the next time
+    base, once, twice = (calls(lambda each=each: work(each)) for each in (few, more, many))
+    assert len(twice) > 100
+    steep = [code for code in twice if twice[code] - once[code] > 1.2 * (once[code] - base[code]) + 100]
+    assert not steep
+
+
+@pytest.mark.parametrize(("shape", "kind"), [("star", "fixed"), ("chain", "revolute"), ("tree", "revolute")])
+def test_check_is_linear_in_the_links(shape: str, kind: str) -> None:
+    grows_with_links(check_one, shape, kind)
+
+
+def test_info_is_linear_in_the_links() -> None:
+    grows_with_links(lambda data: overview_text(overview(data)), "chain", "revolute")
