@@ -52,8 +52,12 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
     """`integrate` and `fingerprint` in one pass over the triangles.
 
     What an open surface encloses depends on the reference: its integrals stay in float64 unless they are to be exact.
+
+    Raises:
+        MeshError: as `integrate`, or it is too large or too small for products of moments.
     """
     sweep, found = swept_with_edges(triangles, kernel_for(triangles.count))
+    sweep.check_size(triangles)
     return _refined(triangles, sweep, exact, limit=LIMIT if found.closed else np.inf), found
 
 

@@ -11,6 +11,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from robodyn.errors import MeshError
 from robodyn.inertia.exact import exact
+from robodyn.magnitude import LARGEST
 from robodyn.mesh.blocks import block_space, fill, reference_in
 from robodyn.mesh.closed import EdgeSums, Fingerprint
 from robodyn.mesh.kernel import Kernel
@@ -89,13 +90,24 @@ class Sweep:
         total: Array = exact(self.sums[:, columns]).sum(axis=0)
         return total
 
+    def check_size(self, triangles: Triangles) -> None:
+        """Raise if products of the moments, which symmetry and tessellation are judged by, would leave floats."""
+        with np.errstate(over="ignore"):
+            size = np.array((1.0, triangles.scale))
+            far = np.maximum(np.abs(self.lo), np.abs(self.hi)).max() * size
+            width = (self.hi - self.lo).max() * size
+        if not far.max() <= LARGEST:
+            raise self.beyond(triangles, "large")
+        if 0 < width.min() < 1 / LARGEST:
+            raise self.beyond(triangles, "small")
+
     def beyond(self, triangles: Triangles, how: str) -> MeshError:
         """The error of a mesh that is too large or too small for floats."""
         with np.errstate(over="ignore"):
             width = (self.hi - self.lo).max()
         return MeshError(
             f"is too {how}, {width:.3g} wide: its moments are beyond the range of a float",
-            remedy="scale it to a size between 1e-60 and 1e60",
+            remedy=f"scale it to a size between {1 / LARGEST:g} and {LARGEST:g}",
             file=triangles.name,
         )
 

@@ -57,7 +57,9 @@ class Field:
         column = self.ends.column
         new = after_cap.copy()
         new[:1] = True
-        new[1:] |= (column[1:] != column[:-1]) | (length[:-1] <= _NEAR_END * np.ptp(start))
+        new[1:] |= (column[1:] != column[:-1]) | (
+            length[:-1] <= _NEAR_END * (start.max(initial=-np.inf) - start.min(initial=np.inf))
+        )
         depths = start + np.array([[_NEAR_END], [0.5], [1 - _NEAR_END]]) * length
         chosen = np.stack([new, np.ones_like(new), np.ones_like(new)])
         off = np.zeros(depths.shape)

@@ -42,6 +42,13 @@ def test_any_bytes(data: bytes) -> None:
     sound(b"<robot name='r'>" + data + b"</robot>")
 
 
+@pytest.mark.parametrize("encoding", ["foo", "hex", "rot13", "utf-16", "utf-7", "idna", "big5", ""])
+def test_an_encoding_that_is_none_is_found(encoding: str) -> None:
+    data = f'<?xml version="1.0" encoding="{encoding}"?>\n<robot name="é"/>'.encode()
+    sound(data)
+    assert {finding.code for finding in check_one(data)} == {"RD001"}
+
+
 @settings(deadline=None, max_examples=60)
 @given(st.lists(st.sampled_from(DEFECTS), min_size=2, max_size=5))
 def test_several_defects_at_once(defects: list) -> None:  # type: ignore[type-arg]

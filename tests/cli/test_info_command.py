@@ -165,15 +165,9 @@ def test_meshes_found_and_missing() -> None:
     assert not [command for command in document["next"] if "--package-path" in command]
 
 
-@pytest.mark.parametrize(
-    ("masses", "note"),
-    [
-        (("1", "-1"), "no centre of mass: the masses of the parts add up to zero"),
-        (("1e308", "1e308"), "no centre of mass: a mass property exceeds 1.8e308"),
-    ],
-)
-def test_no_centre_of_mass_is_a_note(masses: tuple[str, str], note: str) -> None:
-    inertials = [BODY.format(mass=mass) for mass in masses]
+def test_no_centre_of_mass_is_a_note() -> None:
+    note = "no centre of mass: the masses of the parts add up to zero"
+    inertials = [BODY.format(mass=mass) for mass in ("1", "-1")]
     file = robot(link("a", inertials[0]), link("b", inertials[1]), joint("j", "continuous", "a", "b"))
     document = found(file)
     assert document["com"] is None

@@ -25,6 +25,8 @@ BODY = moved(torus(2.0, 0.5, 60, 40), (0.3, 0.2, 0.1), rotation(1))
 class Counted:
     """Triangles that count how often they are read."""
 
+    scale = 1.0
+
     def __init__(self, array):
         self._kept = MemoryTriangles("counted", array)
         self.name, self.count, self.reads = "counted", len(array), 0
