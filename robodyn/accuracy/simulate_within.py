@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robodyn.accuracy.effort import Effort
 from robodyn.accuracy.motion_error import MotionError, between_records
+from robodyn.accuracy.near_limits import graze
 from robodyn.errors import InputError
 from robodyn.model import Model
 from robodyn.scene import Scene
@@ -32,6 +33,7 @@ ROUNDING = 2.0**-51
 """Of the largest number of a motion: no error is below."""
 GROWN = 1.5
 """Twice as many whole steps have to make at least so many times as many in all."""
+APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
 SEEN = 50
 """Records at which motions by different methods are compared."""
 SAME = 1e-12
@@ -78,12 +80,7 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     Accuracy: `expected_error` covers the true error in 95 of 100 random motions.
     """
     effort = Effort(model, scene, duration, how)
-    settled = _settled(effort, target, effort.is_stiff())
-    checked = _confirmed(effort, settled, target)
-    error = settled.error + checked.error + ROUNDING
-    if error > target:
-        what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
-        _refuse(effort, target, what, error)
+    settled, checked, error = _agreed(effort, target, effort.is_stiff())
     quicker, other = sorted((settled.motion, checked.motion), key=effort.work)
     said = (
         f"accuracy: {target:g} asked, {_named(quicker)} is expected to be within {error:.0e} of the largest angle, "
@@ -92,6 +89,30 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     )
     shaky = tuple(doubt for doubt in quicker.shaky if doubt.clause != TOO_LONG)  # of which there is no more doubt
     return replace(quicker, notes=(*quicker.notes, said), shaky=shaky, target=target, expected_error=error)
+
+
+def _agreed(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
+    """Two motions that agree, and the error of either, which leaves no doubt about limits that they only just reach.
+
+    Raises:
+        InputError: there are no two.
+    """
+    aim, doubt = target, ""
+    while True:
+        try:
+            settled = _settled(effort, aim, stiff)
+            checked = _confirmed(effort, settled, aim)
+            error = settled.error + checked.error + ROUNDING
+            if error > aim:
+                what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
+                _refuse(effort, aim, what, error)
+        except InputError as problem:
+            raise InputError(doubt or problem.what, remedy=APART if doubt else problem.remedy) from None
+        near = graze(settled.motion)
+        if near is None or error < near.error:
+            return settled, checked, error
+        doubt = f"an accuracy of {target:g} cannot be promised: {near}, and an error of {error:.0e} does not tell which"
+        aim = 0.5 * min(near.error, aim)
 
 
 def _settled(effort: Effort, target: float, stiff: bool) -> Settled:

@@ -53,13 +53,13 @@ def hermite_touches(limits: Limits, q: Floats, qd: Floats, length: Floats) -> li
     near = np.argwhere(4.0 / 27.0 * (np.abs(slope) + np.abs(after)) > 0.5 * least)  # no cubic dips deeper
     for step, stop in near.tolist():
         start, end = room[step, stop], room[step + 1, stop]
-        at, value = _lowest_of_cubic(start, slope[step, stop], end, after[step, stop])
+        at, value = lowest_of_cubic(start, slope[step, stop], end, after[step, stop])
         if 0.0 < at < 1.0 and value < 0.5 * min(start, end):
             found.append(Touch(step, stop, at))
     return sorted(found, key=lambda touch: (touch.step, touch.at))
 
 
-def _lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tuple[float, float]:
+def lowest_of_cubic(start: float, slope: float, end: float, after: float) -> tuple[float, float]:
     """Where the cubic with these values and slopes at 0 and 1 has its minimum, and its value; 0 if it has none."""
     rise = end - start
     b, c = 3.0 * rise - 2.0 * slope - after, slope + after - 2.0 * rise

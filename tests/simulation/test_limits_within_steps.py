@@ -13,6 +13,7 @@ from simulated_robots import slide
 
 import robodyn
 from robodyn.accuracy.simulate_within import simulate_within
+from robodyn.errors import InputError
 from robodyn.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS
 
@@ -123,3 +124,18 @@ def test_what_halved_steps_say_covers_the_moment_of_an_early_limit(seed):
     motion = simulate_within(found.model, found.scene, None, 1e-3, table=found.table)
     assert found.moment is not None
     assert abs(motion.time[-1] - found.moment) <= motion.expected_error * found.moment + 1e-15
+
+
+@pytest.mark.parametrize("depth", [1e-6, -1e-6, -1e-11])
+def test_an_accuracy_tells_a_limit_that_is_just_reached_from_one_that_is_just_missed(depth):
+    """A pendulum let go at -0.5 rad turns at 0.5: errors have to be below what is left there."""
+    model = hanging(-1.0, 0.5 - depth)
+    found = simulate_within(model, Scene(initial_q={"j1": -0.5}), 2.0, 1e-2)
+    assert bool(found.ended) == (depth > 0)
+    assert found.expected_error <= abs(depth)
+
+
+def test_a_limit_that_no_digits_can_tell_is_refused():
+    """Let go at its lower limit, a pendulum comes back to just there."""
+    with pytest.raises(InputError, match=r'"j1" (misses|passes) its lower limit of -0.5 rad by .*e-1\d rad, at 2.0'):
+        simulate_within(hanging(-0.5, 1.0), Scene(initial_q={"j1": -0.5}), 3.0, 1e-2)
