@@ -25,8 +25,8 @@ FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8
 """s: the steps that are halved, from the first to the last."""
 HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
 """Methods whose steps are halved, or whose tolerance is tightened."""
-CONFIRMING = "dop853", "radau", "bdf"
-"""Methods of which another one has to agree."""
+CONFIRMING = "dop853", "radau", "bdf", "gauss6", "rk4"
+"""Methods of which another one has to agree; the last where a table has too many rows for the others."""
 SLOWEST = 1.5
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
 ROUNDING = 2.0**-51
@@ -239,20 +239,28 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
         if name == motion.method.name:
             continue
         effort.next_way()
-        for rtol in (target / 10, target / 1e3, target / 1e5, LEAST_RTOL):
+        ways = _confirming(name, motion, target)
+        for how in ways:
             try:
-                other = effort.run(name, rtol=max(rtol, LEAST_RTOL), also=seen(motion))
+                other = effort.run(name, also=seen(motion), **how)
             except InputError as error:
                 problem = error.what
                 break
             off = apart(motion, other)
             if best is None or off < best.error:
                 best = Settled(other, off)
-            if off + settled.error <= target and (off <= settled.error or rtol <= LEAST_RTOL or off <= 0.1 * target):
+            if off + settled.error <= target and (off <= settled.error or how is ways[-1] or off <= 0.1 * target):
                 return best
         if best is not None:
             return best
     _refuse(effort, target, f"no second method gets through to confirm it: {problem}", settled.error)
+
+
+def _confirming(name: str, motion: Simulation, target: float) -> list[dict[str, float]]:
+    """Tolerances, or parts of the steps of a motion, by which another method may agree with it."""
+    if method_named(name).adaptive:
+        return [{"rtol": max(rtol, LEAST_RTOL)} for rtol in (target / 10, target / 1e3, target / 1e5, LEAST_RTOL)]
+    return [{"step": part * (motion.step or FIRST_STEP)} for part in (0.5, 0.25)]
 
 
 def states_of(motion: Simulation) -> Floats:

@@ -28,6 +28,8 @@ from robodyn.simulation.table import Signal
 Floats = NDArray[np.float64]
 EXPECTED = 4000
 """Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
+LEAST = 8
+"""Evaluations for the steps from one row of a table to the next, at least."""
 KNOTS = 8
 """Rows of a reference, a smooth spline, that a step may pass over."""
 
@@ -61,6 +63,9 @@ def adaptive_motion(
     steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
     rows = signal.corners(KNOTS)
     rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
+    if LEAST * len(rows) > most:
+        what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {method.name}"
+        raise TooMuchError(what, 0.0, state, "give --step instead of --rtol")
     y, reached, wanted = state[:-1], None, np.array(also)
     time, states = [0.0], [y]
     for begin, end in pairwise(_apart(rows, duration)):

@@ -38,6 +38,17 @@ def test_an_accuracy_that_is_asked_for_holds_for_pulses(between, table, impulse)
     assert abs(found.qd[-1, 0] - impulse) <= 1e-3 * impulse
 
 
+def test_an_accuracy_for_more_rows_than_a_method_of_scipy_can_do_with():
+    """Noise of 10 000 rows drives a pendulum: rk4 and gauss6 confirm each other."""
+    rng = np.random.default_rng(3)
+    table = {"time": np.arange(10001) / 1e4, "push": rng.normal(size=10001)}
+    scene = replace(PUSHED, gravity=(0, 0, -9.81), initial_q={"j1": 1.0})
+    found = simulate_within(pendulum(), scene, None, 1e-6, table=table)
+    fine = robodyn.simulate(pendulum(), scene, table=table, step=1e-5, method="gauss4")
+    assert np.abs(found.qd[-1] - fine.qd[-1]).max() <= found.expected_error * np.abs(fine.qd).max() + 1e-13
+    assert {"rk4", "gauss6"} <= set(found.notes[-1].replace(",", "").split())
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_random_tables_give_their_impulse(seed):
     """Rows finer and coarser than steps, at commensurate times and others, shorter and longer than the motion."""
