@@ -139,3 +139,32 @@ def test_a_limit_that_no_digits_can_tell_is_refused():
     """Let go at its lower limit, a pendulum comes back to just there."""
     with pytest.raises(InputError, match=r'"j1" (misses|passes) its lower limit of -0.5 rad by .*e-1\d rad, at 2.0'):
         simulate_within(hanging(-0.5, 1.0), Scene(initial_q={"j1": -0.5}), 3.0, 1e-2)
+
+
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 60)]
+
+
+@pytest.mark.parametrize("seed", [*range(4), *SLOW])
+def test_pendulums_under_random_torques_end_where_scipy_has_them(seed):
+    """Rows held or straight between, limits 1e-9 to 0.1 rad beside a turn; as accurate as asked, or refused."""
+    rng = np.random.default_rng(seed)
+    expected, target = swung(rng), 10.0 ** rng.uniform(-9, -2)
+    found = simulate_within(expected.model, expected.scene, None, target, table=expected.table)
+    assert bool(found.ended) == (expected.moment is not None)
+    if expected.moment is None:
+        off = np.abs([found.q[-1, 0], found.qd[-1, 0]] - expected.end)
+        error = (off / [np.abs(found.q).max(), np.abs(found.qd).max()]).max()
+    else:
+        error = abs(found.time[-1] - expected.moment) / expected.moment
+    assert error <= found.expected_error + 1e-12 <= target + 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 160))
+def test_slides_under_random_forces_as_accurate_as_asked(seed):
+    rng = np.random.default_rng(seed)
+    passing, target = passing_of(rng), 10.0 ** rng.uniform(-9, -2)
+    found = simulate_within(passing.model, passing.scene, None, target, table=passing.table)
+    assert bool(found.ended) == (passing.moment is not None)
+    if passing.moment is not None:
+        assert abs(found.time[-1] - passing.moment) <= found.expected_error * passing.moment <= target * passing.moment
