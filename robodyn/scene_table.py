@@ -34,8 +34,10 @@ def read_toml(data: bytes, file: str) -> dict[str, Any]:
         import tomli as tomllib
     try:
         return tomllib.loads(data.decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        text = str(error) or "nested too deeply"
+    except ValueError as error:
+        text = str(error)
+    except RecursionError:
+        text = "nested too deeply"
     place = _PLACE.search(text)
     line = int(place[1]) if place and place[1] else None
     why = text[: place.start()] if line is not None and place else text

@@ -13,10 +13,15 @@ def environment(**changes: object) -> dict[str, str]:
     return {name: str(value) for name, value in variables.items() if value is not None}
 
 
-def python(code: str, **changes: object) -> subprocess.CompletedProcess[str]:
-    """Runs `code` with changes of the environment; it must end well."""
+def python(code: str, stdin: str = "", **changes: object) -> subprocess.CompletedProcess[str]:
+    """Runs `code`, which may read `stdin`, with changes of the environment; it must end well."""
     done = subprocess.run(
-        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=False, env=environment(**changes)
+        [sys.executable, "-I", "-c", code],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment(**changes),
     )
     assert done.returncode == 0, done.stderr
     return done

@@ -166,7 +166,8 @@ def in_order(column: Integers, depth: Floats) -> Integers:
     if not len(depth):
         return column
     least = depth.min()
-    return np.argsort(column + (depth - least) * (_BELOW_ONE / (float(depth.max() - least) or 1.0)))
+    keys = column + (depth - least) * (_BELOW_ONE / (float(depth.max() - least) or 1.0))
+    return np.argsort(keys, kind="stable")
 
 
 def _along(X: Floats, axis: Floats) -> Floats:

@@ -169,5 +169,5 @@ def _points(corners: Floats) -> list[Floats]:
     ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
     a, b, c = corners.transpose(1, 0, 2)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    largest = np.argsort(area)[-_LARGEST:]
+    largest = np.argsort(area, kind="stable")[-_LARGEST:]
     return [*points[ends], *corners[largest].mean(axis=1)]

@@ -120,7 +120,7 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
     if len(near) > _POINTS:
         rows = near % len(shell)
         area = (np.cross(b[rows] - a[rows], c[rows] - a[rows]) ** 2).sum(axis=1)
-        near = near[np.argpartition(-area, _POINTS)[:_POINTS]]
+        near = near[np.argsort(-area, kind="stable")[:_POINTS]]
     chosen: Floats = points[near]
     return chosen
 

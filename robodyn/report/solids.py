@@ -68,7 +68,7 @@ def paint(axes: Axes, solid: Sequence[Solid], marked: int | None = None) -> None
     triangles = np.concatenate([each for _, each in solid])
     tints = [_MARKED if number == marked else _TINTS[number % 2] for number, _ in solid]
     colours = np.repeat(np.array(tints), [len(each) for _, each in solid], axis=0)
-    order = np.argsort(triangles[:, :, 2].sum(axis=1))
+    order = np.argsort(triangles[:, :, 2].sum(axis=1), kind="stable")
     triangles, colours = triangles[order], colours[order]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)

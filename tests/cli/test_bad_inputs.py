@@ -123,7 +123,7 @@ def test_robot_without_joints_has_no_columns() -> None:
 SCENES = [
     ("not TOML", "gravity = [", r"is not TOML"),
     ("binary", BINARY, r"is not TOML"),
-    ("nested", "a = " + "[" * 5000, r"is not TOML"),
+    ("nested", "a = " + "[" * 5000, r"is not TOML: nested too deeply"),
     ("key", "gravty = [0, 0, 0]", r'.*unknown key "gravty" \(valid keys: .*gravity'),
     ("joint", "[friction]\nelbw = {viscous = 1}", r".*no joint 'elbw'.*did you mean 'elbow'"),
     ("link", '[[payload]]\nlink = "hand"\nmass = 1', r".*no link 'hand'.*'fore'"),

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from example_robots import path_of
 from processes import python
 from processor_kinds import LINEAR_ALGEBRA, variables
+from robot_catalogue import names
 
 TESTS = Path(__file__).parent.parent
-COMMANDS = """
+TEXT = """
 info robots/meshed_arm.urdf
 check robots
 inertia robots/meshed_arm.urdf --compare
@@ -21,31 +25,79 @@ inertia robots/meshes/twisted_block.stl --density 2700
 inertia robots/meshes/worn_pad.stl --density 2700
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_motors.toml --explain
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml
-torques robots/scara.urdf robots/scara_pick_and_place.csv --format json
-torques robots/satellite.urdf robots/satellite_slew.csv --scene robots/satellite.toml --format json
 fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
 equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
 simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.2
 """
+JSON = """
+torques robots/scara.urdf robots/scara_pick_and_place.csv
+torques robots/satellite.urdf robots/satellite_slew.csv --scene robots/satellite.toml
+torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --sizing --momentum
+check robots/scara.urdf --trajectory robots/scara_pick_and_place.csv
+fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
+fbd robots/puma560.urdf --traj robots/puma560_sweep.csv --time 0.5
+equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
+equations robots/two_link_planar.urdf --form closed
+inertia robots/meshed_arm.urdf --compare
+inertia robots/meshed_arm.urdf --at elbow=0.5
+inertia robots/meshes/bracket.stl --unit mm --rpy 0.3,0.2,0.1 --about 0.1,0.2,0.3
+inertia robots/meshes/bracket.stl --unit mm --shell 0.001
+inertia robots/meshes/cross.stl --unit mm --symmetrize
+inertia robots/meshes/bracket.stl robots/meshes/hub.stl --unit mm --combine --place 1,2,3,.3,.2,.1 --place 0,0,1,1,0,.4
+simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1
+simulate robots/four_bars.urdf --scene robots/four_bars_a02.toml --duration 0.1
+simulate robots/satellite.urdf --scene robots/satellite_deploy.toml --duration 0.1
+simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1
+simulate robots/composite.urdf --scene robots/composite_throw.toml --duration 0.1
+simulate robots/heavy_top.urdf --scene robots/heavy_top_steady.toml --duration 0.1
+accuracy robots/meshes/bracket.stl
+"""
+OF_A_ROBOT = ("info", "check", "inertia", "fbd", "equations", "equations --form dae", "simulate --duration 0.02")
+REAL = ("ur5_robot", "anymal", "panda")
+MEASURED = ("time", "front", "cheapest", "dominated_by")
+"""Keys of `accuracy` whose values follow from how long a computation took."""
 CODE = f"""
 import json, os, sys
 sys.path.insert(0, {str(TESTS)!r})
 os.chdir({str(TESTS.parent)!r})
 from command_line import run
 outputs = []
-for command in {COMMANDS!r}.split("\\n")[1:-1]:
+for command in json.loads(sys.stdin.read()):
     done = run(*command.split())
     outputs.append([command, done.status, done.out, done.err])
 print(json.dumps(outputs))
 """
 
 
+def _commands() -> Iterator[str]:
+    """Yield what is typed: text, and JSON of every command over the project's robots and some real ones."""
+    yield from TEXT.strip().split("\n")
+    robots = [*(f"robots/{name}.urdf" for name in names()), *(str(path_of(stem)) for stem in REAL)]
+    meshes = sorted((TESTS.parent / "robots" / "meshes").glob("*.stl"))
+    lines = [*JSON.strip().split("\n"), *(f"{command} {robot}" for robot in robots for command in OF_A_ROBOT)]
+    lines += [f"inertia {mesh} --unit mm" for mesh in meshes] + [f"inertia {path_of('panda')} --compare"]
+    yield from (f"{line} --format json" for line in lines)
+
+
+def _outputs(changes: dict[str, str]) -> list[list[object]]:
+    return [_unmeasured(*each) for each in json.loads(python(CODE, stdin=json.dumps([*_commands()]), **changes).stdout)]
+
+
+def _unmeasured(command: str, status: int, out: str, err: str) -> list[object]:
+    """Return an output without what was measured."""
+    if not command.startswith("accuracy"):
+        return [command, status, out, err]
+    document = json.loads(out, object_hook=lambda found: {k: v for k, v in found.items() if k not in MEASURED})
+    return [command, status, document]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", LINEAR_ALGEBRA)
-def test_output_is_the_same_to_the_last_character(kind: str) -> None:
-    changes = variables(kind)
-    if not changes:
+def test_output_is_the_same_to_the_last_digit() -> None:
+    kinds = [{}, *map(variables, LINEAR_ALGEBRA)]
+    if not all(kinds[1:]):
         pytest.skip("this processor has no AVX2 to fall back to")
-    outputs = json.loads(python(CODE).stdout), json.loads(python(CODE, **changes).stdout)
-    for expected, found in zip(*outputs, strict=True):
-        assert found == expected
+    with ThreadPoolExecutor(2) as pool:
+        expected, *others = pool.map(_outputs, kinds)
+    assert sum(status == 0 for _, status, *_ in expected) > 0.8 * len(expected)
+    for outputs in others:
+        assert [one[0] for one, found in zip(expected, outputs, strict=True) if found != one] == []
