@@ -12,7 +12,7 @@ from robodyn.inertia.second import inertia_matrix
 from robodyn.mesh.integrals import Integrals
 from robodyn.mesh.tessellation_edges import Floats
 from robodyn.mesh.tessellation_lines import LineMasses
-from robodyn.spatial import Array, product
+from robodyn.spatial import Array, length, product
 
 OUTSIDE = 0.5
 """Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
@@ -80,7 +80,7 @@ def tessellation(masses: LineMasses, integrals: Integrals, centre: Array, *, fix
     given, on = body.smooth(parts, 0, 0), body.smooth(parts, 1, 1)
     places = [body.smooth(parts, one, other) for one in (1, -OUTSIDE) for other in (1, -OUTSIDE)]
     doubt, lean, spread = _moments(masses, masses.doubt)
-    shift = (np.linalg.norm(lean) + SHIFT * _reach(masses)) / min(one.volume for one in (given, *places))
+    shift = (length(lean) + SHIFT * _reach(masses)) / min(one.volume for one in (given, *places))
     doubts = np.array([doubt, _largest(spread) + (_largest(body.S) * doubt / V if fixed_mass else 0.0), shift])
     volume, first, second = (one + other for one, other in zip(*parts, strict=True))
     return Tessellation(
@@ -101,7 +101,7 @@ class _Smooth:
 
     def errors(self, true: _Smooth) -> Floats:
         """(3,) of volume, largest moment of inertia and centre, where this body is the true one."""
-        distance = np.linalg.norm(self.centre - true.centre)
+        distance = length(self.centre - true.centre)
         return np.array([abs(self.volume - true.volume), _largest(self.S - true.S), distance])
 
     @property
@@ -141,7 +141,7 @@ def _bars(found: _Smooth, places: Sequence[_Smooth], doubts: Floats) -> Bars:
 def _reach(masses: LineMasses) -> float:
     """The doubt of edges times their distance from the centre, in sum."""
     middle = (masses.start + masses.end) / 2
-    return float(masses.doubt @ np.sqrt((middle * middle).sum(axis=0)))
+    return float((masses.doubt * np.sqrt((middle * middle).sum(axis=0))).sum())
 
 
 def _moments(masses: LineMasses, weights: Floats) -> tuple[float, Floats, Floats]:

@@ -1,0 +1,57 @@
+"""Printed digits do not come from BLAS or LAPACK, whose order of sums depends on the processor."""
+
+from __future__ import annotations
+
+import ast
+
+from test_layers import MODULES
+
+ANY_SCALAR = (
+    *("dynamics", "effects", "momentum", "self_checks", "accelerations", "spatial", "robot_inertia.configuration"),
+    *("loops.closure", "loops.closed_chain", "maximal.equations", "maximal.state", "maximal.system"),
+    *("maximal.reactions", "maximal.closed", "simulation.equations", "simulation.free"),
+)
+"""Parts that say `A @ B` of objects, which NumPy multiplies in order."""
+NO_DIGITS = {
+    "accuracy.operations": "counts",
+    "bench": "times",
+    "forward": "a check by other means, and the name of a joint",
+    "maximal.counts": "ranks",
+    "mesh.kernel": "bounds, which are rounded",
+    "mesh.scenes": "a sign",
+    "simulation.loop_figures": "a rank",
+    "simulation.necessary": "a rank",
+    "simulation.singular": "ranks, and times to four digits",
+    "simulation.stiffness": "steps of 1, 2 and 5",
+    "urdf.visuals": "pictures",
+}
+"""Parts that may use them, and what for."""
+LINEAR_ALGEBRA = {"solve", "inv", "pinv", "lstsq", "svd", "qr", "eig", "eigh", "eigvals", "eigvalsh", "cholesky", "det"}
+SUMS = {"dot", "vdot", "inner", "tensordot", "matmul"}
+
+
+def _uses(tree: ast.AST, any_scalar: bool) -> set[str]:
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.MatMult) and not any_scalar:
+            found.add("@")
+        elif isinstance(node, ast.Attribute):
+            of_linalg = isinstance(node.value, ast.Attribute) and node.value.attr == "linalg"
+            if (of_linalg and node.attr in LINEAR_ALGEBRA) or (ast.unparse(node.value) == "np" and node.attr in SUMS):
+                found.add(node.attr)
+        elif isinstance(node, ast.Call) and ast.unparse(node.func) == "np.linalg.norm" and len(node.args) == 1:
+            found |= set() if any(each.arg == "axis" for each in node.keywords) else {"norm without axis"}
+    return found
+
+
+def _among(module: str, parts: tuple[str, ...]) -> bool:
+    return any(module == f"robodyn.{part}" or module.startswith(f"robodyn.{part}.") for part in parts)
+
+
+def test_floats_are_multiplied_and_solved_in_one_order() -> None:
+    found = {
+        module: _uses(tree, _among(module, ANY_SCALAR))
+        for module, tree in MODULES.items()
+        if not _among(module, tuple(NO_DIGITS))
+    }
+    assert {module: sorted(uses) for module, uses in found.items() if uses} == {}
