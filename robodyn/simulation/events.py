@@ -19,6 +19,8 @@ DOUBT = 1e-3
 """Of how far a joint moves in a step: extrema of dense outputs this near to a limit are looked at by the method."""
 ASIDE = 0.25
 """Of a step, to both sides of an extremum of the interpolant: there is that of the method."""
+DIP = 8.0 / 27.0
+"""Cubics dip by at most half of this times the sum of their slopes: twice that deep they may be by the method."""
 GOLDEN = 0.5 * (sqrt(5.0) - 1.0)
 FINEST = 1e-8
 """Of a step: an extremum found to this has its value to a rounding."""
@@ -43,19 +45,22 @@ def hermite_touches(limits: Limits, q: Floats, qd: Floats, length: Floats) -> li
     """
     if not limits.stops:
         return []
-    room = limits.room(q)
+    room, rate = limits.room(q), limits.rate(qd)
+    least, moved = room.min(axis=0), np.abs(rate).max(axis=0) * length.max(initial=0.0)
+    stops = np.flatnonzero(least < 2.0 * DIP * moved)  # the others are too far away for these steps
+    if not len(stops) and least.min() >= 0.0:
+        return []
     ends = np.flatnonzero((room[1:] < 0.0).any(axis=1))[:1]
     count = int(ends[0]) + 1 if len(ends) else len(length)
     found = [Touch(int(step), int(stop), 1.0) for step in ends for stop in np.flatnonzero(room[step + 1] < 0.0)]
-    rate = limits.rate(qd[: count + 1])
+    room, rate = room[: count + 1, stops], rate[: count + 1, stops]
     slope, after = rate[:-1] * length[:count, None], rate[1:] * length[:count, None]
-    least = np.minimum(room[:count], room[1 : count + 1])
-    near = np.argwhere(4.0 / 27.0 * (np.abs(slope) + np.abs(after)) > 0.5 * least)  # no cubic dips deeper
-    for step, stop in near.tolist():
-        start, end = room[step, stop], room[step + 1, stop]
-        at, value = lowest_of_cubic(start, slope[step, stop], end, after[step, stop])
+    near = np.minimum(room[:-1], room[1:]) < DIP * (np.abs(slope) + np.abs(after))
+    for step, k in np.argwhere(near).tolist():
+        start, end = room[step, k], room[step + 1, k]
+        at, value = lowest_of_cubic(start, slope[step, k], end, after[step, k])
         if 0.0 < at < 1.0 and value < 0.5 * min(start, end):
-            found.append(Touch(step, stop, at))
+            found.append(Touch(step, int(stops[k]), at))
     return sorted(found, key=lambda touch: (touch.step, touch.at))
 
 
