@@ -28,6 +28,8 @@ from robodyn.simulation.table import Signal
 Floats = NDArray[np.float64]
 EXPECTED = 4000
 """Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
+MOST_ROWS = 300_000
+"""Some minutes of work."""
 LEAST = 8
 """Evaluations for the steps from one row of a table to the next, at least."""
 KNOTS = 8
@@ -63,6 +65,9 @@ def adaptive_motion(
     steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
     rows = signal.corners(KNOTS)
     rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
+    if len(rows) > MOST_ROWS:
+        what = f"steps of {method.name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
+        raise InputError(what, remedy="give --step instead of --rtol")
     if LEAST * len(rows) > most:
         what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {method.name}"
         raise TooMuchError(what, 0.0, state, "give --step instead of --rtol")

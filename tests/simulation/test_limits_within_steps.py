@@ -100,6 +100,20 @@ def test_the_first_of_two_limits_in_one_step():
     assert abs(found.time[-1] - 0.01) <= 1e-14
 
 
+@pytest.mark.parametrize("how", [{}, {"method": "gauss4"}, {"method": "verlet"}, {"rtol": 1e-9}, {"method": "radau"}])
+def test_a_motion_that_begins_at_a_limit(how):
+    """Away from it, it goes on; into it, at speed or by a force, it is over at once."""
+    at = Scene(gravity=(0, 0, 0), initial_q={"j1": 9.0})
+    away = robodyn.simulate(slide(), replace(at, initial_qd={"j1": -1.0}), 1.0, **how)
+    assert (away.ended, away.time[-1]) == ("", 1.0)
+    pulled = robodyn.simulate(slide(), replace(at, drive={"j1": Drive(torque=-1.0)}), 1.0, **how)
+    assert (pulled.ended, pulled.time[-1]) == ("", 1.0)
+    for into in ({"initial_qd": {"j1": 1.0}}, {"drive": {"j1": Drive(torque=1.0)}}):
+        found = robodyn.simulate(slide(), replace(at, **into), 1.0, **how)
+        assert found.ended
+        assert found.time[-1] <= 1e-6
+
+
 def test_numbers_beyond_a_limit_do_not_matter():
     """A force that blows up after the limit is reached ends no motion that had ended before."""
     scene = Scene(gravity=(0, 0, 0), drive={"j1": Drive(torque="push")}, between_rows="hold")

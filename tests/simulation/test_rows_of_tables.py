@@ -102,6 +102,12 @@ def test_a_peak_between_steps_is_held_against_the_limit_of_effort(between, how):
     assert [excess.limit for excess in found.exceeded] == [1000.0]
 
 
+def test_more_rows_than_an_adaptive_method_takes_are_refused(monkeypatch):
+    monkeypatch.setattr("robodyn.simulation.adaptive.MOST_ROWS", 2998)
+    with pytest.raises(RobodynError, match="have to end at 2999 rows of the table, more than 2998"):
+        robodyn.simulate(slide(1.0), PUSHED, table=TENTHS, rtol=1e-6)
+
+
 def test_rows_at_which_nothing_changes_make_no_steps():
     time = np.linspace(0.0, 1.0, 8001)
     for between in ("linear", "hold"):
