@@ -36,6 +36,8 @@ class BentEdges:
         angle: (k,) between the normals [rad], positive where the surface is convex.
         length: (k,).
         heights: (2, k) of the two triangles over the edge.
+        feet: (2, k) where the corners opposite to the edge stand over it, from 0 at its start to 1 at its end.
+        outward: (2, 3, k) unit vectors across the edge in the plane of either triangle, out of it.
         triangles: (2, k) their numbers.
         flat: (m,) whether a triangle lies in one plane with another one.
         facet: (m,) number of the connected triangles in one plane that each belongs to. areas: (m,) of these.
@@ -46,6 +48,8 @@ class BentEdges:
     angle: Floats
     length: Floats
     heights: Floats
+    feet: Floats
+    outward: Floats
     triangles: Integers
     flat: NDArray[np.bool_]
     facet: Integers
@@ -59,7 +63,7 @@ class BentEdges:
         return replace(self, **columns)
 
 
-_COLUMNS = ("start", "end", "angle", "length", "heights", "triangles")
+_COLUMNS = ("start", "end", "angle", "length", "heights", "feet", "outward", "triangles")
 
 
 def bent_edges(corners: Array) -> BentEdges:
@@ -98,13 +102,19 @@ def _bent(
     coplanar.append(triangles[:, (sine <= BENT * cosine) & (cosine > 0)])
     angle = arctan2(sine, cosine)
     (kept,) = np.nonzero((angle > _FLAT) & (angle < _WIDEST))
-    one = one[kept]
+    one, other = one[kept], other[kept]
     start, end = points.take(one, axis=0).T, points.take((one + count) % len(points), axis=0).T
     along = end - start
     length = np.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
     angle = np.copysign(angle[kept], (cross[:, kept] * along).sum(axis=0))
-    heights = np.sqrt([(side[:, kept] ** 2).sum(axis=0) for side in (first, second)]) / length
-    return dict(zip(_COLUMNS, (start, end, angle, length, heights, triangles[:, kept]), strict=True))
+    sides = np.stack([first[:, kept], second[:, kept]])
+    sizes = np.sqrt((sides * sides).sum(axis=1))
+    outward = np.stack([along[i - 2] * sides[:, i - 1] - along[i - 1] * sides[:, i - 2] for i in range(3)], axis=1)
+    outward /= np.array([[1.0], [-1.0]])[:, None] * (sizes * length)[:, None]
+    opposite = points.take(np.stack([one, other]) + 2 * count, axis=0, mode="wrap").transpose(2, 0, 1)
+    feet = ((opposite - start[:, None]) * along[:, None]).sum(axis=0) / length**2
+    found = (start, end, angle, length, sizes / length, feet, outward, triangles[:, kept])
+    return dict(zip(_COLUMNS, found, strict=True))
 
 
 def _normals(X: Floats) -> Floats:

@@ -9,6 +9,8 @@ import numpy as np
 
 from robodyn.mesh.indexed import Mask
 from robodyn.mesh.tessellation_edges import BENT, SHARPEST, BentEdges, Floats, bent_edges
+from robodyn.mesh.tessellation_facets import companions, endings, like, planes, sides, taper
+from robodyn.mesh.tessellation_pairs import Integers
 from robodyn.spatial import Array
 
 FINE = radians(40)
@@ -18,13 +20,13 @@ _TIMES_MEDIAN = 3
 _SIMILAR = 1 / 3
 _INNER = 1.4
 _BESIDE = 0.02
-_UNLIKE = 3
 _SHARE = 0.25
 _ALONE = 0.75
 _SHARP = 1.2
 _ENDING = 2.0
-_SAME = 0.1
+_FAR = 0.75
 _STEEP = 0.35
+_WIDE = 0.35
 _CLEARLY = 0.05
 
 
@@ -67,9 +69,11 @@ def line_masses(corners: Array) -> LineMasses:
       times, may be curved or not: half of what would be missing is, and three quarters are doubt.
     - Where neither facet is bent anywhere else, as at the ridge of a roof, nothing is missing.
     - Edges of 65 to 120 degrees are meant as they are; where both facets have others below 65 that is in doubt.
+    - Where a curved facet ends at a sharp edge opposite to this one, there is no edge to stand for the far half of it:
+      that lacks as much again, at three quarters of the way across.
 
     The doubt is a quarter of what is missing, and l th (h1 - h2)^2 / 9 where triangles are uneven; and twice all of it
-    where a smooth surface ends at a sharp edge, behind which nothing tells how it goes on.
+    at such an end, and at the apex of a coarse cone.
 
     Args:
         corners: (m, 3, 3), wound outwards; an edge has the same bits in both its triangles.
@@ -78,9 +82,10 @@ def line_masses(corners: Array) -> LineMasses:
     size = np.abs(edges.angle)
     counted = size[size > BENT] if (size > BENT).any() else size
     median = _median(counted) if len(size) else 0.0
-    missing, doubt = _of_smooth(edges, _CLEARLY * median)
     fine = size < min(FINE, _TIMES_MEDIAN * median)
-    return LineMasses(edges.start, edges.end, missing, doubt, fine)
+    parts = _of_smooth(edges, _CLEARLY * median)
+    start, end, missing, doubt, edge = (np.concatenate(column, axis=-1) for column in zip(*parts, strict=True))
+    return LineMasses(start, end, missing, doubt, fine[edge])
 
 
 def _smooth(edges: BentEdges) -> BentEdges:
@@ -88,8 +93,8 @@ def _smooth(edges: BentEdges) -> BentEdges:
     angle = np.abs(edges.angle)
     sharp = angle > SHARPEST
     if sharp.any():
-        sharp &= (_companions(edges, ~sharp) <= BENT).any(axis=0)
-    ratio = _companions(edges, angle <= SHARPEST) / angle
+        sharp &= (companions(edges, ~sharp) <= BENT).any(axis=0)
+    ratio = companions(edges, angle <= SHARPEST) / angle
     meant = sharp | ((ratio <= _BESIDE).all(axis=0) & (angle <= SHARPEST))
     return edges.among(~meant)
 
@@ -102,80 +107,45 @@ def _median(values: Floats) -> float:
     return float((found[low] + found[high]) / 2)
 
 
-def _of_smooth(edges: BentEdges, least: float) -> tuple[Floats, Floats]:
-    """Missing volumes and doubts.
+def _spread(edges: BentEdges, steep: Mask) -> tuple[Floats, Floats]:
+    """Starts and ends (3, k) of where volume is missing: at the apex of a cone the half away from it.
+
+    There it is missing as the square of the distance s from the apex: at 3/4 of the length on the average, as in that
+    half; the mean of s^2 is 0.6, and 0.583 there.
+    """
+    middle = (edges.start + edges.end) / 2
+    at_start = edges.feet.mean(axis=0) > 0.5
+    return np.where(steep & at_start, middle, edges.start), np.where(steep & ~at_start, middle, edges.end)
+
+
+def _of_smooth(edges: BentEdges, least: float) -> list[tuple[Floats, Floats, Floats, Floats, Integers]]:
+    """Starts, ends, missing volumes, doubts and numbers of edges: at these, and at the far ends of facets on each side.
 
     Args:
         least: angle below which an edge may be one of a plane, and says nothing about its triangles.
     """
     clear = np.abs(edges.angle) > least
     count = np.bincount(edges.triangles[:, clear].ravel(), minlength=len(edges.flat))
-    curved = np.zeros_like(edges.flat)
-    curved[edges.triangles[:, _like(edges) & clear]] = True
-    plane = _planes(edges, curved & (count == 3))
-    sides = _sides(edges, plane)
-    size, angle = np.abs(sides), np.abs(edges.angle)
+    alike = np.zeros_like(edges.flat)
+    alike[edges.triangles[:, like(edges) & clear]] = True
+    plane = planes(edges, alike & (count == 3))
+    lacking = sides(edges, plane)
+    size, angle = np.abs(lacking), np.abs(edges.angle)
     sharp = angle > SHARPEST
-    alone = _companions(edges, ~sharp) / angle < np.where(plane[::-1], _INNER, _SIMILAR)
-    ending = ((count == 2) & ~edges.flat)[edges.triangles]
-    steep = ending & (angle * edges.length > _STEEP * edges.heights)
-    taper, uneven = _taper(edges)
-    missing = np.where(alone, sides / 2, np.where(steep, sides / 3, sides)).sum(axis=0) - taper
-    share = np.where(sharp, _SHARP, np.where(alone, _ALONE, _SHARE)) + np.where(ending, _ENDING, 0.0)
-    return np.where(sharp, 0.0, missing), (share * size).sum(axis=0) + uneven
-
-
-def _companions(edges: BentEdges, among: Mask) -> Floats:
-    """(2, k) the largest angle at other edges of the facet on each side that bend the same way, 0 if there are none.
-
-    Args:
-        among: (k,) which edges these may be.
-    """
-    size = np.tile(np.where(among, np.abs(edges.angle), 0.0), 2)
-    if not len(size):
-        return np.zeros((2, 0))
-    facet = 2 * edges.facet[edges.triangles].ravel() + (np.tile(edges.angle, 2) < 0)
-    order = np.lexsort((size, facet))
-    facet, size = facet[order], size[order]
-    last = np.append(facet[1:] != facet[:-1], True)
-    largest = size[np.flatnonzero(last)[np.cumsum(last) - last]]
-    first = np.append(True, last[:-1])
-    second = np.where(first, 0.0, np.append(0.0, size[:-1]))
-    found = np.empty_like(size)
-    found[order] = np.where(last, second, largest)
-    return found.reshape(2, -1)
-
-
-def _like(edges: BentEdges) -> Mask:
-    """(k,) whether the facets on both sides are of the same kind, and not the plane that a fillet touches."""
-    areas = edges.areas[edges.triangles]
-    like: Mask = areas.max(axis=0) <= _UNLIKE * areas.min(axis=0)
-    return like
-
-
-def _taper(edges: BentEdges) -> tuple[Floats, Floats]:
-    """(k,) what is missing less where facets taper, and the doubt where heights differ.
-
-    Between equal trapezoids of widths w1, w2 lacks l th (w1^2 + w1 w2 + w2^2) / 36, but the rule for heights says
-    l th (w1^2 - w1 w2 + w2^2) / 12.
-    """
-    one, other = edges.areas[edges.triangles]
-    differ = edges.length * edges.angle * (edges.heights[0] - edges.heights[1]) ** 2
-    tapers = edges.flat[edges.triangles].all(axis=0) & (np.abs(one - other) <= _SAME * (one + other))
-    uneven = np.where(_like(edges), np.abs(differ) / 9, 0.0)
-    return np.where(tapers, differ / 18, 0.0), np.where(tapers, uneven / 4, uneven)
-
-
-def _planes(edges: BentEdges, curved: Mask) -> Mask:
-    """(2, k) which sides are planes that touch a fillet."""
-    areas = edges.areas[edges.triangles]
-    planes: Mask = (areas > _UNLIKE * areas[::-1]) & ~curved[edges.triangles]
-    return planes
-
-
-def _sides(edges: BentEdges, plane: Mask) -> Floats:
-    """(2, k) missing on either side."""
-    heights = edges.heights
-    volume = edges.length * edges.angle / 12
-    even = volume * heights**3 / heights.sum(axis=0)
-    return np.where(plane, 0.0, np.where(plane[::-1], volume * heights**2, even))
+    alone = companions(edges, ~sharp) / angle < np.where(plane[::-1], _INNER, _SIMILAR)
+    curved = companions(edges, ~sharp, either=True) > _BESIDE * angle
+    apex = ((count == 2) & ~edges.flat)[edges.triangles]
+    steep = apex & (angle * edges.length > _STEEP * edges.heights)
+    wide = steep & (edges.heights > _WIDE * edges.length)
+    less, uneven = taper(edges)
+    missing = np.where(steep, lacking / 3, np.where(alone, lacking / 2, lacking))
+    share = np.where(sharp, _SHARP, np.where(alone, _ALONE, _SHARE)) + np.where(wide, _ENDING, 0.0)
+    here = np.where(sharp, 0.0, missing.sum(axis=0) - less), (share * size).sum(axis=0) + uneven
+    found = [(*_spread(edges, steep.all(axis=0)), *here, np.arange(len(angle)))]
+    ending = endings(edges) & ~steep & curved
+    for side in (0, 1):
+        (chosen,) = np.nonzero(ending[side])
+        across = edges.outward[side][:, chosen] * (_FAR * edges.heights[side][chosen])
+        there = np.where(sharp, 0.0, missing[side])[chosen], _ENDING * size[side][chosen]
+        found.append((edges.start[:, chosen] - across, edges.end[:, chosen] - across, *there, chosen))
+    return found
