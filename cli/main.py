@@ -55,7 +55,9 @@ def main() -> None:
     Exit status: 0 fine, 1 findings or limits exceeded, 2 the input or the call is wrong, 130 interrupted.
     """
     with reported(), warnings.catch_warnings():
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
+        for name, status in (("SIGTERM", 143), ("SIGHUP", 129)):  # so that half-written files are removed
+            if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, lambda *_, status=status: sys.exit(status))
         if not sys.warnoptions:
             warnings.simplefilter("ignore")
             warnings.simplefilter("default", RobodynWarning)

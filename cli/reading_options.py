@@ -10,6 +10,7 @@ from typing import Any, get_args
 import click
 
 from robodyn.cli.options import PlaceType
+from robodyn.input_file import read_input
 from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.units import AngleUnit, TimeUnit
 
@@ -34,8 +35,7 @@ class ColumnsType(PlaceType):
         else:
             import tomli as tomllib
         try:
-            with open(file, "rb") as stream:
-                found = tomllib.load(stream)
+            found = tomllib.loads(read_input(file).decode())
         except OSError as error:
             self.fail(f"{file!r} is not OURS=THEIRS, nor a file: {error.strerror}", param, ctx)
         except ValueError as error:

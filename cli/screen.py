@@ -6,8 +6,6 @@ import os
 import sys
 from contextlib import suppress
 
-import click
-
 from robodyn.report.table import PLAIN, Page
 
 
@@ -24,7 +22,7 @@ def page() -> Page:
 def show(text: str) -> None:
     """Write text on standard output; a reader that has gone away, as `head` does, is no error."""
     try:
-        click.echo(text, nl=False)
+        print(text, end="", flush=True)  # click.echo takes escape sequences out, of names of files too
     except BrokenPipeError:
         discard_output()
 

@@ -23,6 +23,7 @@ from robodyn.cli.reading_options import reading
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.execute.llvm.machine import compiler
+from robodyn.input_file import read_input
 from robodyn.report.json_batch import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
@@ -84,8 +85,7 @@ def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, A
 
 
 def _packed(path: str) -> bytes:
-    with open(path, "rb") as stream:
-        return zlib.compress(stream.read())
+    return zlib.compress(read_input(path))
 
 
 def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:

@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 from robodyn.errors import unreadable
+from robodyn.input_file import read_input
 from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene_loop import loops_of
 from robodyn.scene_motor import motors_of
@@ -31,8 +32,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     """
     file = os.fspath(path)
     try:
-        with open(path, "rb") as handle:
-            data = handle.read()
+        data = read_input(path)
     except (OSError, ValueError) as error:
         raise unreadable(error, file) from None
     return parse_scene(data, file)

@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ORDER = [
     ("frozen", "library_messages"),
-    ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties", "magnitude"),
+    ("errors", "doubts", "spatial", "wording", "overlap", "installed", "motor", "ties", "magnitude", "input_file"),
     (
         "linear",
         "whole_file",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from robodyn.checks.identity import Identity, identity
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
+from robodyn.input_file import read_input
 from robodyn.whole_file import write_whole
 
 VERSION = 1
@@ -61,8 +62,7 @@ def write_baseline(findings: Iterable[Finding], path: str) -> int:
 
 def _read(path: str) -> Counter[Identity]:
     try:
-        with open(path, encoding="utf-8") as stream:
-            document = json.load(stream)
+        document = json.loads(read_input(path))
     except FileNotFoundError:
         raise InputError("there is no such baseline", remedy="write it with --write-baseline", file=path) from None
     except OSError as error:

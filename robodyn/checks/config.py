@@ -6,12 +6,12 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
-from pathlib import Path
 from typing import Any
 
 from robodyn.checks.context import DEFAULT, Thresholds
 from robodyn.checks.run import Options, rules_for
 from robodyn.errors import InputError, SceneError, unreadable
+from robodyn.input_file import read_input
 from robodyn.scene_table import SceneTable, read_toml
 
 NAMES = ("robodyn.toml", "pyproject.toml")
@@ -78,7 +78,7 @@ def read_config(path: str) -> Config:
         InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
     """
     try:
-        data = Path(path).read_bytes()
+        data = read_input(path)
     except (OSError, ValueError) as error:
         raise unreadable(error, path) from None
     config = parse_config(data, path)
@@ -89,7 +89,7 @@ def read_config(path: str) -> Config:
 
 def _in_file(path: str) -> Config | None:
     try:
-        data = Path(path).read_bytes()
+        data = read_input(path)
     except OSError:
         return None
     return parse_config(data, path) if b"robodyn" in data else None

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO
 
 from robodyn.errors import MeshError
+from robodyn.input_file import copied, open_input
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,30 +90,21 @@ def _named(path: str) -> Source:
         status = os.fstat(stream.fileno())
         if stat.S_ISREG(status.st_mode):
             return Source(path, status.st_size, path, None)
-        if not stat.S_ISFIFO(status.st_mode):
-            raise MeshError("is a device, not a file", remedy="give the file of a mesh", file=path)
         return _copied(stream, path)
 
 
 def _opened(path: str) -> BinaryIO:
     try:
         with reading(path):
-            return open(path, "rb")
+            return open_input(path)
     except ValueError as error:
         raise MeshError(f"is not the name of a file: {error}", remedy="check the name", file=path) from None
 
 
 def _copied(stream: BinaryIO, name: str) -> Source:
-    import shutil
-    import tempfile
-
-    copy = tempfile.TemporaryFile()  # noqa: SIM115
-    try:
-        shutil.copyfileobj(stream, copy)
-        found = Source(name, copy.tell(), None, copy)
-    except BaseException:
-        copy.close()
-        raise
+    with reading(name):
+        copy = copied(stream)
+    found = Source(name, copy.tell(), None, copy)
     weakref.finalize(found, copy.close)
     return found
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, BinaryIO
 
 from robodyn.errors import TrajectoryError
+from robodyn.input_file import copied, open_input
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
 from robodyn.trajectory.table import FloatArray, changed
 
@@ -176,12 +177,11 @@ def _is_number(text: str) -> bool:
 
 
 def _seekable(path: str) -> BinaryIO:
-    stream = sys.stdin.buffer if path == "-" else open(path, "rb")  # noqa: SIM115
+    stream = sys.stdin.buffer if path == "-" else open_input(path)
     if path != "-" and stream.seekable():
         return stream
-    import shutil
-    import tempfile
-
-    copy = tempfile.TemporaryFile()  # noqa: SIM115
-    shutil.copyfileobj(stream, copy)
-    return copy
+    try:
+        return copied(stream)
+    finally:
+        if path != "-":
+            stream.close()

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.input_file import open_input
 from robodyn.trajectory.npz_members import Values, member
-from robodyn.trajectory.table import FloatArray, check_finite, common_length, decoding, less, spread
+from robodyn.trajectory.table import FloatArray, check_expansion, check_finite, common_length, decoding, less, spread
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -29,13 +30,14 @@ class NpzTable:
         self.file = path
         self.size_bytes, self.position_bytes = os.stat(path).st_size, 0
         with ExitStack() as opened:
-            stream = opened.enter_context(open(path, "rb"))
+            stream = opened.enter_context(open_input(path))
             with decoding(".npz", self.file):
                 if stream.peek(6).startswith(b"\x93NUMPY"):
                     raise ValueError("a single array, not an archive")
                 self._archive = opened.enter_context(zipfile.ZipFile(stream))
                 self._members = [member(self._archive, info, path) for info in self._archive.infolist()]
             self.names = tuple(name for each in self._members for name in each.names)
+            check_expansion(sum(each.info.file_size for each in self._members), self.size_bytes, path)
             self._rows = common_length({name: each.rows for each in self._members for name in each.names}, path)
             self._opened = opened.pop_all()
         self.origins: Mapping[int, Decimal] = {}

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray, changed, check_finite, decoding, less, spread
+from robodyn.input_file import open_input
+from robodyn.trajectory.table import FloatArray, changed, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -34,7 +35,7 @@ class ParquetTable:
         import pyarrow.parquet as pq
 
         self.file = path
-        with open(path, "rb") as stream:
+        with open_input(path) as stream:
             self.size_bytes = stream.seek(0, os.SEEK_END)
             if self.size_bytes < 12 or not _is_parquet(stream, self.size_bytes):
                 raise TrajectoryError("is not a Parquet file, or is cut short", remedy="write it again", file=path)
@@ -47,6 +48,7 @@ class ParquetTable:
             self._rows = sum(self._groups)
             if self._rows != metadata.num_rows:
                 raise ValueError(f"it says {metadata.num_rows} rows, its row groups {self._rows}")
+        check_expansion(8 * self._rows * len(self.names), self.size_bytes, path)
         self.position_bytes = 0
         self.origins: Mapping[int, Decimal] = {}
 

@@ -27,6 +27,9 @@ FILE_TYPES = {
     ".npz": "npz",
 }
 
+_EXPANDED, _RATIO = 1 << 28, 500
+"""Bytes of numbers that are always read, and how many for each byte that is stored."""
+
 
 class Table(Protocol):
     """Columns of numbers, read a block of rows at a time.
@@ -137,6 +140,17 @@ def decoding(format_name: str, file: str) -> Iterator[None]:
         first = str(error).strip().partition("\n")[0] or type(error).__name__
         what = f"cannot be read as {format_name}: {first}"
         raise TrajectoryError(what, remedy="write it again", file=file) from None
+
+
+def check_expansion(held: int, stored: int, file: str) -> None:
+    """Raise for a file that holds far more bytes than are stored: time alone, which never repeats, needs more.
+
+    Raises:
+        TrajectoryError: it does.
+    """
+    if held > max(_EXPANDED, _RATIO * stored):
+        what = f"{stored} bytes that hold {held} bytes of numbers, as only columns of one value do"
+        raise TrajectoryError(what, remedy="is it a table of a motion?", file=file)
 
 
 def common_length(lengths: Mapping[str, int], file: str | None) -> int:

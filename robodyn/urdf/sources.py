@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Mapping, Sequence
 
 from robodyn.errors import DescriptionError, InputError
+from robodyn.input_file import read_input
 from robodyn.wording import shown
 
 EXPANDED = " (expanded)"
@@ -48,10 +48,7 @@ def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tup
     path = os.fspath(source)
     file = name or path
     try:
-        with open(path, "rb") as stream:
-            if stat.S_ISCHR(os.fstat(stream.fileno()).st_mode):
-                raise DescriptionError("this is a device, not a file", remedy="give a URDF file", file=file)
-            return file, stream.read()
+        return file, read_input(path)
     except FileNotFoundError:
         raise DescriptionError("there is no such file", remedy=_existing(path), file=file) from None
     except IsADirectoryError:

@@ -10,7 +10,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from importlib.util import find_spec
 from io import StringIO
 from typing import Any
@@ -19,12 +19,17 @@ from robodyn.errors import InputError
 from robodyn.urdf.packages import Search
 from robodyn.wording import alternatives, shown
 
+PATIENCE = 60.0
+"""Seconds that an expansion may take; the largest robots take a few."""
+_MEMORY = 1 << 33
+"""Bytes that it may take, where the system can bound them."""
 _MARK = "\x1e"
 """Before the answer of a process, which libraries may print to as well."""
 _PROCESS = """
 import json, sys
 sys.path[:], question = json.load(sys.stdin)
-from robodyn.urdf.xacro import answer
+from robodyn.urdf.xacro import answer, bound_memory
+bound_memory()
 print("\x1e" + json.dumps(answer(*question)))
 """
 
@@ -63,7 +68,11 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
 def _asked(*question: Any) -> dict[str, Any]:
     """What a process of its own answers; see `answer`."""
     asked = json.dumps([sys.path, question]).encode()
-    done = subprocess.run([sys.executable, "-c", _PROCESS], input=asked, capture_output=True, check=False)
+    call = [sys.executable, "-c", _PROCESS]
+    try:
+        done = subprocess.run(call, input=asked, capture_output=True, check=False, timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        return {"problem": f"it is not done after {PATIENCE:g} s"}
     if done.returncode:
         return {"problem": f"its process ended with status {done.returncode}"}
     found: dict[str, Any] = json.loads(done.stdout.rpartition(_MARK.encode())[2])
@@ -87,6 +96,16 @@ def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> 
     except (Exception, SystemExit) as error:
         return {"problem": " ".join(str(error).split()) or type(error).__name__}
     return {"text": text, "arguments": list(given.known)}
+
+
+def bound_memory() -> None:
+    """Let this process take no more than `_MEMORY`."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        least = _MEMORY if most == resource.RLIM_INFINITY else min(_MEMORY, most)
+        resource.setrlimit(resource.RLIMIT_AS, (least, most))
 
 
 class _Packages:

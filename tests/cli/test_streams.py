@@ -79,8 +79,8 @@ def test_help_to_a_reader_that_goes_away() -> None:
 def test_interrupt_while_reading() -> None:
     """The signal comes when standard input is being copied."""
     code = (
-        "import os, shutil, signal, time\n"
-        "shutil.copyfileobj = lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
+        "import os, signal, tempfile, time\n"
+        "tempfile.TemporaryFile = lambda *_: (os.kill(os.getpid(), signal.SIGINT), time.sleep(60))\n"
         "from robodyn.cli.main import main; main()"
     )
     call = [sys.executable, "-c", code, "torques", "arm.urdf", "-", "--out", "tau.csv"]

@@ -196,6 +196,48 @@ def test_what_a_killed_process_left_goes_with_the_next_write(tmp_path: Path, wri
     assert [name.partition(".csv.")[0] for name in left[2:]] == ["b"]
 
 
+BATCH = """
+import os, signal, sys
+from unittest import mock
+from robodyn.cli.main import main
+from robodyn.whole_file import whole_file
+def killed(*_, **__):
+    with whole_file("a.csv") as stream:
+        stream.write(b"half")
+        stream.flush()
+        os.kill(os.getpid(), int(sys.argv[1]))
+with mock.patch("robodyn.cli.main.robodyn.main", killed):
+    main()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_process_that_is_asked_to_end_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+    """A terminal that is closed asks so, too."""
+    done = subprocess.run([sys.executable, "-c", BATCH, str(int(number))], cwd=tmp_path, check=False)
+    assert done.returncode == 128 + number
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+@WAYS
+def test_the_part_of_another_process_stays_while_that_writes(tmp_path: Path, write: Write) -> None:
+    path = tmp_path / "a.csv"
+    slow = KILLED.replace("os.kill(os.getpid(), int(sys.argv[2]))", "print('written', flush=True), sys.stdin.read()")
+    with subprocess.Popen(
+        [sys.executable, "-c", slow, str(path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        write(str(path), b"quick")
+        assert len(os.listdir(tmp_path)) == 2
+        other.communicate()
+    assert other.returncode == 0
+    assert path.read_bytes() == b"half"
+    assert os.listdir(tmp_path) == ["a.csv"]
+
+
 @WAYS
 def test_two_that_write_the_same_file_do_not_disturb_each_other(tmp_path: Path, write: Write) -> None:
     """Who is still writing loses nothing to the other; the last to end has its way."""

@@ -124,7 +124,7 @@ def test_no_permission(tmp_path):
 
 
 def test_no_permission_by_the_word_of_the_system(tmp_path, monkeypatch):
-    def refuse(*_):
+    def refuse(*_, **__):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("builtins.open", refuse)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from clean_arm import FAMILIES, IDENTITY, arm
+from command_line import run
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -51,6 +53,14 @@ def test_a_line_for_each_finding() -> None:
 )
 def test_paths_as_the_repository_has_them(file: str, shown: str) -> None:
     assert parsed(check_github([finding(file)]).rstrip("\n"))[1]["file"] == shown
+
+
+def test_escape_sequences_stay_in_names_of_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    name = "a\x1b[31m\x1b]8;;b.urdf"
+    Path(name).write_text(arm(upper=IDENTITY))
+    first = run("check", name, "--format", "github").out.splitlines()[0]
+    assert parsed(first)[1]["file"] == name
 
 
 def test_nothing_found() -> None:
