@@ -87,9 +87,14 @@ class Effort:
             self.left -= FIRST * SCIPY if error.time else 0.0
             return error.time > 0.0
 
-    def next_way(self) -> None:
-        """Give another way its share of the work."""
-        self.floor = max(self.left - ALLOWED / SHARES, 0.0)
+    @property
+    def share(self) -> float:
+        """Seconds of work for each way."""
+        return ALLOWED / SHARES
+
+    def next_way(self, share: float) -> None:
+        """Give another way so many seconds of work, or what is left."""
+        self.floor = max(self.left - share, 0.0)
 
     def run(self, name: str, **how: Any) -> Simulation:
         """The motion by a method, with this step or tolerance.

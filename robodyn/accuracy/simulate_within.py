@@ -25,8 +25,10 @@ FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8
 """s: the steps that are halved, from the first to the last."""
 HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)
 """Methods whose steps are halved, or whose tolerance is tightened."""
-CONFIRMING = "dop853", "radau", "bdf", "gauss6", "rk4"
-"""Methods of which another one has to agree; the last where a table has too many rows for the others."""
+CONFIRMING = {"rk4": ("dop853", "gauss6", "radau"), "gauss6": ("dop853", "rk4", "radau"), "radau": ("bdf",)}
+"""Methods of which one has to agree; those with fixed steps where SciPy's are too much work, as with many rows."""
+TIGHTER = 30.0, 1000.0
+"""Parts of the target to which a motion is refined once more, where another method does not agree."""
 SLOWEST = 1.5
 """A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
 ROUNDING = 2.0**-51
@@ -100,12 +102,7 @@ def _agreed(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settle
     aim, doubt = target, ""
     while True:
         try:
-            settled = _settled(effort, aim, stiff)
-            checked = _confirmed(effort, settled, aim)
-            error = settled.error + checked.error + ROUNDING
-            if error > aim:
-                what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
-                _refuse(effort, aim, what, error)
+            settled, checked, error = _within(effort, aim, stiff)
         except InputError as problem:
             raise InputError(doubt or problem.what, remedy=APART if doubt else problem.remedy) from None
         near = graze(settled.motion)
@@ -115,8 +112,34 @@ def _agreed(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settle
         aim = 0.5 * min(near.error, aim)
 
 
-def _settled(effort: Effort, target: float, stiff: bool) -> Settled:
-    """The first method that can be refined until that changes less than half the target.
+def _within(effort: Effort, target: float, stiff: bool) -> tuple[Settled, Settled, float]:
+    """Motions by two methods and their error; where they do not agree, the first is refined further.
+
+    Raises:
+        InputError: no two agree to within the target.
+    """
+    settled, checked, error = _pair(effort, target, target, stiff)
+    for tighter in TIGHTER:
+        if error <= target:
+            return settled, checked, error
+        try:
+            settled, checked, error = _pair(effort, target, target / tighter, stiff)
+        except InputError:
+            break
+    if error > target:
+        what = f"{settled.motion.method.name} and {checked.motion.method.name} differ by {checked.error:.0e}"
+        _refuse(effort, target, what, error)
+    return settled, checked, error
+
+
+def _pair(effort: Effort, target: float, wanted: float, stiff: bool) -> tuple[Settled, Settled, float]:
+    settled = _settled(effort, target, wanted, stiff)
+    checked = _confirmed(effort, settled, target)
+    return settled, checked, settled.error + checked.error + ROUNDING
+
+
+def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settled:
+    """The first method that can be refined until that changes less than half of what is wanted.
 
     Raises:
         InputError: none can.
@@ -125,7 +148,7 @@ def _settled(effort: Effort, target: float, stiff: bool) -> Settled:
     problems, reached = [], inf
     for name in (*tightened, *HALVED) if stiff else (*HALVED, *tightened):
         try:
-            return _refined(effort, name, 0.5 * target)
+            return _refined(effort, name, 0.5 * wanted)
         except UnsettledError as error:
             problems.append(f"{name}: {error.what}")
             reached = min(reached, error.reached)
@@ -135,7 +158,7 @@ def _settled(effort: Effort, target: float, stiff: bool) -> Settled:
 def _refined(effort: Effort, name: str, target: float) -> Settled:
     """Raises: UnsettledError: the changes stop falling above the target, or the work is done."""
     before, change, problem = None, inf, "one motion alone tells no error"
-    effort.next_way()
+    effort.next_way(effort.share)
     finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
     while finer:
         how, motion = finer, None
@@ -233,34 +256,37 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
         InputError: no other method gets through.
     """
     motion = settled.motion
-    best: Settled | None = None
-    problem = ""
-    for name in CONFIRMING:
-        if name == motion.method.name:
-            continue
-        effort.next_way()
-        ways = _confirming(name, motion, target)
-        for how in ways:
+    best, problem = Settled(motion, inf), ""
+    for name in CONFIRMING[motion.method.name]:
+        effort.next_way(0.5 * effort.left)
+        fixed = {"step": 0.5 * (motion.step or FIRST_STEP)}
+        how: dict[str, float] | None = {"rtol": target / 10.0} if method_named(name).adaptive else fixed
+        while how:
             try:
                 other = effort.run(name, also=seen(motion), **how)
             except InputError as error:
                 problem = error.what
                 break
             off = apart(motion, other)
-            if best is None or off < best.error:
-                best = Settled(other, off)
-            if off + settled.error <= target and (off <= settled.error or how is ways[-1] or off <= 0.1 * target):
+            best = min(best, Settled(other, off), key=lambda each: each.error)
+            how = _closer(how, motion, off / target)
+            if off + settled.error <= target and (off <= settled.error or off <= 0.1 * target or how is None):
                 return best
-        if best is not None:
+        if best.error + settled.error <= target:
             return best
-    _refuse(effort, target, f"no second method gets through to confirm it: {problem}", settled.error)
+    if best.error == inf or problem:
+        what = f"no second method gets through to confirm it: {problem}"
+        _refuse(effort, target, what, settled.error + (best.error if best.error < inf else 0.0))
+    return best
 
 
-def _confirming(name: str, motion: Simulation, target: float) -> list[dict[str, float]]:
-    """Tolerances, or parts of the steps of a motion, by which another method may agree with it."""
-    if method_named(name).adaptive:
-        return [{"rtol": max(rtol, LEAST_RTOL)} for rtol in (target / 10, target / 1e3, target / 1e5, LEAST_RTOL)]
-    return [{"step": part * (motion.step or FIRST_STEP)} for part in (0.5, 0.25)]
+def _closer(how: dict[str, float], motion: Simulation, off: float) -> dict[str, float] | None:
+    """A smaller tolerance or step, of a method that is so many targets off from a motion; None at the end."""
+    if "rtol" in how:
+        rtol = max(how["rtol"] * min(0.01, 0.1 / max(off, TINY)), LEAST_RTOL)
+        return {"rtol": rtol} if how["rtol"] > LEAST_RTOL else None
+    step = 0.5 * how["step"]
+    return {"step": step} if step > 0.2 * (motion.step or FIRST_STEP) else None
 
 
 def states_of(motion: Simulation) -> Floats:

