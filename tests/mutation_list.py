@@ -189,6 +189,20 @@ MUTATIONS = {
         ("simulation/stiffness.py", "steepest / scene.slip_speed", "steepest * scene.slip_speed"),
         ("simulation/remarks.py", "(mean * lasting)[still]", "mean[still]"),
     ],
+    "simulation/test_limits_within_steps.py": [
+        ("simulation/events.py", "return min(_passed(", "return max(_passed("),
+        ("simulation/events.py", "abs(slope) + np.abs(after))", "abs(slope) - np.abs(after))"),
+        ("simulation/events.py", "< DOUBT * spread[stop]", "< -DOUBT * spread[stop]"),
+        ("simulation/fixed.py", "kept = kept[kept < (", "kept = kept[kept <= ("),
+        ("simulation/limits.py", "return -self._gain * qd", "return self._gain * qd"),
+        ("accuracy/near_limits.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
+    ],
+    "simulation/test_rows_of_tables.py": [
+        ("simulation/rows.py", "> NEAR * rows]", "> 0.0 * rows]"),
+        ("simulation/rows.py", "length, whole = end - begin", "length, whole = h + 0.0 * begin"),
+        ("simulation/table.py", "begin + 0.5 * length)", "begin + length)"),
+        ("simulation/table.py", "changes[1:-1] |=", "changes[2:] |="),
+    ],
     "simulation/test_tables.py": [
         ("simulation/equations.py", "drive.kd * (speed - qd[i])", "drive.kd * (speed + qd[i])"),
         ("simulation/table.py", "self._splines(time, kind == RATE)", "self._splines(time, kind != RATE)"),

@@ -10,6 +10,7 @@ import pytest
 from random_scenes import braked_slide, hanging, passing_of, swung
 from scipy.integrate import solve_ivp
 from simulated_robots import slide
+from small_robots import built, joint, link
 
 import robodyn
 from robodyn.accuracy.simulate_within import simulate_within
@@ -92,12 +93,27 @@ def test_random_limits_are_reached_when_a_closed_form_says(seed):
             assert abs(found.time[-1] - passing.moment) <= 1e-7 * passing.table["time"][-1], how
 
 
-def test_the_first_of_two_limits_in_one_step():
-    """Two slides reach their limits in the same step, the second of them first."""
-    model = slide(1.0)
-    scene = Scene(gravity=(0, 0, 0), initial_q={"j1": 8.99}, initial_qd={"j1": 1.0})
-    found = robodyn.simulate(model, scene, 1.0, step=0.5)
-    assert abs(found.time[-1] - 0.01) <= 1e-14
+@pytest.mark.parametrize("how", [{"step": 1.0}, {"rtol": 1e-3}, {"method": "radau"}])
+def test_the_first_of_two_limits_in_one_step(how):
+    """Two slides on each other reach their limits in the same step, the second of them first."""
+    parts = [link("l0"), link("l1", 1.0), link("l2", 1.0)]
+    parts += [joint("j1", "l0", "l1", "prismatic", (1, 0, 0)), joint("j2", "l1", "l2", "prismatic", (0, 1, 0))]
+    scene = Scene(gravity=(0, 0, 0), initial_q={"j1": 8.5, "j2": 8.9}, initial_qd={"j1": 1.0, "j2": 1.0})
+    found = robodyn.simulate(built(*parts), scene, 3.0, **how)
+    assert abs(found.time[-1] - 0.1) <= 1e-14
+    assert found.ended.startswith('"j2" reaches its upper limit of 9 m')
+
+
+@pytest.mark.parametrize("how", [{"step": 0.05}, {"rtol": 1e-6}])
+def test_the_limit_of_a_joint_that_mimics_another(how):
+    """The follower moves minus twice as far as its master, which turns back just beyond where the follower may go."""
+    parts = [link("l0"), link("l1", 1.0), link("l2", 1e-9)]
+    mimic = '<mimic joint="j1" multiplier="-2"/>'
+    parts += [joint("j1", "l0", "l1", "prismatic", (1, 0, 0)), joint("j2", "l0", "l2", "prismatic", more=mimic)]
+    scene = Scene(gravity=(0, 0, 0), drive={"j1": Drive(torque=-1.0)}, initial_qd={"j1": 3.0001})
+    found = robodyn.simulate(built(*parts), scene, 4.0, **how)
+    assert found.ended.startswith('"j2" reaches its lower limit of -9 m')
+    assert abs(found.q[-1, 0] - 4.5) <= 1e-12
 
 
 @pytest.mark.parametrize("how", [{}, {"method": "gauss4"}, {"method": "verlet"}, {"rtol": 1e-9}, {"method": "radau"}])
