@@ -10,7 +10,6 @@ import numpy as np
 from robodyn.mesh.clusters import clusters
 from robodyn.mesh.indexed import Indexed
 from robodyn.mesh.triangles import Floats
-from robodyn.spatial import product
 
 _LEAF = 16
 """Triangles of a cluster, at most."""
@@ -117,7 +116,7 @@ def _far(centre: Floats, area: Floats, middle: Floats) -> Floats:
 
 
 def _dipoles(powers: Floats, far: Floats) -> Floats:
-    square, first, second = (product(powers, part.T) for part in far)
+    square, first, second = (powers @ part.T for part in far)
     second /= square
     second += first
     square *= np.sqrt(square)
@@ -128,7 +127,7 @@ def _dipoles(powers: Floats, far: Floats) -> Floats:
 
 def _triangles(powers: Floats, triangles: Floats) -> Floats:
     """The sum of 2 atan2(det(a, b, c), abc + (a.b) c + (b.c) a + (c.a) b)."""
-    a, b, c, ab, bc, ca, depth = (product(powers, part.T) for part in triangles.transpose(1, 0, 2))
+    a, b, c, ab, bc, ca, depth = (powers @ part.T for part in triangles.transpose(1, 0, 2))
     for square in (a, b, c):
         np.sqrt(np.maximum(square, 0, out=square), out=square)
     ab += a * b
