@@ -20,20 +20,21 @@ EPS = 1e-9
 @dataclass(frozen=True)
 class Errors:
     """(3,) true errors over the bars, by `MEASURES`: of the mesh, of the corrected numbers, and of these if corners
-    are on the surface; infinite bars hold. unknown: whether some bar is infinite."""
+    are on the surface; infinite bars hold. unknown: (2,) whether some bar of the mesh, of the
+    corrected numbers is."""
 
     mesh: np.ndarray
     rest: np.ndarray
     on_surface: np.ndarray
-    unknown: bool
+    unknown: np.ndarray
 
 
 def errors(solid: Round, fixed_mass: bool = False) -> Errors:
     whole, found = estimated(solid.corners, fixed_mass)
     mesh, smooth = (_true(one, solid, fixed_mass) for one in (whole, found.corrected))
     bars = found.mesh, found.rest, found.on_surface
-    unknown = not all(np.isfinite((one.volume, one.inertia, one.centre)).all() for one in bars)
-    return Errors(*map(_over, (mesh, smooth, smooth), bars), unknown)
+    unknown = [not np.isfinite((one.volume, one.inertia, one.centre)).all() for one in bars[:2]]
+    return Errors(*map(_over, (mesh, smooth, smooth), bars), np.array(unknown))
 
 
 def _true(found: Integrals, solid: Round, fixed_mass: bool) -> np.ndarray:

@@ -17,7 +17,7 @@ from robodyn.spatial import Array, length, product
 OUTSIDE = 0.5
 """Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""
 
-SHIFT = 0.8
+SHIFT = 0.6
 """Of what the centre would move if all doubt were on one side, how far it may."""
 
 

@@ -21,9 +21,9 @@ _SIMILAR = 1 / 3
 _INNER = 1.4
 _BESIDE = 0.02
 _SHARE = 0.25
-_ALONE = 0.75
-_SHARP = 1.2
-_ENDING = 2.0
+_ALONE = 0.6
+_SHARP = 0.9
+_ENDING = 1.5
 _FAR = 0.75
 _STEEP = 0.35
 _WIDE = 0.35
@@ -66,14 +66,14 @@ def line_masses(corners: Array) -> LineMasses:
       of a cone: that lacks a third. Between equal trapezoids of widths w1, w2 an edge lacks
       l th (w1^2 + w1 w2 + w2^2) / 36.
     - A facet that has no other edge which is bent the same way by a third of this one at least, or at a plane by 1.4
-      times, may be curved or not: half of what would be missing is, and three quarters are doubt.
+      times, may be curved or not: half of what would be missing is, and 0.6 of it is doubt.
     - Where neither facet is bent anywhere else, as at the ridge of a roof, nothing is missing.
     - Edges of 65 to 120 degrees are meant as they are; where both facets have others below 65 that is in doubt.
     - Where a curved facet ends at a sharp edge opposite to this one, there is no edge to stand for the far half of it:
       that lacks as much again, at three quarters of the way across.
 
-    The doubt is a quarter of what is missing, and l th (h1 - h2)^2 / 9 where triangles are uneven; and twice all of it
-    at such an end, and at the apex of a coarse cone.
+    The doubt is a quarter of what is missing, and l th (h1 - h2)^2 / 9 where triangles are uneven; and one and a half
+    times all of it at such an end, and at the apex of a coarse cone.
 
     Args:
         corners: (m, 3, 3), wound outwards; an edge has the same bits in both its triangles.
