@@ -11,8 +11,9 @@ from simulated_robots import pendulum, slide, turntable
 
 import robodyn
 from robodyn.accuracy import effort
+from robodyn.accuracy.apart import apart
 from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.accuracy.simulate_within import apart, simulate_within
+from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.accuracy.simulation_ladder import state_errors
 from robodyn.errors import InputError
 from robodyn.plan import plan
