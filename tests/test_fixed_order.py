@@ -19,7 +19,6 @@ NO_DIGITS = {
     "maximal.counts": "ranks",
     "mesh.kernel": "bounds, which are rounded",
     "mesh.scenes": "a sign",
-    "mesh.winding_tree": "winding numbers, which are rounded where they count",
     "simulation.loop_figures": "a rank",
     "simulation.necessary": "a rank",
     "simulation.singular": "ranks, and times to four digits",

@@ -10,6 +10,7 @@ import numpy as np
 from robodyn.mesh.clusters import clusters
 from robodyn.mesh.indexed import Indexed
 from robodyn.mesh.triangles import Floats
+from robodyn.spatial import product
 
 _LEAF = 16
 """Triangles of a cluster, at most."""
@@ -81,9 +82,9 @@ class WindingTree:
         reach = np.sqrt(((x - middle) ** 2).sum(axis=1).max())
         far = np.linalg.norm(self.centre - middle, axis=1) > _FAR * self.radius + reach
         u, v, w = x.T
-        powers = np.stack([np.ones(len(x)), u, v, w, u * u, v * v, w * w, u * v, v * w, w * u], axis=1)
+        powers = np.stack([np.ones(len(x)), u, v, w, u * u, v * v, w * w, u * v, v * w, w * u])
         angles = _dipoles(powers, self.far[:, far])
-        powers = np.stack([*powers.T[:4], (x * x).sum(axis=1)], axis=1)
+        powers = np.stack([*powers[:4], (x * x).sum(axis=1)])
         triangles = self.near[~far].reshape(-1, 7, 5)
         for start in range(0, len(triangles), _CHUNK):
             angles += _triangles(powers, triangles[start : start + _CHUNK])
@@ -116,18 +117,18 @@ def _far(centre: Floats, area: Floats, middle: Floats) -> Floats:
 
 
 def _dipoles(powers: Floats, far: Floats) -> Floats:
-    square, first, second = (powers @ part.T for part in far)
+    square, first, second = (product(part, powers) for part in far)
     second /= square
     second += first
     square *= np.sqrt(square)
     second /= square
-    angles: Floats = second.sum(axis=1)
+    angles: Floats = second.sum(axis=0)
     return angles
 
 
 def _triangles(powers: Floats, triangles: Floats) -> Floats:
     """The sum of 2 atan2(det(a, b, c), abc + (a.b) c + (b.c) a + (c.a) b)."""
-    a, b, c, ab, bc, ca, depth = (powers @ part.T for part in triangles.transpose(1, 0, 2))
+    a, b, c, ab, bc, ca, depth = (product(part, powers) for part in triangles.transpose(1, 0, 2))
     for square in (a, b, c):
         np.sqrt(np.maximum(square, 0, out=square), out=square)
     ab += a * b
@@ -136,5 +137,5 @@ def _triangles(powers: Floats, triangles: Floats) -> Floats:
     ab += bc
     ca *= b
     ab += ca
-    angles: Floats = 2 * np.arctan2(depth, ab, out=depth).sum(axis=1)
+    angles: Floats = 2 * np.arctan2(depth, ab, out=depth).sum(axis=0)
     return angles
