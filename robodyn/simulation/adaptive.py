@@ -30,7 +30,7 @@ EXPECTED = 4000
 """Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
 MOST_ROWS = 300_000
 """Some minutes of work."""
-LEAST = 8
+LEAST = {"dop853": 14, "radau": 9, "bdf": 6}
 """Evaluations for the steps from one row of a table to the next, at least."""
 KNOTS = 8
 """Rows of a reference, a smooth spline, that a step may pass over."""
@@ -68,7 +68,7 @@ def adaptive_motion(
     if len(rows) > MOST_ROWS:
         what = f"steps of {method.name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
         raise InputError(what, remedy="give --step instead of --rtol")
-    if LEAST * len(rows) > most:
+    if LEAST[method.name] * len(rows) > most:
         what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {method.name}"
         raise TooMuchError(what, 0.0, state, "give --step instead of --rtol")
     y, reached, wanted = state[:-1], None, np.array(also)

@@ -13,6 +13,7 @@ from simulated_robots import slide
 from small_robots import built, joint, link
 
 import robodyn
+from robodyn.accuracy import effort
 from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import InputError
 from robodyn.scene import Drive, Scene
@@ -165,8 +166,9 @@ def test_an_accuracy_tells_a_limit_that_is_just_reached_from_one_that_is_just_mi
     assert found.expected_error <= abs(depth)
 
 
-def test_a_limit_that_no_digits_can_tell_is_refused():
+def test_a_limit_that_no_digits_can_tell_is_refused(monkeypatch):
     """Let go at its lower limit, a pendulum comes back to just there."""
+    monkeypatch.setattr(effort, "ALLOWED", 2.0)
     with pytest.raises(InputError, match=r'"j1" (misses|passes) its lower limit of -0.5 rad by .*e-1\d rad, at 2.0'):
         simulate_within(hanging(-0.5, 1.0), Scene(initial_q={"j1": -0.5}), 3.0, 1e-2)
 

@@ -27,9 +27,10 @@ FIXED = [method.name for method in METHODS if not (method.adaptive or method.kee
 @pytest.mark.parametrize(("between", "table", "impulse"), CASES)
 def test_no_pulse_is_passed_over(between, table, impulse, how):
     """Pulses shorter than a step, and one that is longer than any other step of a quick method."""
-    found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), table=table, **how)
+    part = 0.1 if "radau" in how.values() and len(table["time"]) > 5 else 1.0  # it takes its time for each row
+    found = robodyn.simulate(slide(1.0), replace(PUSHED, between_rows=between), part, table=table, **how)
     first = how.get("method") in ("euler", "symplectic-euler") and between == "linear"  # they take a step's first force
-    assert abs(found.qd[-1, 0] - impulse) <= (1.5 if first else 1e-8)
+    assert abs(found.qd[-1, 0] - part * impulse) <= (1.5 if first else 1e-8)
 
 
 @pytest.mark.parametrize(("between", "table", "impulse"), CASES)
