@@ -59,12 +59,19 @@ def test_steps_of_the_user_are_kept_and_the_report_says_since_when_they_are_too_
 
 
 def test_what_overflows_on_the_way_is_followed_by_radau():
-    model, scene = turntable(Friction(viscous=1.0))
+    model, scene = turntable(Friction(viscous=1.0), joint_limits="ignore")
     found = robodyn.simulate(model, scene, 1.0)
     assert found.method.name == "radau"
     assert abs(found.qd[-1, 0] - 0.8) <= 1e-5
     with pytest.raises(InputError, match="a number overflows"):
         robodyn.simulate(model, scene, 1.0, step=2e-3)
+
+
+def test_a_limit_that_is_reached_by_chattering_does_not_end_the_motion():
+    """By steps of 1 ms the slide is thrown off to its limit at 0.53 s."""
+    found = robodyn.simulate(*turntable(Friction(viscous=1.0)), 1.0)
+    assert (found.method.name, found.step, found.ended) == ("rk4", 2e-4, "")
+    assert abs(found.qd[-1, 0] - 0.8) <= 1e-5
 
 
 def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
