@@ -163,7 +163,7 @@ class FixedSteps:
 
             def after(length: float, step: int = step) -> Floats:
                 begin = steps.begin[step : step + 1]
-                part = Piece(begin, begin + length, np.array([length]), steps.whole[:1])
+                part = Piece(begin, begin + length, np.array([length]), steps.whole[:1], steps.row[:1])
                 found, problem = self._advance(states[step], part)
                 if problem is not None:
                     raise problem

@@ -19,16 +19,18 @@ class Piece(NamedTuple):
     Attributes:
         begin, end, length: (N,) s of each.
         whole: (N,) how many whole steps are done where it ends; 0 where it ends within one, at a row.
+        row: (N,) whether it ends at a row.
     """
 
     begin: Floats
     end: Floats
     length: Floats
     whole: NDArray[np.int64]
+    row: NDArray[np.bool_]
 
     def recorded(self, every: int) -> NDArray[np.intp]:
         """Which of the steps are recorded: those that end at rows, and every so many whole ones."""
-        return np.flatnonzero(self.whole % every == 0)
+        return np.flatnonzero(self.row | (self.whole % every == 0))
 
 
 def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
@@ -37,16 +39,22 @@ def pieces(rows: Floats, h: float, count: int, size: int) -> Iterator[Piece]:
     Args:
         rows: (N,) s, increasing.
     """
-    apart = rows[np.abs(rows - np.rint(rows / h) * h) > NEAR * rows]
+    nearest = np.rint(rows / h)
+    apart = np.abs(rows - nearest * h) > NEAR * rows
+    inner, outer = rows[apart], nearest[~apart].astype(np.int64)
     for first in range(0, count, size):
-        steps = _divided(first, min(size, count - first), h, apart)
+        steps = _divided(first, min(size, count - first), h, inner, outer)
         for k in range(0, len(steps.begin), size):
             some = slice(k, k + size)
-            yield Piece(steps.begin[some], steps.end[some], steps.length[some], steps.whole[some])
+            yield Piece(steps.begin[some], steps.end[some], steps.length[some], steps.whole[some], steps.row[some])
 
 
-def _divided(first: int, count: int, h: float, rows: Floats) -> Piece:
-    """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one."""
+def _divided(first: int, count: int, h: float, rows: Floats, ends: NDArray[np.int64]) -> Piece:
+    """`count` whole steps after `first` of them, divided at the rows, none of which is the end of a whole one.
+
+    Args:
+        ends: which whole steps end at other rows, increasing.
+    """
     numbers = np.arange(first, first + count)
     starts, last = numbers * h, (first + count) * h
     inside = rows[slice(*np.searchsorted(rows, (starts[0], last)))]
@@ -57,4 +65,6 @@ def _divided(first: int, count: int, h: float, rows: Floats) -> Piece:
     final = np.append(places[1:], len(begin)) - 1
     whole[final] = numbers + 1
     length[places[final == places]] = h
-    return Piece(begin, end, length, whole)
+    row = whole == 0
+    row[final[ends[slice(*np.searchsorted(ends, (first + 1, first + count + 1)))] - first - 1]] = True
+    return Piece(begin, end, length, whole, row)
