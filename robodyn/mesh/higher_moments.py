@@ -64,7 +64,7 @@ def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
         block = corners[start : start + _BLOCK]
         X = product(_SHARES, block).transpose(2, 1, 0).reshape(3, -1)
         pairs = np.stack([X[i] * X[j] for i, j in zip(*_UPPER, strict=True)])
-        weighted = pairs * np.outer(_WEIGHTS, _determinants(block)).ravel()
+        weighted = pairs * np.outer(_WEIGHTS, determinants(block)).ravel()
         third += product(weighted, X.T)
         fourth += product(weighted, pairs.T)
     tensors = S, third[_PAIR] / 12, fourth[_PAIR][:, :, _PAIR] / 14
@@ -98,7 +98,7 @@ def _axial_sums(corners: Array) -> Array:
     """
     x, y, z = corners.transpose(2, 1, 0)
     w = x + 1j * y
-    D = _determinants(corners)
+    D = determinants(corners)
     jets = np.zeros((3, _HEIGHTS, len(D)), dtype=complex)
     jets[:, 0] = 1.0
     found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
@@ -113,7 +113,7 @@ def _axial_sums(corners: Array) -> Array:
     return found
 
 
-def _determinants(corners: Array) -> Floats:
+def determinants(corners: Array) -> Floats:
     """Six times the volumes of the tetrahedra from the origin."""
     a, b, c = corners.transpose(1, 2, 0)
     D = np.zeros(len(corners))

@@ -7,6 +7,7 @@ from math import atan2, gcd, inf
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.mesh.even_form import EvenForm
 from robodyn.spatial import Array, length, product
 from robodyn.ties import first_largest
 
@@ -15,11 +16,11 @@ Floats = NDArray[np.float64]
 DISTINCT = 1e-9
 """Principal second moments that are closer than this part of the largest leave their axes open."""
 
-CLOSE = 1e-2
-"""Those that are closer than this part may be equal but for facets."""
+CLOSE = 0.1
+"""Those that are closer than this part may be equal but for facets, or but for an asymmetry that is near."""
 
-_LEVELS = (1e-10, 1e-7, 1e-5, 1e-4, 1e-3)
-_STARTS, _STEPS = 64, 24
+_LEVELS = (1e-10, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 3e-2)
+_STARTS, _STEPS = 256, 24
 _STEEP = 1e-6
 _RIM = 1e-6
 _MOST = 64
@@ -41,13 +42,25 @@ def mirror_angles(axial: Array) -> list[float]:
 
     Seen from such an angle all moments are real: it is the phase of the strongest one, over its frequency.
     """
-    size = np.abs(axial)
-    m, k = np.unravel_index(first_largest(size), size.shape)
-    frequency = int(m) + 1
-    if size[m, k] <= _LEVELS[0]:
-        return []
-    phase = atan2(axial[m, k].imag, axial[m, k].real)
+    frequency, phase, _ = _strongest(axial)
     return [(phase + np.pi * j) / frequency for j in range(frequency)]
+
+
+def half_turn_angles(axial: Array) -> list[float]:
+    """Angles about the axis of the directions normal to it about which half a turn may be a symmetry.
+
+    Seen from such an angle the moments with an even power of z are real, and those with an odd power imaginary.
+    """
+    frequency, phase, power = _strongest(axial)
+    return [(phase + np.pi * (j - power / 2)) / frequency for j in range(frequency)]
+
+
+def _strongest(axial: Array) -> tuple[int, float, int]:
+    """Frequency, phase and power of z of the largest moment; frequency 0 of none."""
+    size = np.abs(axial)
+    m, k = (int(place) for place in np.unravel_index(first_largest(size), size.shape))
+    found = complex(axial[m, k])
+    return (m + 1, atan2(found.imag, found.real), k) if size[m, k] > _LEVELS[0] else (0, 0.0, 0)
 
 
 def rim_angles(points: Array, frame: Array) -> Floats:
@@ -75,22 +88,20 @@ def distinct_angles(angles: Array) -> Floats:
     return found
 
 
-def critical_directions(fourth: Array) -> Floats:
-    """(n, 3) isolated critical points, one of each opposite pair, of T(n, n, n, n) among unit vectors n.
+def critical_directions(form: EvenForm) -> Floats:
+    """(n, 3) isolated critical points, one of each opposite pair, of a form among unit vectors.
 
-    Every normal of a mirror plane and every axis is one. Newton's method from many directions on the sphere.
-
-    Args:
-        fourth: (3, 3, 3, 3) symmetric tensor T.
+    Every normal of a mirror plane and every axis is one, wherever the form tells directions apart: one of degree 4 for
+    the symmetry of a cube, one of degree 6 for that of an icosahedron. Newton's method from many directions.
     """
     n = _spread(_STARTS)
     for _ in range(_STEPS):
-        step, _ = _newton(fourth, n)
-        length = np.linalg.norm(step, axis=1, keepdims=True)
-        n = n + step * np.minimum(1.0, 0.3 / np.maximum(length, 1e-300))
+        step, _ = _newton(form, n)
+        size = np.linalg.norm(step, axis=1, keepdims=True)
+        n = n + step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))
         n = n / np.linalg.norm(n, axis=1, keepdims=True)
-    step, steep = _newton(fourth, n)
-    return distinct_lines(n[(np.linalg.norm(step, axis=1) < 1e-9) & (steep > _STEEP * np.abs(fourth).max())])
+    step, steep = _newton(form, n)
+    return distinct_lines(n[(np.linalg.norm(step, axis=1) < 1e-9) & (steep > _STEEP * np.abs(form.factors).max())])
 
 
 def distinct_lines(directions: Array) -> Floats:
@@ -112,10 +123,9 @@ def swapping_normals(points: Array) -> Floats:
     return distinct_lines((between[apart] / length[apart, None])[:_MOST])
 
 
-def _newton(fourth: Array, n: Array) -> tuple[Array, Array]:
+def _newton(form: EvenForm, n: Array) -> tuple[Array, Array]:
     """Newton's steps (n, 3) in the tangent planes, and the least absolute curvature (n,) there."""
-    hessian = 3 * np.einsum("ijkl,nk,nl->nij", fourth, n, n)
-    gradient = np.einsum("nij,nj->ni", hessian, n) / 3
+    gradient, hessian = form.derivatives(n)
     slope = np.einsum("ni,ni->n", gradient, n)
     across = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
     across /= np.linalg.norm(across, axis=1, keepdims=True)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, pi
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,16 +15,24 @@ from robodyn.inertia.principal import pointed
 from robodyn.mesh import symmetry_candidates as candidates
 from robodyn.mesh.asymmetry import CentredBody, mirror
 from robodyn.mesh.columns import Floats, frame_along
+from robodyn.mesh.even_form import EvenForm
 from robodyn.mesh.higher_moments import FREQUENCIES, axial_moments
 from robodyn.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
 from robodyn.spatial import Array, length, product, rotation_about
 from robodyn.ties import ranked
+
+Found = TypeVar("Found")
 
 DECIMALS = 12
 """Of asymmetries: what is smaller is rounding, and another one on each processor."""
 
 _APART = 1e-3
 """Angle between planes that are told apart."""
+
+_BLUR = 0.05
+"""That between what is near and something more symmetric, which it may be taken for."""
+
+_SAME_COORDINATE = 1e-9
 
 _ASKEW = 1e-4
 """A normal that is closer to a coordinate axis is tried along it: facets and rounding turn it by less."""
@@ -50,21 +59,39 @@ class Search:
         found = list(self._ball)
         for i, direction in enumerate(self.principal):
             if i in self.lone:
-                found += self._axial(direction, *self._about[i])
+                along = self._axial(direction, *self._about[i])
+                found += along + self._half_turns(i, along)
             elif self._distinct(i) and self._half_turn_possible(i):
                 found += self._first(direction, (2.0,))
         for direction in self.special:
             if not any(_parallel(direction, axis.direction) for axis in found):
                 found += self._first(direction, _SOLID_FOLDS)
-        return tuple(ranked(found, lambda axis: -axis.asymmetry))
+        if len(self.special):
+            for axis in tuple(found):
+                others = [other.direction for other in found if other.fold == axis.fold]
+                for direction in self._images(axis.direction, found, others):
+                    found += self._first(direction, (axis.fold,))
+        kept: list[Axis] = []
+        found = ranked(_in_order(found, lambda axis: axis.direction), lambda axis: axis.fold)
+        for axis in ranked(found, _nearness):
+            same = [other.direction for other in kept if other.fold == axis.fold]
+            if not any(_parallel(axis.direction, other, _apart(axis.verdict)) for other in same):
+                kept.append(axis)
+        return tuple(kept)
 
     def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
         """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
-        others = [self._plane(normal) for normal in self._wanted_normals(tuple(axes))]
-        listed = [*self._always.values(), *(plane for plane in others if plane.verdict != "none")]
+        axes = tuple(axes)
+        others = [self._plane(normal) for normal in self._wanted_normals(axes)]
+        if len(self.special):
+            near = [plane.normal for plane in others if plane.verdict != "none"]
+            for normal in tuple(near):
+                others += [self._plane(image) for image in self._images(normal, axes, near)]
+        others = _in_order((plane for plane in others if plane.verdict != "none"), lambda plane: plane.normal)
+        listed = [*self._always.values(), *others]
         kept: list[Plane] = []
-        for plane in ranked(listed, lambda plane: -plane.asymmetry):
-            if not any(_parallel(plane.normal, other.normal) for other in kept):
+        for plane in ranked(listed, _nearness):
+            if not any(_parallel(plane.normal, other.normal, _apart(plane.verdict)) for other in kept):
                 kept.append(plane)
         return tuple(kept)
 
@@ -75,10 +102,11 @@ class Search:
 
     @cached_property
     def special(self) -> Floats:
-        """Directions that fourth moments single out where second moments are all equal; none of a ball."""
+        """Directions that even moments single out where the second are all equal; none of a ball."""
         if self._ball or not self._all_equal:
             return np.empty((0, 3))
-        return candidates.critical_directions(self.body.moments.tensors[2])
+        forms = (EvenForm.of(self.body.corners, degree) for degree in (4, 6))
+        return candidates.distinct_lines(np.concatenate([candidates.critical_directions(form) for form in forms]))
 
     @cached_property
     def _all_equal(self) -> bool:
@@ -122,6 +150,37 @@ class Search:
         implied = self._ball or any(axis.holds for axis in revolved)
         return revolved + [axis for axis in finite if axis.verdict == "exact" or not implied]
 
+    def _images(self, direction: Array, axes: Sequence[Axis], known: list[Array]) -> list[Array]:
+        """Where turns of a regular body carry a direction, but for the known ones; they are known then."""
+        found: list[Array] = []
+        if not all(axis.fold in _SOLID_FOLDS for axis in axes):
+            return found
+        for axis in axes:
+            image = product(rotation_about(axis.direction, 2 * pi / axis.fold), direction)
+            if not any(_parallel(image, other, _BLUR) for other in known):
+                known.append(image)
+                found.append(image)
+        return found
+
+    def _half_turns(self, i: int, along: Iterable[Axis]) -> list[Axis]:
+        """The twofold axes normal to a lone one; of an axis of revolution, where all are or none, nothing is said."""
+        if self._ball or any(axis.fold == inf and axis.holds for axis in along):
+            return []
+        frame, axial = self._about[i]
+        angles = candidates.half_turn_angles(axial) + self._rim_angles(i, along)
+        across = np.array([frame[0] * np.cos(a) + frame[1] * np.sin(a) for a in angles]).reshape(-1, 3)
+        return [axis for direction in candidates.distinct_lines(across) for axis in self._first(direction, (2.0,))]
+
+    def _rim_angles(self, i: int, axes: Iterable[Axis]) -> list[float]:
+        """Angles of half planes and directions that swap points of the rim, where moments do not tell."""
+        frame, axial = self._about[i]
+        if inf not in candidates.folds(axial):
+            return []
+        rim = candidates.rim_angles(self._points, frame)
+        folds = [axis.fold for axis in axes if axis.holds and FREQUENCIES < axis.fold < inf]
+        period = len(rim) // int(max(folds)) if folds else 2 * FREQUENCIES
+        return [(rim[0] + angle) / 2 for angle in rim[: period + 1]]
+
     def _first(self, direction: Array, folds: Iterable[float]) -> list[Axis]:
         """The axis of the first of these folds that holds, else the one that is nearest to it, if any is near."""
         direction, near = pointed(direction), list[Axis]()
@@ -152,12 +211,7 @@ class Search:
         normals = [self.special]
         for i in self.lone:
             frame, axial = self._about[i]
-            angles = candidates.mirror_angles(axial)
-            rim = candidates.rim_angles(self._points, frame)
-            folds = [axis.fold for axis in axes if axis.holds and FREQUENCIES < axis.fold < inf]
-            if inf in candidates.folds(axial):
-                period = len(rim) // int(max(folds)) if folds else FREQUENCIES
-                angles += [(rim[0] + angle) / 2 for angle in rim[: period + 1]]
+            angles = candidates.mirror_angles(axial) + self._rim_angles(i, axes)
             normals.append(np.array([frame[1] * np.cos(a) - frame[0] * np.sin(a) for a in angles]).reshape(-1, 3))
         if not any(map(len, normals)) and len(self.lone) == 0 and not self._distinct(0):
             normals.append(candidates.swapping_normals(self._points))
@@ -188,5 +242,22 @@ class Search:
         return verdict_of(asymmetry, self.tolerance, facets)
 
 
-def _parallel(one: Array, other: Array) -> bool:
-    return bool(min(length(one - other), length(one + other)) <= _APART)
+def _nearness(found: Plane | Axis) -> float:
+    """What is exact is so to rounding, which is another on each processor."""
+    return 0.0 if found.verdict == "exact" else -found.asymmetry
+
+
+def _in_order(found: Iterable[Found], direction: Callable[[Found], Array]) -> list[Found]:
+    """By coordinates, however they were found."""
+    ordered = list(found)
+    for k in (2, 1, 0):
+        ordered = ranked(ordered, lambda each, k=k: float(direction(each)[k]), noise=_SAME_COORDINATE)  # type: ignore[misc]
+    return ordered
+
+
+def _apart(verdict: Verdict) -> float:
+    return _BLUR if verdict == "near" else _APART
+
+
+def _parallel(one: Array, other: Array, within: float = _APART) -> bool:
+    return bool(min(length(one - other), length(one + other)) <= within)

@@ -1,0 +1,56 @@
+"""All planes and axes of bodies with the symmetry of each finite group, in any orientation, and of almost such ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from point_groups import axes, body, group, planes
+from symmetric_bodies import found
+
+AXIAL = ["C", "Cv", "Ch", "D", "Dh", "Dd", "S"]
+REGULAR = ["T", "Td", "Th", "O", "Oh", "I", "Ih"]
+GROUPS = [(name, n) for n in (2, 3, 5) for name in AXIAL] + [(name, 1) for name in REGULAR]
+FURTHER = [(name, n) for n in (1, 4, 6, 7, 8) for name in AXIAL]
+
+
+def same(one: np.ndarray, other: np.ndarray, within: float) -> bool:
+    return bool(np.linalg.norm(np.cross(one, other)) < within)
+
+
+def all_found(name: str, n: int, noise: float = 0.0, seed: int = 0, within: float = 1e-5) -> None:
+    elements = group(name, n)
+    corners, R = body(elements, noise, seed)
+    verdict = found(corners)
+    least = max(1e-6, 20 * noise)
+    mirrors = [plane.normal for plane in verdict.planes if plane.asymmetry <= least]
+    turns = [(axis.direction, axis.fold) for axis in verdict.axes if axis.asymmetry <= least]
+    for normal in planes(elements):
+        assert any(same(R @ normal, other, within) for other in mirrors)
+    for direction, fold in axes(elements):
+        assert any(same(R @ direction, other, within) and fold == many for other, many in turns)
+    assert len(mirrors) == len(planes(elements))
+    assert len(turns) == len(axes(elements))
+
+
+@pytest.mark.parametrize(("name", "n"), GROUPS)
+def test_every_element_of_a_finite_group_is_found_and_no_other(name: str, n: int) -> None:
+    all_found(name, n)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "n"), FURTHER)
+def test_every_element_of_further_axial_groups_is_found(name: str, n: int) -> None:
+    for seed in range(3):
+        all_found(name, n, seed=seed)
+
+
+@pytest.mark.parametrize(("name", "n"), [("Cv", 3), ("D", 4), ("Dh", 3), ("Oh", 1)])
+def test_every_element_is_found_where_it_is_near(name: str, n: int) -> None:
+    all_found(name, n, noise=1e-5, within=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [1e-9, 1e-7, 1e-5, 1e-4])
+@pytest.mark.parametrize(("name", "n"), GROUPS)
+def test_every_element_of_a_group_is_found_where_it_is_near(name: str, n: int, noise: float) -> None:
+    all_found(name, n, noise, seed=1, within=max(1e-4, min(0.05, 1e3 * noise)))
