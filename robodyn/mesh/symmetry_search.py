@@ -30,7 +30,7 @@ _APART = 1e-3
 """Angle between planes that are told apart."""
 
 _BLUR = 0.05
-"""That between what is near and something more symmetric, which it may be taken for."""
+"""That between what is not exact and something more symmetric, which it may be taken for."""
 
 _SAME_COORDINATE = 1e-9
 
@@ -178,7 +178,7 @@ class Search:
             return []
         rim = candidates.rim_angles(self._points, frame)
         folds = [axis.fold for axis in axes if axis.holds and FREQUENCIES < axis.fold < inf]
-        period = len(rim) // int(max(folds)) if folds else 2 * FREQUENCIES
+        period = len(rim) // int(max(folds)) if folds else 4 * FREQUENCIES
         return [(rim[0] + angle) / 2 for angle in rim[: period + 1]]
 
     def _first(self, direction: Array, folds: Iterable[float]) -> list[Axis]:
@@ -256,7 +256,7 @@ def _in_order(found: Iterable[Found], direction: Callable[[Found], Array]) -> li
 
 
 def _apart(verdict: Verdict) -> float:
-    return _BLUR if verdict == "near" else _APART
+    return _APART if verdict == "exact" else _BLUR
 
 
 def _parallel(one: Array, other: Array, within: float = _APART) -> bool:
