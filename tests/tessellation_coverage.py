@@ -75,8 +75,8 @@ are. Where a bar would be more than the whole, there is none.
 Below: the share in percent of random solids in which the bars of volume, inertia and centre of mass hold, {solids} of
 each kind in each of three places of the corners, of 6 to 72 facets to a turn in any pose; in how many some bar of the
 mesh, and of the corrected numbers, is none, which counts as holding; and the median of the error over the bar of the
-mesh's volume. The numbers of the estimate were tuned on the first kinds, its rules were tried on the next ones, and
-the held out ones were not looked at. `python -m tessellation_coverage` in `tests/` writes this page, and
+mesh's volume. The numbers of the estimate were tuned on the first kinds, its rules come of the next ones as well, and
+nothing comes of the held out ones. `python -m tessellation_coverage` in `tests/` writes this page, and
 `tests/accuracy/test_tessellation_bars.py` fails where a share is below 95.
 
 {table}"""

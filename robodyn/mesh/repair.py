@@ -89,7 +89,7 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     if not len(mesh.faces):
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
-    _check_sides(shells if shells.closed.all() else wound(welded(shells.mesh))[0], triangles.name)
+    _check_sides(shells, triangles.name)
     steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
@@ -119,6 +119,9 @@ def _check_sides(shells: Shells, name: str) -> None:
 
     Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
     """
+    if not shells.closed.all():
+        whole = welded(shells.mesh)
+        shells = shells if whole is shells.mesh else wound(whole)[0]
     if shells.twisted:
         raise MeshError(
             f"{shells.twisted} of {_many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "

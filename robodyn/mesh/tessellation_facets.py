@@ -13,16 +13,30 @@ _SAME = 0.1
 
 
 def endings(edges: BentEdges) -> Mask:
-    """(2, k) whether the facet on each side ends at a sharp edge opposite to this one.
+    """(2, k) whether the facet on each side ends at a sharp edge opposite to this one."""
+    return _unpaired(edges, np.abs(edges.angle) > BENT) > _UNPAIRED
 
-    Lengths times outward vectors add up to zero around a facet: what bent edges leave is what sharp ones have.
+
+def opposed(edges: BentEdges, among: Mask) -> Mask:
+    """(k,) whether the facets on both sides end at some of these edges opposite to this one.
+
+    Args:
+        among: (k,) which edges these may be; not this one.
+    """
+    found: Mask = np.all(_unpaired(edges, among) < -_UNPAIRED, axis=0)
+    return found
+
+
+def _unpaired(edges: BentEdges, among: Mask) -> Floats:
+    """(2, k) what some edges of the facet on each side leave unpaired across this one, over its length.
+
+    Lengths times outward vectors add up to zero around a facet: what some edges leave is what the others have.
     """
     facet = edges.facet[edges.triangles].ravel()
-    lengths = np.where(np.abs(edges.angle) > BENT, edges.length, 0.0)
-    weights = (edges.outward * lengths).transpose(1, 0, 2).reshape(3, -1)
+    weights = (edges.outward * np.where(among, edges.length, 0.0)).transpose(1, 0, 2).reshape(3, -1)
     left = np.stack([np.bincount(facet, one, len(edges.areas)) for one in weights])[:, facet].reshape(3, 2, -1)
-    along: Floats = (left * edges.outward.transpose(1, 0, 2)).sum(axis=0)
-    return along > _UNPAIRED * edges.length
+    found: Floats = (left * edges.outward.transpose(1, 0, 2)).sum(axis=0) / edges.length
+    return found
 
 
 def companions(edges: BentEdges, among: Mask, either: bool = False) -> Floats:

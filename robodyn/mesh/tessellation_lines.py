@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.mesh.indexed import Mask
 from robodyn.mesh.tessellation_edges import BENT, SHARPEST, BentEdges, Floats, bent_edges
-from robodyn.mesh.tessellation_facets import companions, endings, like, planes, sides, taper
+from robodyn.mesh.tessellation_facets import companions, endings, like, opposed, planes, sides, taper
 from robodyn.mesh.tessellation_pairs import Integers
 from robodyn.spatial import Array
 
@@ -17,6 +17,7 @@ FINE = radians(40)
 """Facets that meet at a larger angle are too coarse to say how symmetric a body may be that they stand for."""
 
 _TIMES_MEDIAN = 3
+_SQUARE = radians(88)
 _SIMILAR = 1 / 3
 _INNER = 1.4
 _BESIDE = 0.02
@@ -68,7 +69,8 @@ def line_masses(corners: Array) -> LineMasses:
     - A facet that has no other edge which is bent the same way by a third of this one at least, or at a plane by 1.4
       times, may be curved or not: half of what would be missing is, and 0.6 of it is doubt.
     - Where neither facet is bent anywhere else, as at the ridge of a roof, nothing is missing.
-    - Edges of 65 to 120 degrees are meant as they are; where both facets have others below 65 that is in doubt.
+    - Edges of 65 to 120 degrees are meant as they are, unless the facets are of a kind and both have other bent edges
+      below 65, and above 88 degrees these opposite to them: then that is in doubt.
     - Where a curved facet ends at a sharp edge opposite to this one, there is no edge to stand for the far half of it:
       that lacks as much again, at three quarters of the way across.
 
@@ -93,7 +95,8 @@ def _smooth(edges: BentEdges) -> BentEdges:
     angle = np.abs(edges.angle)
     sharp = angle > SHARPEST
     if sharp.any():
-        sharp &= (companions(edges, ~sharp) <= BENT).any(axis=0)
+        bent = (companions(edges, ~sharp) > BENT).all(axis=0) & (angle < _SQUARE)
+        sharp &= ~(like(edges) & (bent | opposed(edges, ~sharp & (angle > BENT))))
     ratio = companions(edges, angle <= SHARPEST) / angle
     meant = sharp | ((ratio <= _BESIDE).all(axis=0) & (angle <= SHARPEST))
     return edges.among(~meant)

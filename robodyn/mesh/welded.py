@@ -20,6 +20,8 @@ _CELL = 4.0
 def welded(mesh: Indexed) -> Indexed:
     """The mesh with corners on its rims made one where rounding may have parted them, without faces that vanish then.
 
+    The same object where there are none.
+
     Corners within 1e-6 of the surface's size share a cell of at least one of eight lattices, shifted by half a cell.
     """
     edges = Edges.between(mesh.faces)
@@ -31,6 +33,8 @@ def welded(mesh: Indexed) -> Indexed:
     links = [_neighbours(points / cell + shift) for shift in product((0.0, 0.5), repeat=3)]
     label = components(len(rim), *np.concatenate(links, axis=1))
     _, first = np.unique(label, return_index=True)
+    if len(first) == len(rim):
+        return mesh
     name = np.arange(len(mesh.vertices))
     name[rim] = rim[first[label]]
     a, b, c = faces = name[mesh.faces].T

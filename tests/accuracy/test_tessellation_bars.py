@@ -90,3 +90,11 @@ def test_a_chamfer_gets_a_bar_of_its_own_size():
     points = np.array([*profile, *((-x, -y) for x, y in profile)], float)
     whole, found = estimated(prism([points], 1.0))
     assert 0 < found.mesh.volume * whole.volume < 2 * cut**2
+
+
+def test_a_sharp_corner_beside_a_face_with_a_fillet_is_meant():
+    """A bar with one of four corners rounded: faces are bent there, and not at the other three."""
+    turn = np.linspace(0, np.pi / 2, 9)
+    arc = np.column_stack([0.8 + 0.2 * np.cos(turn), 0.8 + 0.2 * np.sin(turn)])
+    _, found = estimated(prism([np.concatenate([[(-1.0, -1.0), (1.0, -1.0)], arc, [(-1.0, 1.0)]])], 1.0))
+    assert 0 < found.mesh.volume < 1e-3
