@@ -198,7 +198,7 @@ MUTATIONS = {
         ("accuracy/near_limits.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
     ],
     "simulation/test_rows_of_tables.py": [
-        ("simulation/rows.py", "> NEAR * rows]", "> 0.0 * rows]"),
+        ("simulation/rows.py", "> NEAR * rows", "> 0.0 * rows"),
         ("simulation/rows.py", "length, whole = end - begin", "length, whole = h + 0.0 * begin"),
         ("simulation/table.py", "begin + 0.5 * length)", "begin + length)"),
         ("simulation/table.py", "changes[1:-1] |=", "changes[2:] |="),
