@@ -63,14 +63,7 @@ def adaptive_motion(
         InputError: the method gives up.
     """
     steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
-    rows = signal.corners(KNOTS)
-    rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
-    if len(rows) > MOST_ROWS:
-        what = f"steps of {method.name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
-        raise InputError(what, remedy="give --step instead of --rtol")
-    if LEAST[method.name] * len(rows) > most:
-        what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {method.name}"
-        raise TooMuchError(what, 0.0, state, "give --step instead of --rtol")
+    rows = _rows(signal, duration, method.name, most, state)
     y, reached, wanted = state[:-1], None, np.array(also)
     time, states = [0.0], [y]
     for begin, end in pairwise(_apart(rows, duration)):
@@ -90,6 +83,23 @@ def adaptive_motion(
     ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
     note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
     return Motion(np.array(time), found, len(time) - 1, 1, steps.executor, ended, steps.evaluations, note)
+
+
+def _rows(signal: Signal, duration: float, name: str, most: float, state: Floats) -> Floats:
+    """(N,) s, the rows at which steps end within a duration.
+
+    Raises:
+        TooMuchError, InputError: they are too many.
+    """
+    rows, remedy = signal.corners(KNOTS), "give --step instead of --rtol"
+    rows = rows[(rows > 0.0) & (rows < duration * (1.0 - NEAR))]
+    if len(rows) > MOST_ROWS:
+        what = f"steps of {name} would have to end at {len(rows)} rows of the table, more than {MOST_ROWS}"
+        raise InputError(what, remedy=remedy)
+    if LEAST[name] * len(rows) > most:
+        what = f"{len(rows)} rows of the table take more than {most:.3g} evaluations of {name}"
+        raise TooMuchError(what, 0.0, state, remedy)
+    return rows
 
 
 def _apart(inner: Floats, duration: float) -> list[float]:

@@ -88,13 +88,8 @@ class FixedSteps:
             TooMuchError: it takes more.
             InputError: an implicit method does not settle, or a number is no longer finite.
         """
-        if duration / step > MOST_STEPS:
-            raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
-        asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
-        every = -(-asked // MOST_RECORDS)
-        total = -(-asked // every) * every
-        h, corners = duration / total, self.signal.corners()
-        self._most = most
+        total, every = _whole_steps(duration, step)
+        h, corners, self._most = duration / total, self.signal.corners(), most
         if (total + int(np.searchsorted(corners, duration))) * len(self.method.b) > most:
             what = f"{total} steps of {self.method.name} take more than {most:.3g} evaluations"
             raise TooMuchError(what, 0.0, state, "give a longer --step")
@@ -174,6 +169,15 @@ class FixedSteps:
             if length is not None:
                 return End(step, float(steps.begin[step]) + length, after(length))
         return None
+
+
+def _whole_steps(duration: float, step: float) -> tuple[int, int]:
+    """How many steps, none longer than `step`, fill a duration, and of how many each record is the end."""
+    if duration / step > MOST_STEPS:
+        raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
+    asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
+    every = -(-asked // MOST_RECORDS)
+    return -(-asked // every) * every, every
 
 
 SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"
