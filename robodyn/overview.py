@@ -8,17 +8,17 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import fsum, inf
+
+import numpy as np
 
 from robodyn.assemble import assemble
 from robodyn.checks.project import check_description, tasks_for
 from robodyn.checks.run import Checked, Options
-from robodyn.errors import InputError
 from robodyn.model import Joint as ModelJoint
 from robodyn.model import Model
-from robodyn.robot_inertia.configuration import beyond_limits, configuration
-from robodyn.robot_inertia.declared import robot_inertia
-from robodyn.spatial import Array
+from robodyn.robot_inertia.configuration import beyond_limits, body_poses, configuration
+from robodyn.spatial import Array, narrowed, product
 from robodyn.urdf.description import Description, Geometry, Joint, load_description
 
 _PACKAGE = re.compile("(package|model)://[^/]")
@@ -104,7 +104,8 @@ def overview(
     Raises:
         DescriptionError: the file cannot be read, or is no robot; with the line.
 
-    Accuracy: the mass is correctly rounded, the centre of mass that of `robot_inertia`.
+    Accuracy: the mass is correctly rounded; the centre of mass within 1e-14 of the robot's size for twenty joints in a
+        row.
     """
     path = source if isinstance(source, bytes) else os.fspath(source)
     folders = tuple(os.fspath(folder) for folder in package_paths)
@@ -139,13 +140,21 @@ def overview(
 def _centre(
     description: Description, model: Model, at: Mapping[str, float]
 ) -> tuple[float, Array | None, tuple[str, ...]]:
-    """Mass and centre of mass, and the joints beyond their limits; or why there is no centre."""
-    try:
-        found = robot_inertia(description, at)
-    except InputError as error:
-        return model.total_mass, None, (f"no centre of mass: {error.what}",)
+    """Mass and centre of mass, and the joints beyond their limits; or why there is no centre.
+
+    Method: first moments of the bodies in floats, summed without rounding.
+    """
+    mass = fsum(link.inertial.mass for link in description.massive if link.inertial is not None)
+    if not mass:
+        why = "the masses of the parts add up to zero" if description.massive else "the robot has no mass"
+        return mass, None, (f"no centre of mass: {why}",)
     q = configuration(model, at)
-    return found.body.mass, found.body.com, beyond_limits(model, q)
+    moments = [
+        narrowed(body.inertia.m * pose.p + product(pose.R, body.inertia.mc))
+        for body, pose in zip(model.bodies, body_poses(model, q), strict=True)
+    ]
+    com = np.array([fsum(column) / mass for column in np.array(moments, dtype=float).T.tolist()])
+    return mass, com, beyond_limits(model, q)
 
 
 def _near_zero(model: Model) -> dict[str, float]:

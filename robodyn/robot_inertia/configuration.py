@@ -119,9 +119,14 @@ def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
 
     Accuracy: 4 eps for each joint between, of rotations and of the robot's size.
     """
-    still = [0.0] * model.n
-    bodies = poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
+    bodies = body_poses(model, q)
     return {name: _placed(bodies[frame.body], frame) for name, frame in model.links.items()}
+
+
+def body_poses(model: Model, q: Floats) -> list[Pose]:
+    """Rotation and origin of every body's frame in the frame of the base; see `link_poses`."""
+    still = [0.0] * model.n
+    return poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
 
 
 def _placed(body: Pose, frame: Frame) -> Pose:
