@@ -74,7 +74,11 @@ def body(elements: list[np.ndarray], noise: float = 0.0, seed: int = 0) -> tuple
     """Corners (m, 3, 3) of the hull of two orbits of points, each moved by noise, in any orientation; and that."""
     rng = np.random.default_rng(seed)
     points = np.concatenate([[Q @ np.array(p) for Q in elements] for p in ((0.75, 0.3, 0.62), (0.9, -0.28, -0.25))])
-    points = points + noise * rng.normal(size=points.shape)
+    return hulled(points + noise * rng.normal(size=points.shape), rng)
+
+
+def hulled(points: np.ndarray, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (m, 3, 3) of the hull of points in a random orientation; and that."""
     R, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     points = points @ R.T
     hull = ConvexHull(points)

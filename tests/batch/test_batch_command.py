@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import subprocess
 from functools import partial
 from pathlib import Path
 
 import pytest
 from batch_runs import NAMES, batch, document, in_turn, listing, write_motion, write_runs
-from command_line import ROBOTS, run
+from command_line import ROBOTS, command, run
 
 import robodyn
 from robodyn.batch import work
@@ -213,6 +214,19 @@ def test_what_a_killed_process_left_is_removed() -> None:
         Path("results", name).write_text("half")
     batch()
     assert sorted(os.listdir("results")) == sorted(f"{name}.{kind}" for name in NAMES for kind in ("csv", "json"))
+
+
+@pytest.mark.slow
+def test_two_batches_at_once_into_one_folder_are_both_whole() -> None:
+    trajectories = [f"runs/{k}.csv" for k in range(20)]
+    for name in trajectories:
+        shutil.copy("runs/one.csv", name)
+    calls = [command("torques", "arm.urdf", *trajectories, "--out", "results/", "--executor", "numpy")] * 2
+    both = [subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) for call in calls]
+    ended = [(*process.communicate(), process.returncode) for process in both]
+    assert [(err, status) for _, err, status in ended] == [("", 0)] * 2
+    assert sorted(os.listdir("results")) == sorted(f"{k}.{kind}" for k in range(20) for kind in ("csv", "json"))
+    assert len({Path(f"results/{k}.csv").read_bytes() for k in range(20)}) == 1
 
 
 def test_a_name_with_wildcards_may_be_that_of_a_file() -> None:
