@@ -110,6 +110,7 @@ class Pass:
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
         self.openness = Openness(model.n)
+        self._inertia: Floats | None = None
         self.laws = LawResiduals()
         self.history: Recorder | None = None
         if options.history:
@@ -158,8 +159,9 @@ class Pass:
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
         energies = self.ledger.update(block.time, net, rows, run(checks.energy, checked, self.checked).values[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
-        state = {**sources, "off": self.openness.update(block)}
-        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state)
+        noise, off = self.openness.update(block)
+        state = {**sources, "noise": noise, "off": off}
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self._open(block, off))
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
@@ -189,18 +191,19 @@ class Pass:
             self.file,
         )
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
-        bars = [self._uncertainty(k, last, shares[k]) for k in range(len(self.joints))]
+        bars = [self._uncertainty(k, shares[k]) for k in range(len(self.joints))]
         joints = tuple(
-            joint_load(gathered, k, joint, name, self.scene, shares[k], bars[k][:2])
+            joint_load(gathered, k, joint, name, self.scene, shares[k], bars[k])
             for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
         )
         balance, (force, moment) = self.ledger.balance, self.laws.largest
         moment = max(moment, force * self.model.reach)
         base = base_loads(gathered)
+        left = np.maximum([bar for _, bar in bars], gathered.torque.most - np.abs(gathered.torque.value)).tolist()
         doubts = (
             *last.doubts,
             *carried(self.model, self.scene, base, joints, force, moment),
-            *self.openness.doubts(joints, [bar for *_, bar in bars], balance, gathered.samples, gathered.duration),
+            *self.openness.doubts(joints, left, balance, gathered.samples, gathered.duration),
         )
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
         return Result(
@@ -226,23 +229,26 @@ class Pass:
             held=last.held,
         )
 
+    def _open(self, block: Trajectory, off: Floats) -> Floats | float:
+        """Return (joints, N) by how much torques may be off, with the inertia of the first pose; 0 for guesses."""
+        if self.openness.guessed or not off.any():
+            return 0.0
+        if self._inertia is None:
+            first = np.ascontiguousarray(block.q[0])
+            self._inertia = mass_matrix(self.model, first, scene=self.scene, executor="numpy")[self.rates]
+        found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._inertia**2, off**2))
+        return found
+
     def _poses(self) -> dict[int, Floats]:
         """q at the peak of each joint."""
         return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
 
-    def _uncertainty(self, k: int, last: Trajectory, shares: Mapping[str, float]) -> tuple[float, float, float]:
-        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; its bar; and of that
-        what is open for want of samples.
-        """
-        if last.derivation is None or k not in self.statistics.at_peak:
-            return 0.0, 0.0, 0.0
-        peak = int(self.statistics.torque.index[k])
-        from_end = min(peak, self.statistics.samples - 1 - peak)
-        derived = {joint.name: joint for joint in last.derivation.joints}
-        joints = [derived.get(name) for name in self.model.rates]
-        std = np.array([joint.std_acceleration_near(from_end) if joint else 0.0 for joint in joints])
-        bar = np.array([joint.bar_acceleration_near(from_end) if joint else 0.0 for joint in joints])
-        q = self.statistics.at_peak[k][1]["q"]
-        M = mass_matrix(self.model, q, scene=self.scene, executor="numpy")[k + self.rates.start]
-        left = self.openness.bar(M, self.statistics.at_peak[k][1]["off"], shares)
-        return length(M * std), length(M * bar) + left, left
+    def _uncertainty(self, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
+        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
+        if k not in self.statistics.at_peak:
+            return 0.0, 0.0
+        state = self.statistics.at_peak[k][1]
+        if not state["off"].any():
+            return 0.0, 0.0
+        M = mass_matrix(self.model, state["q"], scene=self.scene, executor="numpy")[k + self.rates.start]
+        return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)

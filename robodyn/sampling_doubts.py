@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.doubts import TOO_FEW, Doubt
 from robodyn.result import EnergyBalance, JointLoad
+from robodyn.spatial import length
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.sampling import FEW
 from robodyn.wording import count, figure, shown
@@ -32,21 +33,20 @@ class Openness:
     """What is open of derived accelerations, gathered block by block."""
 
     def __init__(self, rates: int) -> None:
-        self.most, self.off_squares, self.squares = np.zeros(rates), np.zeros(rates), np.zeros(rates)
+        self.off_squares, self.squares = np.zeros(rates), np.zeros(rates)
         self.guessed = False
 
-    def update(self, block: Trajectory) -> Floats:
-        """Return (N, n) by how much accelerations of a block may be off, NaN where nobody looked."""
+    def update(self, block: Trajectory) -> tuple[Floats, Floats]:
+        """Return (N, n) the noise of accelerations of a block, and by how much they may be off."""
         found = block.sampling
         if found is None:
-            return np.full_like(block.qdd, 0.0 if block.derivation is None else np.nan)
+            return np.zeros_like(block.qdd), np.zeros_like(block.qdd)
         self.guessed = found.guessed
-        self.most = np.fmax(self.most, np.fmax.reduce(found.off, axis=0))
         self.off_squares, self.squares = self.off_squares + found.off_squares, self.squares + found.squares
-        return found.off
+        return found.noise, found.off
 
     def bar(self, inertia: Floats, off: Floats, shares: Mapping[str, float]) -> float:
-        """Return what is open of a torque: sum |M_kj| off_j, the largest off that was seen where nobody looked.
+        """Return what is open of a torque: sqrt(sum (M_kj off_j)^2), of guesses the sum, which nothing exceeds.
 
         Way-points may be places of rest, so that all that their derived speeds make of the torque is open too.
 
@@ -54,8 +54,10 @@ class Openness:
             inertia: (n,) the torque's row of the mass matrix; off: (n,) of its sample.
             shares: of the torque, by effect.
         """
-        of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction")) if self.guessed else 0.0
-        return float((np.abs(inertia) * np.where(np.isnan(off), self.most, off)).sum()) + of_speed
+        if not self.guessed:
+            return length(inertia * off)
+        of_speed = sum(abs(shares.get(name, 0.0)) for name in ("coriolis", "viscous friction"))
+        return float((np.abs(inertia) * off).sum()) + of_speed
 
     def doubts(
         self,

@@ -25,26 +25,34 @@ def resultant(x: Floats, y: Floats) -> Floats:
 
 @dataclass
 class Peak:
-    """The values of largest magnitude of several columns, and the samples where they are; of ties the first counts."""
+    """The values of largest magnitude of several columns, and the samples where they are; of ties the first counts.
+
+    Attributes:
+        sure: the magnitudes less what they may be off by, which decide; most: the largest that any magnitude may be.
+    """
 
     value: Floats
+    sure: Floats
+    most: Floats
     index: NDArray[np.int64]
 
     @classmethod
     def of(cls, columns: int) -> Peak:
-        return cls(np.zeros(columns), np.full(columns, -1))
+        return cls(np.zeros(columns), np.full(columns, -np.inf), np.zeros(columns), np.full(columns, -1))
 
-    def update(self, values: Floats, first: int) -> list[tuple[int, int]]:
-        """Take in a block (columns, N) whose first sample has the index `first`.
+    def update(self, values: Floats, first: int, off: Floats | float = 0.0) -> list[tuple[int, int]]:
+        """Take in a block (columns, N) whose first sample has the index `first`, and by how much it may be off.
 
         Returns:
             (column, sample of the block) for every column that has a new peak.
         """
         columns = np.arange(len(values))
-        at = first_of_ties(np.abs(values))
-        found = values[columns, at]
-        news = np.flatnonzero((self.index < 0) | (steady(np.abs(found)) > steady(np.abs(self.value))))
-        self.value[news], self.index[news] = found[news], at[news] + first
+        sure = np.abs(values) - off
+        np.maximum(self.most, (np.abs(values) + off).max(axis=1), out=self.most)
+        at = first_of_ties(sure)
+        found = sure[columns, at]
+        news = np.flatnonzero((self.index < 0) | (steady(found) > steady(self.sure)))
+        self.value[news], self.sure[news], self.index[news] = values[news, at[news]], found[news], at[news] + first
         return [(int(column), int(at[column])) for column in news]
 
 
@@ -104,6 +112,7 @@ class Statistics:
         tau: Floats,
         base: Floats,
         state: dict[str, Floats],
+        off: Floats | float = 0.0,
     ) -> None:
         """Take in a block.
 
@@ -112,12 +121,13 @@ class Statistics:
             q, qd, tau: (joints, N).
             base: (6, N) base wrench f, n.
             state: (N, k) arrays of which a peak's sample is kept.
+            off: (joints, N) by how much torques may be off, about; a peak is where most of a torque is sure.
         """
         base = np.vstack((base, resultant(base[0], base[1]), resultant(base[3], base[4])))
         before = float(time[0] - self.end) if self.samples else 0.0
         steps = np.diff(time)
         self.start = self.start if self.samples else float(time[0])
-        for joint, at in self.torque.update(tau, self.samples):
+        for joint, at in self.torque.update(tau, self.samples, off):
             self.peak_speed[joint] = qd[joint, at]
             self.at_peak[joint] = (float(time[at]), {name: values[at].copy() for name, values in state.items()})
         for joint, at in self.speed.update(qd, self.samples):

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.bench_accuracy import accuracy_table
+from benchmarks.coverage_of_bars import coverage_table
 from benchmarks.derivative_errors import derivatives_table
 from machine import machine
 from markdown_tables import table
@@ -58,8 +59,8 @@ def steady_tables() -> dict[str, Callable[[], str]]:
 
 
 def timed_tables() -> dict[str, Callable[[], str]]:
-    """What measures the tables of timings, each by a process of its own."""
-    return {name: partial(measured, script) for name, script in TIMED.items()}
+    """What makes the tables that take minutes: of error bars, and those of timings, each by a process of its own."""
+    return {"bars": coverage_table, **{name: partial(measured, script) for name, script in TIMED.items()}}
 
 
 def measured(script: str) -> str:

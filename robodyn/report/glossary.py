@@ -44,10 +44,7 @@ MEANINGS = {
     "tilting m": "resultant of the moments across the axis",
     "its noise": "standard deviation of what is no motion in the data",
     "grid": "step of the numbers in the data, of an encoder for instance",
-    "gain of qd [1/s]": "noise of the velocity for each unit of noise in the data",
-    "of qdd [1/s^2]": "noise of the acceleration for each unit of noise in the data",
-    "noise of qd": "standard deviation that is left in the velocity",
-    "of qdd": "standard deviation that is left in the acceleration",
+    "noise left": "standard deviation that noise typically leaves in the highest derivative",
     "operations alone": "arithmetic operations for each sample with this effect alone",
     "saved without": "operations for each sample that would be saved without this effect",
     "slack": "(I_1 + I_2 - I_3) over the largest principal moment: 1 for a ball, 0 for a plate or a needle, negative "

@@ -9,7 +9,6 @@ from typing import Any
 from robodyn.limits import Coverage
 from robodyn.report.limits_words import limits_verdict
 from robodyn.result import Checks, JointLoad, Result
-from robodyn.trajectory.motion import JointDerivation
 
 
 def torques_json(result: Result) -> str:
@@ -40,7 +39,7 @@ def torques_json(result: Result) -> str:
         ],
         "checks": _checks(result.checks),
         "plan": {"executor": result.executor, "operations": result.operations, "reason": result.reason},
-        "derivatives": [_derived(joint) for joint in result.derivation.joints] if result.derivation else [],
+        "derivatives": [asdict(joint) for joint in result.derivation.joints] if result.derivation else [],
         "time_origin": result.origin,
         "held": dict(result.held),
         "limits_exceeded": [asdict(excess) for excess in result.exceeded],
@@ -92,9 +91,3 @@ def _joint(joint: JointLoad) -> dict[str, Any]:
     fields = asdict(joint)
     shares = fields.pop("shares")
     return {**fields, "effort_margin": joint.effort_margin, "velocity_margin": joint.velocity_margin, "shares": shares}
-
-
-def _derived(joint: JointDerivation) -> dict[str, Any]:
-    fields = asdict(joint)
-    fields.pop("end_gains")
-    return {**fields, "std_velocity": joint.std_velocity, "std_acceleration": joint.std_acceleration}

@@ -55,10 +55,7 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
             joint.source,
             f"{joint.noise:.2g}",
             f"{joint.quantum:.3g}" if joint.quantum else "",
-            f"{joint.gain_velocity:.3g}",
-            f"{joint.gain_acceleration:.3g}",
-            f"{joint.std_velocity:.2g}",
-            f"{joint.std_acceleration:.2g}",
+            f"{joint.std:.2g}",
         )
         for joint in shown
     ]
@@ -68,10 +65,7 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
         "from",
         "its noise",
         "grid",
-        "gain of qd [1/s]",
-        "of qdd [1/s^2]",
-        "noise of qd",
-        "of qdd",
+        "noise left",
     )
     return text, (head, rows)
 

@@ -118,27 +118,19 @@ def join(parts: list[Trajectory]) -> Trajectory:
 
 
 def _joined(parts: list[Trajectory]) -> Sampling | None:
-    """Return what is known of the sampling of any part, NaN for the others."""
+    """Return how far all parts can be trusted, None if that is not known of one."""
     known = [part.sampling for part in parts if part.sampling is not None]
-    if not known:
+    if len(known) < len(parts):
         return None
-    off = [np.full_like(part.qdd, np.nan) if part.sampling is None else part.sampling.off for part in parts]
+    off, noise = (np.concatenate([getattr(each, name) for each in known]) for name in ("off", "noise"))
     off_squares = np.sum([each.off_squares for each in known], axis=0)
     squares = np.sum([each.squares for each in known], axis=0)
-    return Sampling(np.concatenate(off), off_squares, squares, any(each.guessed for each in known))
+    return Sampling(off, noise, off_squares, squares, any(each.guessed for each in known))
 
 
 def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
     """Samples start to stop."""
-    return _chosen(samples, slice(start, stop), start)
-
-
-def every_second(samples: Trajectory, first: int) -> Trajectory:
-    """Return the samples first, first + 2 and so on."""
-    return _chosen(samples, slice(first, None, 2), first)
-
-
-def _chosen(samples: Trajectory, rows: slice, first: int) -> Trajectory:
+    rows = slice(start, stop)
     return replace(
         samples,
         time=samples.time[rows],
@@ -146,7 +138,7 @@ def _chosen(samples: Trajectory, rows: slice, first: int) -> Trajectory:
         qd=samples.qd[rows],
         qdd=samples.qdd[rows],
         extra={name: values[rows] for name, values in samples.extra.items()},
-        first_row=samples.first_row + first,
+        first_row=samples.first_row + start,
         stamps=None if samples.stamps is None else samples.stamps[rows],
         sampling=None,
     )

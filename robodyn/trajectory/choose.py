@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robodyn.trajectory import adaptive
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
+from robodyn.trajectory.estimates import Trust
 from robodyn.trajectory.local_polynomials import at_samples
-from robodyn.trajectory.noise import Noise, estimate
+from robodyn.trajectory.noise import Noise, by_window, estimate
 from robodyn.trajectory.table import FloatArray
+from robodyn.trajectory.windows import DEGREE, WIDEST, lengths
 
 Run = tuple[FloatArray, FloatArray, FloatArray]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
@@ -20,17 +23,23 @@ HARMLESS = 1e-3
 _CENTRES = 1024
 _TURNED = 4.0
 _RESIDUAL = 2.0
+_LATER, _FEWEST, _STEEP = 4, 2, 60.0
+"""Four windows wider the squared error of smoothing is 10 times as large where the rate of the acceleration jumps, and
+thousands of times where nothing does; the least change is half noise."""
+_ROWS = 1 << 14
+_SHORT = 16
+_ROUNDINGS = 4.0
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The method for a group of columns, the noise it meets and what it makes of it."""
+    """The method for a group of columns, how it is trusted, and what noise typically leaves in the highest rate."""
 
     method: Method
+    trust: Trust
     quantum: float
     noise: float
-    gains: tuple[float, float]
-    end_gains: tuple[FloatArray, FloatArray]
+    std: float
     warning: str = ""
 
 
@@ -40,10 +49,12 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
     1. The noise s is estimated by `noise.estimate`; a signal without noise, or one that moves in steps or is too coarse
        to tell, gets the quintic spline.
     2. So does a signal whose noise is harmless: s times the spline's gain below 1e-3 of the rms of the derivative.
-    3. Otherwise quartic Savitzky-Golay with the window at which the derivative changes least, in the mean square, from
-       one window of a geometric series to the next (quasi-optimality: Tikhonov and Glasko 1965). Below it the noise
-       changes the derivative more, above it the error of smoothing does. The search ends where that change has risen
-       to twice its least value, or the fit leaves more than twice the noise (discrepancy: Morozov 1966).
+    3. A smooth motion gets quartic Savitzky-Golay with the window at which the derivative changes least, in the mean
+       square, from one window of a geometric series to the next (quasi-optimality: Tikhonov and Glasko 1965). Below it
+       the noise changes the derivative more, above it the error of smoothing does. The search ends where that change
+       has risen to twice its least value, or the fit leaves more than twice the noise (discrepancy: Morozov 1966).
+    4. A motion is smooth if that change then rises as fast as the error of smoothing does without corners; others get
+       local polynomials with windows of their own for every sample (`adaptive.rates`).
 
     Args:
         runs: (time (N,), values as given (N, c), values to differentiate (N, c)) of stretches of the table.
@@ -53,40 +64,101 @@ def diagnose(runs: Sequence[Run], order: int, mode: str) -> Diagnosis:
     runs = [run for run in runs if len(run[0]) > 1]
     noise = estimate(runs)
     spacing = np.float64(np.median(np.concatenate([np.diff(time) for time, _, _ in runs])) if runs else 1.0)
+    found = _search(runs, order, noise, spacing)
+    noisy = noise.sigma > 0.0 and not found.harmless
+    scale = _scale(runs, noise.sigma, noisy)
+    smooth = noisy and found.smooth
+    if smooth:
+        scale = scale[: max(1, sum(length <= found.window for length in lengths(WIDEST)))]
+    trust = Trust(noisy, smooth, mode != "auto", noise.sigma, scale, found.window, found.level, order)
     if mode == "central":
         method = CENTRAL
-    elif mode == "spline":
+    elif mode == "spline" or not (noisy or mode == "savgol"):
         method = SPLINE
+    elif smooth or mode == "savgol":
+        method = savgol(found.window)
+        trust = replace(trust, sigma=max(noise.sigma, scale[-1])) if smooth else trust
     else:
-        method = _best_window(runs, order, noise, spacing, smooth=mode == "savgol")
-    unit = method.gains
-    gains = (float(unit.first / spacing), float(unit.second / spacing / spacing))
-    ends = (unit.first_ends / spacing, unit.second_ends / spacing / spacing)
-    return Diagnosis(method, noise.quantum, noise.sigma, gains, ends, noise.warning)
+        return _local(runs, trust, noise)
+    gain = method.gains.second if order == 2 else method.gains.first
+    return Diagnosis(
+        method, trust, noise.quantum, noise.sigma, float(trust.sigma * gain / spacing**order), noise.warning
+    )
 
 
-def _best_window(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64, smooth: bool) -> Method:
+def _scale(runs: Sequence[Run], sigma: float, noisy: bool) -> tuple[float, ...]:
+    """Return the noise for windows of every length that is worth trying: of the noisiest column, and of rounding."""
+    largest = max((float(np.abs(raw).max()) for _, raw, _ in runs), default=0.0)
+    sigma = max(sigma, _ROUNDINGS * float(np.finfo(np.float64).eps) * largest, float(np.finfo(np.float64).tiny))
+    if not noisy:
+        return (sigma,) * len(lengths(_SHORT))
+    some = _some(runs)
+    each = [by_window([(t, x[:, k]) for t, _, x in some], sigma, WIDEST) for k in range(some[0][2].shape[1])]
+    return tuple(max(column) for column in zip(*each, strict=True))
+
+
+def _some(runs: Sequence[Run]) -> list[Run]:
+    """Return the first, the last and some runs between, of few rows in all."""
+    count = max(1, _ROWS // max(len(time) for time, _, _ in runs))
+    return [runs[k] for k in np.unique(np.linspace(0, len(runs) - 1, min(count, len(runs))).astype(int))]
+
+
+def _local(runs: Sequence[Run], trust: Trust, noise: Noise) -> Diagnosis:
+    """Return local polynomials, of windows no longer than are of use, with the median of the noise that they leave."""
+    longest, noises = 0, []
+    for time, _, values in _some(runs):
+        even = equal_spacing(time)
+        for column in values.T:
+            own = np.ascontiguousarray(column)
+            _, rate, useful = adaptive.rates(None if even else time, own, None, trust.scale, trust.order)
+            longest = max(longest, useful)
+            noises.append(float(np.median(rate.noise)) / (even or 1.0) ** trust.order)
+    known = lengths(WIDEST)
+    count = min(len(trust.scale), sum(length <= longest for length in known) + 2)
+    typical = float(np.median(noises))
+    trust = replace(trust, scale=trust.scale[:count])
+    method = Method("local", known[count - 1], DEGREE)
+    return Diagnosis(method, trust, noise.quantum, noise.sigma, typical, noise.warning)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The window of a table, whether one serves all samples, the derivative's rms, and whether noise is harmless."""
+
+    window: int
+    smooth: bool
+    level: float
+    harmless: bool
+
+
+def _search(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64) -> _Search:
     runs = [run for run in runs if len(run[0]) >= 2 * WINDOWS[0]]
-    if not runs or (noise.sigma == 0.0 and not smooth):
-        return savgol(WINDOWS[0]) if smooth else SPLINE
+    if not runs:
+        return _Search(WINDOWS[0], False, 0.0, True)
     widest = min(len(time) for time, _, _ in runs) // 2
     methods = [savgol(window) for window in WINDOWS if window <= widest]
     allowed = np.float64(_RESIDUAL * max(noise.sigma, noise.quantum / math.sqrt(12.0))) ** 2
-    chosen, least, risen = methods[0], math.inf, 0
-    derivative, _ = _sampled(runs, chosen, order)
+    chosen, least, risen, ended = 0, math.inf, 0, False
+    after: list[float] = []
+    derivative, _ = _sampled(runs, methods[0], order)
     now = derivative
-    for wider in methods[1:]:
+    for k, wider in enumerate(methods[1:], start=1):
         last, (now, residual) = now, _sampled(runs, wider, order)
         change = float(((now - last) ** 2).mean())
         risen = risen + 1 if change > _TURNED * least else 0
-        if risen == 2 or float((residual**2).mean()) > allowed:
+        after.append(change)
+        ended = ended or risen == 2 or bool((residual**2).mean() > allowed)
+        if ended and k >= chosen + _LATER:
             break
-        if change < least:
-            chosen, least, derivative = wider, change, now
+        if change < least and not ended:
+            chosen, least, derivative, after = k, change, now, []
     gain = SPLINE.gains.second if order == 2 else SPLINE.gains.first
     noise_of_spline = np.float64(noise.sigma) * gain / spacing**order
-    harmless = bool(noise_of_spline**2 <= HARMLESS**2 * (derivative**2).mean())
-    return SPLINE if harmless and not smooth else chosen
+    square = float((derivative**2).mean())
+    steep = [change > _STEEP ** (min(k, _LATER) / _LATER) * least for k, change in enumerate(after, start=1)]
+    smooth = any(steep[_LATER - 1 :]) if len(after) >= _LATER else len(after) >= _FEWEST and steep[-1]
+    harmless = bool(noise_of_spline**2 <= HARMLESS**2 * square)
+    return _Search(methods[chosen].window, smooth, math.sqrt(square), harmless)
 
 
 def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[FloatArray, FloatArray]:

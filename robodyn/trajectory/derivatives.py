@@ -21,13 +21,13 @@ class Method:
     """A way to differentiate.
 
     Args:
-        kind: "spline" (interpolating quintic), "savgol" (least-squares polynomial over `window` samples) or "central"
-            (parabola through three samples).
-        window: odd number of samples; 0 for the spline, which sees them all.
+        kind: "spline" (interpolating quintic), "savgol" (least-squares polynomial over `window` samples), "central"
+            (parabola through three samples) or "local" (`adaptive.rates`, with windows up to `window`).
+        window: number of samples; 0 for the spline, which sees them all.
         order: of the polynomial.
     """
 
-    kind: Literal["spline", "savgol", "central"]
+    kind: Literal["spline", "savgol", "central", "local"]
     window: int = 0
     order: int = 5
 
@@ -36,12 +36,14 @@ class Method:
         """The method as the report names it."""
         if self.kind == "savgol":
             return f"Savitzky-Golay (window {self.window}, order {self.order})"
+        if self.kind == "local":
+            return f"local polynomials (windows up to {self.window})"
         return "quintic spline" if self.kind == "spline" else "central differences"
 
     @property
     def halo(self) -> int:
         """Neighbours on either side of a block that make its derivatives those of the whole table."""
-        return REACH if self.kind == "spline" else self.window
+        return REACH if self.kind == "spline" else 2 * self.window
 
     @property
     def gains(self) -> Gains:

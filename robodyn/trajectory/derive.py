@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.choose import Diagnosis, diagnose
-from robodyn.trajectory.derivatives import Method, differentiate
+from robodyn.trajectory.derivatives import Method
+from robodyn.trajectory.estimates import Trust, estimated, reach
 from robodyn.trajectory.groups import Group
 from robodyn.trajectory.motion import Derivation, JointDerivation, Trajectory
 from robodyn.trajectory.table import FloatArray
@@ -18,17 +20,19 @@ from robodyn.trajectory.table import FloatArray
 
 @dataclass(frozen=True)
 class Plan:
-    """The groups to derive with the method of each, and the account of it."""
+    """The groups to derive with the method of each and how it is trusted, and the account of it."""
 
     groups: tuple[Group, ...]
     methods: tuple[Method, ...]
+    trusts: tuple[Trust, ...]
     derivation: Derivation
     notes: tuple[str, ...]
 
     @property
     def halo(self) -> int:
         """Neighbours that a block needs on either side."""
-        return max((method.halo for method in self.methods), default=0)
+        own = max((method.halo for method in self.methods), default=0)
+        return max(own, *(reach(trust) for trust in self.trusts)) if self.trusts else 0
 
 
 def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Plan:
@@ -43,7 +47,8 @@ def plan(groups: Sequence[Group], pieces: Sequence[Trajectory], mode: str) -> Pl
         found = [_diagnose(group, pieces, mode) for group in groups]
     accounts = tuple(_account(group, diagnosis) for group, diagnosis in zip(groups, found, strict=True))
     notes = tuple(f"{group.name}: {d.warning}" for group, d in zip(groups, found, strict=True) if d.warning)
-    return Plan(tuple(groups), tuple(diagnosis.method for diagnosis in found), Derivation(accounts), notes)
+    methods, trusts = tuple(each.method for each in found), tuple(each.trust for each in found)
+    return Plan(tuple(groups), methods, trusts, Derivation(accounts), notes)
 
 
 def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosis:
@@ -54,9 +59,7 @@ def _diagnose(group: Group, pieces: Sequence[Trajectory], mode: str) -> Diagnosi
 
 def _account(group: Group, found: Diagnosis) -> JointDerivation:
     text = found.method.text
-    first, second = found.gains
     turn = 2.0 if group.kind == "quaternion" else 1.0  # w = 2 vec(conj(Q) Qd) doubles the noise of Q's components
-    from_qd = group.source == "qd"
     return JointDerivation(
         name=group.name,
         velocity=text if group.velocity else "given",
@@ -64,14 +67,15 @@ def _account(group: Group, found: Diagnosis) -> JointDerivation:
         source=group.source,
         quantum=found.quantum,
         noise=found.noise,
-        gain_velocity=turn * first if group.velocity else 0.0,
-        gain_acceleration=(first if from_qd else turn * second) if group.acceleration else 0.0,
-        end_gains=tuple((turn * found.end_gains[0 if from_qd else 1]).tolist()) if group.acceleration else (),
+        std=turn * found.std,
     )
 
 
-def derive(samples: Trajectory, plan: Plan) -> Trajectory:
-    """The samples with the missing columns of qd and qdd filled in.
+def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, FloatArray, FloatArray]:
+    """Return the samples with the missing columns of qd and qdd filled in.
+
+    Returns:
+        The samples, and (N, n) each of qdd: the standard deviation that comes of noise, and by how much it may be off.
 
     Raises:
         TrajectoryError: a derivative is not finite, because stamps almost coincide; or a pause in the stamps is longer
@@ -79,33 +83,36 @@ def derive(samples: Trajectory, plan: Plan) -> Trajectory:
     """
     _refuse_pauses(samples, plan.methods)
     qd, qdd = samples.qd.copy(order="F"), samples.qdd.copy(order="F")
+    noise, off = np.zeros_like(qdd), np.zeros_like(qdd)
     with np.errstate(all="ignore"):
         for group, first, second in _rates(samples, plan):
             for component, column in group.velocity:
-                qd[:, column] = first[:, component]
+                qd[:, column] = first.value[:, component]
+            highest = first if group.source == "qd" else second
             for component, column in group.acceleration:
-                qdd[:, column] = (first if group.source == "qd" else second)[:, component]
+                for whole, part in zip((qdd, noise, off), highest, strict=True):
+                    whole[:, column] = part[:, component]
     for values in (qd, qdd):
         if not np.isfinite(values).all():
             row = samples.first_row + int(np.argwhere(~np.isfinite(values))[0][0])
             raise TrajectoryError(f"row {row}: the derivative is not finite", remedy="are two stamps almost equal?")
-    return replace(samples, qd=qd, qdd=qdd)
+    return replace(samples, qd=qd, qdd=qdd), noise, off
 
 
-def _rates(samples: Trajectory, plan: Plan) -> Iterator[tuple[Group, FloatArray, FloatArray]]:
+def _rates(samples: Trajectory, plan: Plan) -> Iterator[tuple[Group, Rate, Rate]]:
     """Every group with the first and second derivatives of its source, those of one kind and method together."""
-    alike: dict[tuple[str, Method], list[Group]] = {}
-    for group, method in zip(plan.groups, plan.methods, strict=True):
-        alike.setdefault((group.kind, method), []).append(group)
-    for (kind, method), groups in alike.items():
+    alike: dict[tuple[str, Method, Trust], list[Group]] = {}
+    for group, method, trust in zip(plan.groups, plan.methods, plan.trusts, strict=True):
+        alike.setdefault((group.kind, method, trust), []).append(group)
+    for (kind, method, trust), groups in alike.items():
         values = np.concatenate([_source(group, samples) for group in groups], axis=1)
         turns = _turns(values) if kind == "continuous" else None
-        rates, start = differentiate(samples.time, values, method, turns), 0
+        rates, start = estimated(samples.time, values, turns, method, trust), 0
         for group in groups:
             own = slice(start, start + len(group.rows))
-            first, second = (rate[:, own] for rate in rates)
+            first, second = (Rate(*(part[:, own] for part in rate)) for rate in rates)
             if kind == "quaternion":
-                first, second = _body_rates(values[:, own], first), _body_rates(values[:, own], second)
+                first, second = _of_body(values[:, own], first), _of_body(values[:, own], second)
             yield group, first, second
             start = own.stop
 
@@ -113,7 +120,7 @@ def _rates(samples: Trajectory, plan: Plan) -> Iterator[tuple[Group, FloatArray,
 def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
     """A polynomial through the ends of two recordings means nothing, and its equations are singular."""
     steps = np.diff(samples.time)
-    window = min((method.window for method in methods if method.kind == "savgol"), default=0)
+    window = min((method.window for method in methods if method.kind in {"savgol", "local"}), default=0)
     if window and len(steps) and steps.max() > window * np.median(steps):
         row = samples.first_row + int(np.argmax(steps)) + 1
         what = f"row {row}: a pause of {steps.max():.6g} s is longer than the window that smooths the noise"
@@ -154,6 +161,12 @@ def _turns(angles: FloatArray) -> FloatArray:
     """
     jumps = np.rint(np.diff(angles, axis=0) / (2.0 * math.pi))
     return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
+
+
+def _of_body(Q: FloatArray, rate: Rate) -> Rate:
+    """Return the rates in body axes of those of quaternions; each component is off by what all together are."""
+    noise, off = (np.repeat(2.0 * np.sqrt((part**2).sum(axis=1, keepdims=True)), 3, axis=1) for part in rate[1:])
+    return Rate(_body_rates(Q, rate.value), 0.5 * noise, off)
 
 
 def _body_rates(Q: FloatArray, rate: FloatArray) -> FloatArray:

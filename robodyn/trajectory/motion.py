@@ -8,9 +8,6 @@ from dataclasses import dataclass, field
 from robodyn.doubts import Doubt
 from robodyn.trajectory.table import FloatArray
 
-INNER, END = 4.0, 10.0
-"""Bars in standard deviations of the noise: in the middle of the data, and where neighbours are on one side only."""
-
 
 @dataclass(frozen=True)
 class JointDerivation:
@@ -21,10 +18,7 @@ class JointDerivation:
         source: "q" or "qd", the column that was differentiated.
         quantum: step of the grid on which the source lies (encoder step, rounded decimals), 0 if there is none.
         noise: standard deviation of the noise in the source, 0 if none was found.
-        gain_velocity, gain_acceleration: standard deviation of the result per standard deviation of the source
-            [1/s, 1/s^2]; 0 where the quantity was given.
-        end_gains: `gain_acceleration` of the samples nearest to an end of the table, outermost first, where the method
-            sees neighbours on one side only.
+        std: standard deviation that noise typically leaves in the highest derivative of it.
     """
 
     name: str
@@ -33,32 +27,7 @@ class JointDerivation:
     source: str
     quantum: float
     noise: float
-    gain_velocity: float
-    gain_acceleration: float
-    end_gains: tuple[float, ...] = field(default=(), repr=False)
-
-    @property
-    def std_velocity(self) -> float:
-        """Implied standard deviation of qd, `noise * gain_velocity`."""
-        return self.noise * self.gain_velocity
-
-    @property
-    def std_acceleration(self) -> float:
-        """Implied standard deviation of qdd, `noise * gain_acceleration`."""
-        return self.noise * self.gain_acceleration
-
-    def std_acceleration_near(self, from_end: int) -> float:
-        """Implied standard deviation of qdd at the sample that has `from_end` samples between it and an end."""
-        gain = self.end_gains[from_end] if from_end < len(self.end_gains) else self.gain_acceleration
-        return self.noise * gain
-
-    def bar_acceleration_near(self, from_end: int) -> float:
-        """What qdd is off by in 19 of 20 cases: 4 standard deviations of the noise, 10 where an end is near.
-
-        A window is as wide as makes what smoothing takes away no larger than the noise that it leaves, and both add up;
-        near an end a polynomial smooths less well. The factors are those of random motions (`test_bars_cover`).
-        """
-        return (END if from_end < len(self.end_gains) else INNER) * self.std_acceleration_near(from_end)
+    std: float
 
 
 @dataclass(frozen=True)
@@ -80,15 +49,17 @@ class Derivation:
 
 @dataclass(frozen=True)
 class Sampling:
-    """What the number of samples leaves open about derived accelerations.
+    """How far derived accelerations can be trusted.
 
     Args:
-        off: (N, n) by how much each may be off; 0 where it is given, NaN where that was not looked at.
-        off_squares, squares: (n,) sums of the squares of `off` and of qdd where that was looked at.
+        off: (N, n) by how much each may be off in 19 of 20 cases; 0 where it is given.
+        noise: (N, n) standard deviation of each that comes of noise.
+        off_squares, squares: (n,) sums of the squares of `off`, where that is for want of samples, and of qdd.
         guessed: whether velocities are derived from so few rows that they may as well be 0.
     """
 
     off: FloatArray
+    noise: FloatArray
     off_squares: FloatArray
     squares: FloatArray
     guessed: bool = False

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from robodyn.trajectory.derivatives import equal_spacing
 from robodyn.trajectory.table import FloatArray
+from robodyn.trajectory.windows import BASES, fits, lengths
 
 HIGHEST = 14
 """Highest difference looked at."""
@@ -18,6 +20,11 @@ _LEVEL = 0.7
 """Ratio of successive differences above which they no longer fall: white noise has 1, n samples a period sin(pi/n)"""
 _STILL = 32
 FINEST_ENCODER = 2.0 * math.pi / 1024
+_APART = 18
+_HIGH, _AROUND, _CHANCE = 8, 16, 1.5
+_COLOURED = 1.5
+"""Power of a window's length: noise of steeper spectra is taken for motion"""
+_UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
 
 
@@ -153,3 +160,60 @@ def _judge(sigma: float, grid: float, fine: bool, jumps: FloatArray, raw: FloatA
     if sigma > 0.01 and sigma > 0.01 * span:
         return Noise(0.0, grid, "sampled too coarsely to tell motion from noise; not smoothed")
     return Noise(sigma, grid)
+
+
+def louder(time: FloatArray, values: FloatArray, sigma: float) -> FloatArray:
+    """Return (N,) how many times the noise about each sample exceeds that of the table, 1 where it does not.
+
+    Stamps that software takes late make noise that grows with the speed. The median over 33 samples of a high
+    difference counts, so that no corner does.
+    """
+    found = np.ones(len(values))
+    if len(values) < _HIGH + 2 * _AROUND or sigma == 0.0:
+        return found
+    even = np.arange(len(time), dtype=np.float64)
+    unit = even if equal_spacing(time) else (time - time[0]) / float(np.median(np.diff(time)))
+    off = np.abs(differences(unit, values, weights(unit)[:_HIGH])[-1])
+    level = np.median(sliding_window_view(np.pad(off, _AROUND, mode="edge"), 2 * _AROUND + 1), axis=1)
+    first = _HIGH // 2
+    found[first : first + len(level)] = np.maximum(level / (_MEDIAN * _CHANCE * sigma), 1.0)
+    found[:first], found[first + len(level) :] = found[first], found[first + len(level) - 1]
+    return found
+
+
+def by_window(runs: Sequence[tuple[FloatArray, FloatArray]], sigma: float, widest: int) -> tuple[float, ...]:
+    """Return what white noise would have to be to scatter the fits on windows of every length as the data's does.
+
+    Of neighbouring windows that share no sample the second derivatives of parabolas differ by noise, and by what the
+    motion does; the median over a table is the noise's as long as it grows no faster with the length than that of
+    coloured noise. From where it does the last value counts.
+
+    Args:
+        runs: (time (N,), values (N,)) of stretches of the table; sigma: the least that is returned.
+    """
+    sizes: dict[int, list[FloatArray]] = {}
+    for time, values in runs:
+        spacing = equal_spacing(time)
+        for fit in fits(None if spacing else time, values, None, min(widest, len(values) // _APART)):
+            _, curve, gain = next(fit.derivative(2, fit.middle))
+            near, far = curve[: -fit.length], curve[fit.length :]
+            both = (
+                np.sqrt(gain[: -fit.length] ** 2 + gain[fit.length :] ** 2)
+                if isinstance(gain, np.ndarray)
+                else gain * math.sqrt(2.0)
+            )
+            sizes.setdefault(fit.length, []).append(np.abs(far - near) / both)
+    found: list[float] = []
+    before: tuple[float, float] | None = (0.5 * BASES[0], sigma)
+    for length in lengths(widest):
+        if before is not None and length in sizes:
+            off = np.concatenate(sizes[length])
+            level = float(np.median(off[off > 0.0])) / _MEDIAN if (off > 0.0).any() else 0.0
+            shorter, least = before
+            if level > max(least, sigma) * (length / shorter) ** _COLOURED:
+                before = None
+            else:
+                sigma = max(sigma, level * (1.0 - _UNSURE * math.sqrt(length / len(off))))
+                before = length, level
+        found.append(sigma)
+    return tuple(found)

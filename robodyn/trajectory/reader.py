@@ -118,8 +118,8 @@ class TrajectoryReader:
     @staticmethod
     def _derived(samples: Trajectory, plan: Plan, start: int, stop: int) -> Trajectory:
         """Return the samples from start to stop with the missing columns, and how far they can be trusted."""
-        whole = derive(samples, plan)
-        return replace(cut(whole, start, stop), sampling=sampling(whole, plan, start, stop))
+        whole, noise, off = derive(samples, plan)
+        return replace(cut(whole, start, stop), sampling=sampling(whole, plan, noise, off, slice(start, stop)))
 
     def _samples(self) -> Iterator[Trajectory]:
         row, last_time = 1, -math.inf

@@ -71,7 +71,7 @@ def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> 
     derivatives = found.ladders[1]
     assert derivatives.reference == "a smooth motion like the given one, with noise of 1.5e-05 as in it"
     errors = {rung.name: rung.error for rung in derivatives.rungs}
-    assert errors["auto"] == errors["savgol"] < 1e-2
+    assert errors["auto"] < 1e-2 > errors["savgol"]
     assert errors["central"] > 1.0
     with read_motion(str(ROBOTS / "puma_encoder.csv"), model) as reader:
         block = next(iter(reader.blocks()))
@@ -80,14 +80,16 @@ def test_derived_accelerations_are_measured_on_a_motion_like_the_given_one() -> 
     assert np.abs(twin.time - middle[0]).max() < 1e-12
     assert np.abs((twin.q - middle[1]).mean(axis=0)).max() < 1e-5
     assert np.abs(twin.q - middle[1]).max() < 5e-3
-    assert np.abs(twin.qdd - middle[2]).max() <= 1e-3 * np.abs(block.qdd).max()
+    off = np.abs(twin.qdd - middle[2])  # windows, and with them estimates, change from sample to sample
+    assert off.max() <= 5e-3 * np.abs(block.qdd).max()
+    assert off.mean() <= 1e-4 * np.abs(block.qdd).max()
     step = (twin.q[2:] - 2 * twin.q[1:-1] + twin.q[:-2]) / 1e-6
-    assert np.abs(step - twin.qdd[1:-1]).max() < 1e-3 * np.abs(twin.qdd).max()
+    assert np.abs(step - twin.qdd[1:-1]).max() < 5e-3 * np.abs(twin.qdd).max()
 
 
 def test_noise_is_added_as_it_was_found() -> None:
     model = load(SCARA)
-    joint = JointDerivation("elbow", "", "", "q", 0.0, 1e-3, 0.0, 0.0)
+    joint = JointDerivation("elbow", "", "", "q", 0.0, 1e-3, 0.0)
     off, said = noisy(model, np.zeros((4000, 3)), Derivation((joint,)))
     assert np.std(off, axis=0) == pytest.approx([0, 1e-3, 0], rel=0.1)
     assert said == "a smooth motion like the given one, with noise of 1.0e-03 as in it"

@@ -15,7 +15,6 @@ from oracles import robot
 import robodyn
 from robodyn.doubts import TOO_FEW
 from robodyn.report.limits_words import limits_verdict
-from robodyn.trajectory import sampling
 
 DURATION = 4.0
 ENOUGH = 0.93
@@ -148,17 +147,6 @@ def test_a_pose_that_is_held_needs_no_samples() -> None:
     result = robodyn.torques(model, robodyn.motion(model, [0.0, 1.0, 2.0], np.full((3, model.n), 0.4)))
     assert not result.doubts
     assert not any(joint.error_bar for joint in result.joints)
-
-
-def test_long_tables_are_looked_at_in_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The bar of a peak where nobody looked is the largest that was seen."""
-    monkeypatch.setattr(sampling, "CHECKED", 100)
-    derived, _, _ = both("trapezoid", 2000, np.random.default_rng(5))
-    assert derived.samples_suffice
-    monkeypatch.setattr(sampling, "CHECKED", 2000)
-    whole, _, _ = both("trapezoid", 2000, np.random.default_rng(5))
-    assert all(a.peak == b.peak for a, b in zip(derived.joints, whole.joints, strict=True))
-    assert all(np.isfinite(joint.error_bar) for joint in derived.joints)
 
 
 def write(folder: Path, rows: int, effort: float = 50.0) -> tuple[str, str]:

@@ -91,11 +91,7 @@ def test_derived_motion_says_method_noise_and_what_it_does_to_the_peak() -> None
     for joint, line in zip(data.derivation.joints, lines[2:], strict=True):
         cells = re.split(r"  +", line)
         assert cells[:3] == [joint.name, joint.velocity, "q"]
-        expected = (joint.noise, joint.quantum, joint.gain_velocity, joint.gain_acceleration)
-        assert [float(cell) for cell in cells[3:7]] == pytest.approx(expected, rel=0.05)
-        assert [float(cell) for cell in cells[7:]] == pytest.approx(
-            (joint.std_velocity, joint.std_acceleration), rel=0.05
-        )
+        assert [float(cell) for cell in cells[3:]] == pytest.approx((joint.noise, joint.quantum, joint.std), rel=0.05)
     assert "error (95 %)" in section(text, "What makes the peaks")[1]
 
 

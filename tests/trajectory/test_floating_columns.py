@@ -83,7 +83,7 @@ def test_implied_deviation_of_body_rates() -> None:
     runs = [read(columns(time, Q + 1e-5 * rng.normal(size=Q.shape)), "spline") for _ in range(30)]
     spread = np.sqrt(np.stack([run.qdd[:, :3] for run in runs])[:, 100:-100].var(axis=0, ddof=1).mean())
     assert runs[0].derivation is not None
-    assert 0.8 < runs[0].derivation.joints[0].std_acceleration / spread < 1.25
+    assert 0.8 < runs[0].derivation.joints[0].std / spread < 1.25
 
 
 def test_given_rates_are_kept_and_only_the_rest_derived() -> None:

@@ -1,0 +1,56 @@
+"""How often error bars of derived accelerations cover the truth, by class of motion, and how wide they are."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from markdown_tables import table as markdown
+from motion_classes import JUDGED, NOISES, Motion, table
+
+from robodyn.trajectory.columns import Signal, Signals
+from robodyn.trajectory.read import from_arrays
+
+ONE = Signals((Signal("a", "angle"),))
+RATES = (50, 200, 1000)
+SEEDS = range(500, 510)
+
+
+class Held(NamedTuple):
+    """Whether the bar of the peak holds, the share of rows whose bars do; of the peak the bar's width and the error."""
+
+    peak: bool
+    rows: float
+    width: float
+    error: float
+
+
+def held(motion: Motion, noise: str, rate: float, seed: int) -> Held:
+    """One joint of unit inertia, whose peak is where most of the acceleration is sure, as in a report."""
+    time, q, (_, _, qdd) = table(motion, noise, rate, seed)
+    found = from_arrays(ONE, time, q[:, None])
+    assert found.sampling is not None
+    value, bar, size = found.qdd[:, 0], found.sampling.off[:, 0] + 1e-9 * np.abs(qdd).max(), np.abs(qdd).max()
+    off, peak = np.abs(value - qdd), int(np.argmax(np.abs(value) - bar))
+    return Held(
+        bool(off[peak] <= bar[peak]), float(np.mean(off <= bar)), float(bar[peak] / size), float(off[peak] / size)
+    )
+
+
+def coverage_table() -> str:
+    """Coverage of the classes that nothing was tuned on."""
+    rows = []
+    for name, motion in JUDGED.items():
+        cells = {noise: [held(motion, noise, rate, seed) for rate in RATES for seed in SEEDS] for noise in NOISES}
+        every = [case for cases in cells.values() for case in cases]
+        shares = [f"{100 * np.mean([case.peak for case in cases]):.0f} %" for cases in cells.values()]
+        width, error = (100 * np.median([getattr(case, part) for case in every]) for part in ("width", "error"))
+        rows.append(
+            (name, *shares, f"{100 * np.mean([case.rows for case in every]):.0f} %", f"{width:.1g} %", f"{error:.1g} %")
+        )
+    head = ("motion", *NOISES, "all rows", "bar", "error")
+    return markdown(head, rows, left=(0,))
+
+
+if __name__ == "__main__":
+    print(coverage_table())
