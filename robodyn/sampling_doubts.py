@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from robodyn.doubts import TOO_FEW, Doubt
 from robodyn.result import EnergyBalance, JointLoad
 from robodyn.spatial import length
-from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.sampling import FEW
+from robodyn.trajectory.motion import FEW, Trajectory
 from robodyn.wording import count, figure, shown
 
 Floats = NDArray[np.float64]

@@ -127,12 +127,6 @@ def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
         raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
 
 
-def samples_needed(groups: Sequence[Group]) -> int:
-    """Samples without which the derivatives mean nothing: one more than the highest derivative."""
-    orders = [2 if group.acceleration and group.source == "q" else 1 for group in groups]
-    return 1 + max(orders, default=0)
-
-
 def _raw(group: Group, samples: Trajectory) -> FloatArray:
     values: FloatArray = getattr(samples, group.source)
     return values[:, group.rows]

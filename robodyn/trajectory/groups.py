@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,6 +29,12 @@ class Group:
     rows: tuple[int, ...]
     velocity: Targets
     acceleration: Targets
+
+
+def samples_needed(groups: Sequence[Group]) -> int:
+    """Samples without which the derivatives mean nothing: one more than the highest derivative."""
+    orders = [2 if group.acceleration and group.source == "q" else 1 for group in groups]
+    return 1 + max(orders, default=0)
 
 
 def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[str, ...]]:

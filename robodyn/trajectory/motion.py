@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from robodyn.doubts import Doubt
 from robodyn.trajectory.table import FloatArray
 
+FEW = 24
+"""Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
+
 
 @dataclass(frozen=True)
 class JointDerivation:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,16 +15,17 @@ from robodyn.doubts import Doubt
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.assemble import Assembly, cut
 from robodyn.trajectory.columns import Signals
-from robodyn.trajectory.derive import Plan, derive, plan, samples_needed
-from robodyn.trajectory.groups import missing
+from robodyn.trajectory.groups import missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.neighbours import with_neighbours
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
-from robodyn.trajectory.sampling import sampling
 from robodyn.trajectory.table import Table, reason
+
+if TYPE_CHECKING:
+    from robodyn.trajectory.derive import Plan
 
 BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
@@ -102,6 +104,8 @@ class TrajectoryReader:
 
     def _blocks(self) -> Iterator[Trajectory]:
         if self._groups:
+            from robodyn.trajectory.derive import plan
+
             self._plan = plan(self._groups, self._pieces(), self._mode)
             self._remember(self._plan.notes)
         halo = self._plan.halo if self._plan else 0
@@ -118,6 +122,9 @@ class TrajectoryReader:
     @staticmethod
     def _derived(samples: Trajectory, plan: Plan, start: int, stop: int) -> Trajectory:
         """Return the samples from start to stop with the missing columns, and how far they can be trusted."""
+        from robodyn.trajectory.derive import derive
+        from robodyn.trajectory.sampling import sampling
+
         whole, noise, off = derive(samples, plan)
         return replace(cut(whole, start, stop), sampling=sampling(whole, plan, noise, off, slice(start, stop)))
 

@@ -6,11 +6,8 @@ import numpy as np
 
 from robodyn.trajectory.derive import Plan, straight
 from robodyn.trajectory.estimates import NOISY
-from robodyn.trajectory.motion import Sampling, Trajectory
+from robodyn.trajectory.motion import FEW, Sampling, Trajectory
 from robodyn.trajectory.table import FloatArray
-
-FEW = 24
-"""Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
 
 
 def sampling(samples: Trajectory, plan: Plan, noise: FloatArray, off: FloatArray, rows: slice) -> Sampling:
