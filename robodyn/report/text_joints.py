@@ -9,7 +9,8 @@ from robodyn.report.table import Content, is_noise, number
 from robodyn.result import JointLoad, Result
 from robodyn.trajectory.motion import Derivation
 
-_COUNTS = 1e-3
+_KNOWN = 1e-6
+"""Of a peak: an error bar that is smaller is left out."""
 
 
 def share_table(result: Result) -> Content:
@@ -33,9 +34,8 @@ def share_table(result: Result) -> Content:
 
 
 def _bar(joint: JointLoad) -> str:
-    """Return the error bar of a peak; 0 if it is below a thousandth and not from noise."""
-    counts = joint.uncertainty or joint.error_bar > _COUNTS * abs(joint.peak)
-    return f"{joint.error_bar:.2g}" if counts else "0"
+    """Return the error bar of a peak; 0 if it is known to a millionth."""
+    return f"{joint.error_bar:.2g}" if joint.error_bar > _KNOWN * abs(joint.peak) else "0"
 
 
 def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
