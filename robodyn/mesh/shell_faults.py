@@ -15,7 +15,7 @@ _PAIRS = 16
 """Pairs of shells that are tried for what they share."""
 _BODIES = 16
 """Bodies in which an inward shell may be a cavity; where more are around it, it is not judged."""
-_POINTS = 8
+_POINTS = 16
 """Points of a shell that are tried."""
 _FLAT = 1e-9
 """Volume over that of the box below which a shell has no inside."""
@@ -120,7 +120,7 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
     if len(near) > _POINTS:
         rows = near % len(shell)
         area = (np.cross(b[rows] - a[rows], c[rows] - a[rows]) ** 2).sum(axis=1)
-        near = near[np.argsort(-area, kind="stable")[:_POINTS]]
+        near = near[np.lexsort((-area, near // len(shell)))[:_POINTS]]
     chosen: Floats = points[near]
     return chosen
 

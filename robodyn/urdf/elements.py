@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from robodyn.urdf.places import Places, Span
 
 _TAG = re.compile(rb"<[^ \t\r\n/>]+")
-_ATTRIBUTE = re.compile(rb"""[ \t\r\n]+([^ \t\r\n=]+)[ \t\r\n]*=[ \t\r\n]*("[^"]*"|'[^']*')""")
+_ATTRIBUTE = re.compile(rb"""[ \t\r\n]+([^ \t\r\n=>/]+)[ \t\r\n]*=[ \t\r\n]*("[^"]*"|'[^']*')""")
 _TAG_END = re.compile(rb"[ \t\r\n]*/?>")
 
 

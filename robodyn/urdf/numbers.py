@@ -19,6 +19,9 @@ class NumbersError(ValueError):
 _UNBOUNDED = frozenset({"limit", "safety_controller"})
 """Elements in which files write the largest float for no limit at all."""
 
+_DIRECTIONS = frozenset({"axis"})
+"""Elements whose numbers are made to a unit vector, so that small ones count."""
+
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
     """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.magnitude` has.
@@ -50,7 +53,7 @@ def _settled(number: float, text: str, tag: str) -> float:
         raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
     if abs(number) > LARGEST and tag not in _UNBOUNDED:
         raise NumbersError(f"is too large: {shown(text)}", f"nothing of a robot exceeds {LARGEST:g} in SI units")
-    return number if abs(number) >= SMALLEST else 0.0
+    return number if abs(number) >= SMALLEST or tag in _DIRECTIONS else 0.0
 
 
 def _not_numbers(text: str) -> NumbersError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
+import os
 from pathlib import Path
 
 import pytest
@@ -207,7 +207,7 @@ def test_unreadable_file(failure: Exception, words: str, tmp_path: Path, monkeyp
     def refuse(*arguments: object) -> None:
         raise failure
 
-    monkeypatch.setattr(builtins, "open", refuse)
+    monkeypatch.setattr(os, "open", refuse)
     with pytest.raises(DescriptionError) as caught:
         load_description(f"{tmp_path}/a.urdf")
     check(caught.value, f"{tmp_path}/a.urdf", None, (words,))
