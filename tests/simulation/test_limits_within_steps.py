@@ -14,6 +14,7 @@ from small_robots import built, joint, link
 
 import robodyn
 from robodyn.accuracy import effort
+from robodyn.accuracy.near_limits import graze
 from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import InputError
 from robodyn.scene import Drive, Scene
@@ -171,6 +172,14 @@ def test_a_limit_that_no_digits_can_tell_is_refused(monkeypatch):
     monkeypatch.setattr(effort, "ALLOWED", 2.0)
     with pytest.raises(InputError, match=r'"j1" (misses|passes) its lower limit of -0.5 rad by .*e-1\d rad, at 2.0'):
         simulate_within(hanging(-0.5, 1.0), Scene(initial_q={"j1": -0.5}), 3.0, 1e-2)
+
+
+def test_how_far_a_joint_would_go_on_beyond_its_limit():
+    """Thrown up to 9.1 m below a limit of 9 m, a slide would rise by 0.1 m more."""
+    found = robodyn.simulate(slide(axis=(0, 0, 1)), Scene(initial_qd={"j1": np.sqrt(2 * 9.81 * 9.1)}), 2.0)
+    near = graze(found)
+    assert (near.stop.value, near.time) == (9.0, found.time[-1])
+    assert near.depth == pytest.approx(0.1, rel=1e-9)
 
 
 SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 60)]
