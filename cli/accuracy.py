@@ -13,7 +13,7 @@ from robodyn.cli.screen import page, show
 from robodyn.report.json_accuracy import accuracy_json
 from robodyn.report.plotting import form_of, rendered
 from robodyn.report.text_accuracy import accuracy_text
-from robodyn.whole_file import write_whole
+from robodyn.support.files import write_whole
 
 
 @click.command("accuracy", short_help="What each further digit costs in time.")

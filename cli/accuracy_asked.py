@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from robodyn.accuracy.torques_within import Arithmetic, arithmetic_within
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.reading_options import reading
 from robodyn.errors import InputError
-from robodyn.model import Model
-from robodyn.motion_input import read_motion
-from robodyn.scene import Scene
+from robodyn.measure.accuracy.torques_within import Arithmetic, arithmetic_within
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.trajectory.robot_motion import read_motion
 
 
 def arithmetic_for(target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import click
 
-from robodyn.accuracy.ladder import Accuracy
 from robodyn.cli.files import check_table, robot_in_scene
 from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
 from robodyn.cli.reading_options import given, reading
+from robodyn.measure.accuracy.ladder import Accuracy
 
 
 def accuracy_of(
@@ -41,14 +41,14 @@ def accuracy_of(
 
 
 def _of_mesh(mesh: str) -> Accuracy:
-    from robodyn.accuracy.mesh_ladder import mesh_accuracy
-    from robodyn.mesh.load import load_triangles
+    from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
+    from robodyn.solids.mesh.load import load_triangles
 
     return mesh_accuracy(load_triangles(mesh))
 
 
 def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vector | None) -> Accuracy:
-    from robodyn.accuracy.torque_ladder import file_accuracy
+    from robodyn.measure.accuracy.torque_ladder import file_accuracy
 
     return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory, **reading())
 
@@ -56,7 +56,7 @@ def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vec
 def _of_motion(
     urdf: str, scene_file: str, gravity: Vector | None, duration: float | None, table: str | None
 ) -> Accuracy:
-    from robodyn.accuracy.simulation_ladder import simulation_accuracy
+    from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy
 
     model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
     check_table(table, scene, scene_file)

@@ -12,7 +12,7 @@ from robodyn.cli.progress import robots_done
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
 from robodyn.report.fixes_check import check_diff, fix_lines
-from robodyn.whole_file import write_whole
+from robodyn.support.files import write_whole
 
 
 def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:

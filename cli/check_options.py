@@ -9,7 +9,7 @@ import click
 
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.options import DESCRIPTION, PATH, lookup
-from robodyn.urdf.sources import is_xacro
+from robodyn.robot.urdf.sources import is_xacro
 
 
 class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]

@@ -16,7 +16,7 @@ from robodyn.report.junit_check import check_junit
 from robodyn.report.sarif_check import check_sarif
 from robodyn.report.statistics_check import check_statistics
 from robodyn.report.text_check import check_text
-from robodyn.urdf.sources import EXPANDED
+from robodyn.robot.urdf.packages import EXPANDED
 
 
 def report(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:

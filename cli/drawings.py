@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 
 from robodyn.errors import InputError
-from robodyn.whole_file import write_whole
+from robodyn.support.files import write_whole
 
 _REMEDY = "name another folder"
 

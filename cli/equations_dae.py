@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from robodyn.cli.screen import page
-from robodyn.maximal.dae import dae
-from robodyn.model import Model
+from robodyn.equations.dae.dae import dae
 from robodyn.report.json_dae import dae_json
 from robodyn.report.latex_dae import dae_latex
 from robodyn.report.text_dae import dae_text
-from robodyn.scene import Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 
 
 def dae_report(model: Model, scene: Scene, at: Any, qd: Any, tau: Any, output: str) -> str:

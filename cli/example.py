@@ -8,8 +8,8 @@ import click
 
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.errors import InputError
-from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 
 
 def write_example(path: str, model: Model, scene: Scene) -> None:
@@ -18,7 +18,7 @@ def write_example(path: str, model: Model, scene: Scene) -> None:
     Raises:
         InputError: the file is there, or cannot be written.
     """
-    from robodyn.example_motion import example_motion, overloaded
+    from robodyn.loads.example_motion import example_motion, overloaded
     from robodyn.trajectory.write import open_writer
 
     if path == STANDARD_INPUT or os.path.lexists(path):

@@ -14,7 +14,7 @@ import click
 from robodyn.cli.screen import discard_output
 from robodyn.errors import RobodynError
 from robodyn.report.table import printable
-from robodyn.wording import alternatives
+from robodyn.support.wording import alternatives
 
 
 @contextmanager

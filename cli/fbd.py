@@ -12,7 +12,7 @@ from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.reading_options import READING
 from robodyn.cli.screen import page, show
-from robodyn.free_body.bodies import free_bodies
+from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.report.json_free_body import free_bodies_json
 from robodyn.report.text_free_body import free_bodies_text
 

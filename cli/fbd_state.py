@@ -9,11 +9,11 @@ import click
 
 from robodyn.cli.options import PATH, AtType
 from robodyn.cli.reading_options import given, reading
-from robodyn.model import Model
-from robodyn.motion_input import read_motion
-from robodyn.robot_inertia.configuration import configuration, rates
-from robodyn.scene import Scene
+from robodyn.robot.configuration import configuration, rates
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.at_time import row_at
+from robodyn.trajectory.robot_motion import read_motion
 
 Callback = Callable[..., Any]
 

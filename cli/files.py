@@ -13,9 +13,9 @@ from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
 from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
-    from robodyn.model import Model
-    from robodyn.scene import Scene
-    from robodyn.urdf.description import Description
+    from robodyn.robot.model import Model
+    from robodyn.robot.urdf.description import Description
+    from robodyn.scene.scene import Scene
 
 STANDARD_INPUT = "-"
 ROBOT, TABLE, SCENE_FILE = "a robot description", "a table", "a scene"
@@ -37,9 +37,9 @@ def robot_in_scene(
         base_held: whether something carries the base, as the scene may say too.
         loops: whether the scene may close some.
     """
-    from robodyn.assemble import load
-    from robodyn.scene import DEFAULT
-    from robodyn.scene_fit import check_scene, known, refuse_loops
+    from robodyn.robot.assemble import load
+    from robodyn.scene.fit import check_scene, known, refuse_loops
+    from robodyn.scene.scene import DEFAULT
 
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene.changed(gravity, held=base_held)
@@ -66,7 +66,7 @@ def check_table(table: str | None, scene: Scene, scene_file: str | None) -> None
 
 def described(urdf: str) -> Description:
     """The description in a URDF or xacro file."""
-    from robodyn.urdf.description import load_description
+    from robodyn.robot.urdf.description import load_description
 
     return load_description(robot_source(urdf), **lookup())
 
@@ -99,7 +99,7 @@ def check_names(inputs: list[str | None], output: str | None) -> None:
 
 
 def _scene(path: str) -> Scene:
-    from robodyn.scene_file import load_scene, parse_scene
+    from robodyn.scene.read import load_scene, parse_scene
 
     expect(SCENE_FILE, path)
     return parse_scene(_bytes(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)

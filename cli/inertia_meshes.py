@@ -8,7 +8,6 @@ from typing import Any
 
 import click
 
-from robodyn.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
@@ -16,12 +15,13 @@ from robodyn.cli.meter import metered
 from robodyn.cli.reports import reported
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError, MeshError
-from robodyn.inertia.composite import Pose
-from robodyn.inertia.urdf_text import inertial_element
-from robodyn.inertia.view import View
-from robodyn.part import Floats, Part, mass_properties
+from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.report.json_inertia import inertia_json
 from robodyn.report.text_inertia import inertia_text
+from robodyn.solids.inertia.properties import Pose
+from robodyn.solids.inertia.urdf_text import inertial_element
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Floats, Part, mass_properties
 
 
 def meshes(
@@ -75,7 +75,7 @@ def _shapes(
     files: Sequence[str], outcomes: Sequence[Part | MeshError], how: dict[str, Any], pictures: bool
 ) -> list[Floats | None]:
     """The triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
-    from robodyn.mesh.load import load_triangles
+    from robodyn.solids.mesh.load import load_triangles
 
     units = one_each(how["unit"], files, "--unit")
     found: list[Floats | None] = []
@@ -133,9 +133,9 @@ def _combined(
     report: str | None,
     shapes: Callable[[bool], list[Floats | None]] | None,
 ) -> None:
-    from robodyn.combination import combined
     from robodyn.report.json_composite import combination_json
     from robodyn.report.text_composite import combination_text
+    from robodyn.solids.composite_mass import combined
 
     found, written = combined(parts, places, mass), ""
     if shapes:

@@ -12,8 +12,8 @@ from click.core import ParameterSource
 
 from robodyn.cli.options import DESCRIPTION, POSITIVE, AtType, PointType, VectorType, finite_numbers
 from robodyn.errors import InputError
-from robodyn.inertia.composite import Pose
-from robodyn.spatial import rotation_from_rpy
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.solids.inertia.properties import Pose
 
 Callback = Callable[..., Any]
 T = TypeVar("T")

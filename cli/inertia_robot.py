@@ -12,18 +12,18 @@ from robodyn.cli.inertia_options import check_use, one_each
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import pictured, write_report
 from robodyn.cli.screen import page, show
-from robodyn.inertia.urdf_text import inertial_element
-from robodyn.inertia.view import View
 from robodyn.report.json_comparison import comparison_json
 from robodyn.report.json_composite import link_json, link_shapes_json, robot_json
 from robodyn.report.text_comparison import comparison_text
 from robodyn.report.text_composite import link_shapes_text, link_text, robot_text
-from robodyn.robot_inertia.compare import compare
-from robodyn.robot_inertia.declared import link_inertia, robot_inertia
-from robodyn.robot_inertia.from_shapes import link_from_shapes
-from robodyn.robot_inertia.measured import How, Reading
-from robodyn.urdf.description import Description
-from robodyn.urdf.geometry import Kind
+from robodyn.robot.masses.compare import compare
+from robodyn.robot.masses.declared import link_inertia, robot_inertia
+from robodyn.robot.masses.from_shapes import link_from_shapes
+from robodyn.robot.masses.measured import How, Reading
+from robodyn.robot.urdf.description import Description
+from robodyn.robot.urdf.geometry import Kind
+from robodyn.solids.inertia.urdf_text import inertial_element
+from robodyn.solids.inertia.view import View
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

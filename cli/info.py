@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
+from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
 from robodyn.cli.screen import page, show
-from robodyn.overview import overview
 from robodyn.report.json_overview import overview_json
 from robodyn.report.text_overview import overview_text
 

@@ -12,7 +12,7 @@ import click
 
 from robodyn.cli.failures import reported
 from robodyn.errors import RobodynWarning
-from robodyn.wording import alternatives
+from robodyn.support.wording import alternatives
 
 COMMANDS = (
     *("torques", "simulate", "inertia", "check", "fbd", "equations"),

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from robodyn.cli.progress import bar_of_meshes, bytes_of, worth_a_bar
-from robodyn.mesh.one_shell import readings
-from robodyn.mesh.stl_binary import RECORD
+from robodyn.solids.mesh.one_shell import readings
+from robodyn.solids.mesh.stl_binary import RECORD
 
 _MOST, _OVERDUE = 0.99, 1.02
 _STEPS = 1000

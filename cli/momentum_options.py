@@ -10,7 +10,7 @@ import click
 from robodyn.cli.options import PointType
 
 if TYPE_CHECKING:
-    from robodyn.momentum import View
+    from robodyn.dynamics.momenta import View
 
 Callback = Callable[..., Any]
 
@@ -27,7 +27,7 @@ def momentum_view(how: dict[str, Any]) -> View | None:
     """How momenta are asked for, taken out of the values of the options; None if they are not."""
     wanted, about, frame = (how.pop(name) for name in ("momentum", "about", "frame"))
     if wanted:
-        from robodyn.momentum import GROUND, View
+        from robodyn.dynamics.momenta import GROUND, View
 
         return View("origin" if about is None else about, GROUND if frame is None else frame)
     for name, value in (("--about", about), ("--frame", frame)):

@@ -12,7 +12,7 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from robodyn.scene import Payload
+    from robodyn.scene.scene import Payload
 
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
@@ -179,7 +179,7 @@ class PayloadType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
     name = "payload"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from robodyn.scene import Payload
+        from robodyn.scene.scene import Payload
 
         if isinstance(value, Payload):
             return value
@@ -214,7 +214,7 @@ FORMAT = click.option(
 
 def EXECUTION(command: Callback) -> Callback:
     """The options --executor and --threads."""
-    from robodyn.execute.choice import EXECUTORS
+    from robodyn.programs.run.choice import EXECUTORS
 
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
     threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import click
 
 from robodyn.cli.options import PlaceType
-from robodyn.input_file import read_input
+from robodyn.support.input_file import read_input
 from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.units import AngleUnit, TimeUnit
 

@@ -100,7 +100,7 @@ def write_report(path: str, document: Any) -> str:
     import shlex
     from dataclasses import replace
 
-    from robodyn.whole_file import write_whole
+    from robodyn.support.files import write_whole
 
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
     if form_of(path) == "html":
@@ -120,7 +120,7 @@ def versions() -> tuple[str, ...]:
     """Of robodyn, of Python, and of the libraries that this process has loaded."""
     import platform
 
-    from robodyn.installed import version_of
+    from robodyn.support.libraries import version_of
 
     used = [name for name in _LIBRARIES if name in sys.modules]
     system = f"{platform.system()} on {platform.machine()}"

@@ -9,7 +9,7 @@ from robodyn.checks.find_rules import found_by, instead_of
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
 from robodyn.report.text_check_rules import rules_text
-from robodyn.wording import shown
+from robodyn.support.wording import shown
 
 
 @click.command("rule", short_help="Explain the rules of check.")

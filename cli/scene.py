@@ -6,13 +6,13 @@ import os
 
 import click
 
-from robodyn.assemble import load
 from robodyn.cli.files import robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, lookup
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
-from robodyn.whole_file import write_whole
+from robodyn.robot.assemble import load
+from robodyn.support.files import write_whole
 
 
 @click.group("scene", short_help="Begin a file on what surrounds a robot.", invoke_without_command=True)

@@ -11,10 +11,10 @@ from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SC
 from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
-from robodyn.execute.choice import EXECUTORS
+from robodyn.dynamics.initial_state import begun_at
+from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.json_simulation import simulation_json
 from robodyn.report.text_simulation import simulation_text
-from robodyn.simulation.initial import begun_at
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table
@@ -83,7 +83,7 @@ def command(
     if accuracy is None:
         result = simulate(model, scene, duration, table=rows, step=step, rtol=rtol, method=method, executor=executor)
     else:
-        from robodyn.accuracy.simulate_within import simulate_within
+        from robodyn.measure.accuracy.simulate_within import simulate_within
 
         if step or rtol or method:
             raise click.UsageError("--accuracy chooses method, step and tolerance", click.get_current_context())

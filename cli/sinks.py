@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 from robodyn.cli.progress import watched
-from robodyn.loads import Sink
-from robodyn.overlap import behind
+from robodyn.loads.torques import Sink
+from robodyn.support.read_ahead import behind
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.write import open_writer
 

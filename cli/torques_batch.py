@@ -11,10 +11,9 @@ from typing import Any
 
 import click
 
-from robodyn.batch.jobs import Job, jobs_of
-from robodyn.batch.processes import worked_here
-from robodyn.batch.setup import Setup
-from robodyn.batch_result import Batch, Outcome
+from robodyn.cli.batch.jobs import Job, jobs_of
+from robodyn.cli.batch.processes import worked_here
+from robodyn.cli.batch.setup import Setup
 from robodyn.cli.batch_progress import files_done
 from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
@@ -22,12 +21,13 @@ from robodyn.cli.options import payloads
 from robodyn.cli.reading_options import reading
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
-from robodyn.execute.llvm.machine import compiler
-from robodyn.input_file import read_input
+from robodyn.loads.many import Batch, Outcome
+from robodyn.programs.run.llvm.machine import compiler
 from robodyn.report.json_batch import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
-from robodyn.workers import processes
+from robodyn.support.input_file import read_input
+from robodyn.support.workers import processes
 
 
 def run_batch(
@@ -91,7 +91,7 @@ def _packed(path: str) -> bytes:
 def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     import logging
 
-    from robodyn.batch.cluster import worked_there
+    from robodyn.cli.batch.cluster import worked_there
 
     with suppress(ImportError):  # which is told there; an import sets the levels of its own loggers
         import_module("distributed")

@@ -10,10 +10,10 @@ from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import drawing, pictured, reported
 from robodyn.cli.screen import page, show
 from robodyn.cli.sinks import sinks
-from robodyn.loads import torques
-from robodyn.motion_input import read_motion
-from robodyn.one_pass import output_names
-from robodyn.result import Result
+from robodyn.loads.accumulate import output_names
+from robodyn.loads.result import Result
+from robodyn.loads.torques import torques
+from robodyn.trajectory.robot_motion import read_motion
 
 
 def run_single(

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.spatial import cos, exp, sign, sin
-from robodyn.trace.program import trace
+from robodyn.programs.program import trace
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 WIDTHS = {"a": 3, "b": 2, "unread": 4}
 

@@ -10,10 +10,10 @@ import numpy as np
 import polars as pl
 from command_line import ARM, Outcome, run
 
-from robodyn.batch.jobs import Job
-from robodyn.batch.setup import Setup
-from robodyn.batch.work import run_job
-from robodyn.batch_result import Outcome as Result
+from robodyn.cli.batch.jobs import Job
+from robodyn.cli.batch.setup import Setup
+from robodyn.cli.batch.work import run_job
+from robodyn.loads.many import Outcome as Result
 
 NAMES = ("one", "two", "three")
 

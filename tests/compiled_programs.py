@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.llvm.machine import compiler
-from robodyn.trace.program import trace
+from robodyn.programs.program import trace
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.llvm.machine import compiler
 
 needs_compiler = pytest.mark.skipif(compiler().problem is not None, reason=str(compiler().problem))
 

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
 
 
 class Executor(NamedTuple):

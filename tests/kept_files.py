@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robodyn.execute.object_cache import Key
+from robodyn.support.cache import Key
 
 KEY, OTHER = Key("a program", "a machine"), Key("another program", "a machine")
 CONTENT = bytes(range(256)) * 20

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from robodyn.inertia.exact import exact
-from robodyn.inertia.properties import MassProperties
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.properties import MassProperties
 
 
 @dataclass(frozen=True)

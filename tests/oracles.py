@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from robodyn.assemble import load
-from robodyn.inverse import runner_of
-from robodyn.scene import Friction, Scene
+from robodyn.dynamics.inverse import runner_of
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Friction, Scene
 
 REFERENCE = Path(__file__).parent / "data" / "reference"
 ROBOTS = Path(__file__).parent.parent / "robots"

@@ -14,8 +14,8 @@ from simulated_robots import pendulum, slide
 from small_robots import built, joint, link, random_tree
 
 from robodyn import forward_dynamics
-from robodyn.model import Model
-from robodyn.scene import Drive, Friction, Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Drive, Friction, Scene
 
 G = 9.81
 Rates = Callable[[Any, Any], list[Any]]

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from robodyn.spatial import rotation_about
+from robodyn.programs.vectors import rotation_about
 
 GOLDEN = (1 + 5**0.5) / 2
 X, Z = np.eye(3)[0], np.eye(3)[2]

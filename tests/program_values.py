@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 
-from robodyn.trace.scalar import CONSTANT, INPUT
+from robodyn.programs.scalar import CONSTANT, INPUT
 
 OPERATIONS = {
     "add": operator.add,

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from hypothesis import strategies as st
 
-from robodyn.spatial import cos, exp, sign, sin
-from robodyn.trace.program import Program, trace
-from robodyn.trace.scalar import Traced
+from robodyn.programs.program import Program, trace
+from robodyn.programs.scalar import Traced
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 OPERATIONS = [*3 * ["add", "sub", "mul"], "div", "div", "neg", "sqrt", "sin", "cos", "sign", "exp"]
 """Each as often as it is drawn."""

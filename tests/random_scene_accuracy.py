@@ -22,10 +22,10 @@ from plain_dynamics import (
 )
 from random_scenes import momentum_of, passing_of, pushed_slide
 
-from robodyn.accuracy import effort
-from robodyn.accuracy.motion_error import MotionError
-from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import InputError
+from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy.motion_error import MotionError
+from robodyn.measure.accuracy.simulate_within import simulate_within
 
 PAGE = Path(__file__).parents[1] / "docs" / "simulated_accuracy.md"
 SEED = 2027

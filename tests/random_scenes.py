@@ -13,8 +13,8 @@ from scipy.optimize import brentq
 from simulated_robots import slide
 from small_robots import built, joint, link
 
-from robodyn.model import Model
-from robodyn.scene import Drive, Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Drive, Scene
 
 Floats = NDArray[np.float64]
 

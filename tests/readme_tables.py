@@ -17,8 +17,8 @@ from oracles import robot
 from robot_catalogue import robots_table
 
 from robodyn.checks.catalogue import RULES
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.scene import Scene
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.scene.scene import Scene
 
 TIMED = {
     "speed": "bench_executors",

@@ -8,9 +8,9 @@ import numpy as np
 from round_shapes import Round
 from tessellation_errors import estimated
 
-from robodyn.inertia.second import inertia_matrix
-from robodyn.mesh.integrals import Integrals
-from robodyn.mesh.tessellation import Bars
+from robodyn.solids.inertia.second import inertia_matrix
+from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.tessellation import Bars
 
 MEASURES = "volume", "inertia", "centre"
 EPS = 1e-9

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from mpmath import isfinite, isnan
 
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.trace.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 
 DIGITS = 60
 ROUNDED, ELEMENTARY = {ADD, SUB, MUL, DIV, SQRT}, {SIN, COS, EXP}

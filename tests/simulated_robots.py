@@ -6,7 +6,7 @@ from functools import cache
 
 from small_robots import built, joint, link, random_tree
 
-from robodyn.scene import Drive, Friction, Scene
+from robodyn.scene.scene import Drive, Friction, Scene
 
 POINT = (1.0, (0, 0, -1))
 

@@ -6,11 +6,11 @@ import numpy as np
 from oracles import random_state
 from small_robots import body_numbers, built, chain, joint, link
 
-from robodyn.dynamics.dual import Dual
-from robodyn.maximal.dae import dae_at
-from robodyn.maximal.state import STILL, Place, Speed, State
-from robodyn.scene import DEFAULT, Loop, Scene
-from robodyn.spatial import rotation_about, skew
+from robodyn.equations.dae.dae import dae_at
+from robodyn.equations.dae.state import STILL, Place, Speed, State
+from robodyn.programs.dual import Dual
+from robodyn.programs.vectors import rotation_about, skew
+from robodyn.scene.scene import DEFAULT, Loop, Scene
 
 
 def turned(rng, most=3.0):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import mesh_samples as samples
 import numpy as np
 
-from robodyn.mesh.asymmetry import CentredBody
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.mesh.symmetry import symmetry
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.symmetry import symmetry
 
 
 def found(corners, **options):

@@ -11,10 +11,10 @@ from mesh_oracle import rotation
 from smooth_solids import solids
 from symmetric_bodies import extrusion, found
 
-from robodyn.mesh.asymmetry import CentredBody
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.mesh.symmetry_kinds import Symmetry
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.symmetry_kinds import Symmetry
 
 ROUND = ["cylinder", "thin disc", "tube", "capsule", "ball", "rounded disc", "pulley", "torus", "fat torus"]
 PLANES = dict.fromkeys(ROUND, "xyz") | {

@@ -10,11 +10,11 @@ import numpy as np
 from mesh_oracle import rotation
 from smooth_solids import Solid, solids
 
-from robodyn.mesh.asymmetry import CentredBody
-from robodyn.mesh.integrals import Integrals
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.mesh.tessellation import Tessellation, tessellation
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.tessellation import Tessellation, tessellation
 
 
 @dataclass(frozen=True)

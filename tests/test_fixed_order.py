@@ -7,23 +7,30 @@ import ast
 from test_layers import MODULES
 
 ANY_SCALAR = (
-    *("dynamics", "effects", "momentum", "self_checks", "accelerations", "spatial", "robot_inertia.configuration"),
-    *("loops.closure", "loops.closed_chain", "maximal.equations", "maximal.state", "maximal.system"),
-    *("maximal.reactions", "maximal.closed", "simulation.equations", "simulation.free"),
+    *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.accelerations"),
+    *("programs.vectors", "programs.dual", "robot.kinematics", "robot.poses", "robot.configuration"),
+    *(
+        "dynamics.loops.closure",
+        "dynamics.loops.closed_chain",
+        "equations.dae.equations",
+        "equations.dae.state",
+        "equations.dae.system",
+    ),
+    *("equations.dae.reactions", "equations.dae.closed", "simulation.equations", "simulation.free"),
 )
 """Parts that say `A @ B` of objects, which NumPy multiplies in order."""
 NO_DIGITS = {
-    "accuracy.operations": "counts",
-    "bench": "times",
-    "forward": "a check by other means, and the name of a joint",
-    "maximal.counts": "ranks",
-    "mesh.kernel": "bounds, which are rounded",
-    "mesh.scenes": "a sign",
+    "measure.accuracy.operations": "counts",
+    "measure.speed": "times",
+    "dynamics.forward": "a check by other means, and the name of a joint",
+    "equations.dae.counts": "ranks",
+    "solids.mesh.kernel": "bounds, which are rounded",
+    "solids.mesh.scenes": "a sign",
     "simulation.loop_figures": "a rank",
-    "simulation.necessary": "a rank",
+    "dynamics.loops.necessary": "a rank",
     "simulation.singular": "ranks, and times to four digits",
     "simulation.stiffness": "steps of 1, 2 and 5",
-    "urdf.visuals": "pictures",
+    "report.pictures.visuals": "pictures",
 }
 """Parts that may use them, and what for."""
 LINEAR_ALGEBRA = {"solve", "inv", "pinv", "lstsq", "svd", "qr", "eig", "eigh", "eigvals", "eigvalsh", "cholesky", "det"}

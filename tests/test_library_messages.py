@@ -11,10 +11,10 @@ import pytest
 from command_line import ROBOTS
 from mesh_files import dae
 
-from robodyn.library_messages import heard, treated_warnings
-from robodyn.mesh.load import load_triangles
-from robodyn.urdf.description import load_description
-from robodyn.urdf.visuals import _of_meshes
+from robodyn.report.pictures.visuals import _of_meshes
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.support.library_messages import heard, treated_warnings
 
 NAME = "robodyn.tests.library"
 

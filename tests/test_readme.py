@@ -12,7 +12,7 @@ from readme_examples import ELSEWHERE, ROOT, blocks, commands, regenerated, same
 from readme_tables import TIMED, steady_tables
 
 from robodyn.errors import SceneError
-from robodyn.scene_file import parse_scene
+from robodyn.scene.read import parse_scene
 
 TEXT = README.read_text(encoding="utf-8")
 ADVICE = "run: python tests/make_readme.py"

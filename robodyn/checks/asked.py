@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robodyn.errors import InputError
-from robodyn.wording import alternatives, shown
+from robodyn.support.wording import alternatives, shown
 
 TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
 """The programs whose verdict is known; see `robodyn.checks.consumers`."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from robodyn.checks.reading import unexpanded
-from robodyn.urdf.elements import Element
-from robodyn.urdf.numbers import NumbersError, parse_numbers
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.numbers import NumbersError, parse_numbers
+from robodyn.robot.urdf.source_positions import Span
 
 _LONGEST = 2000
 """Characters of the longest attribute that is read as numbers."""

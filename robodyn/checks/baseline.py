@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from robodyn.checks.identity import Identity, identity
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
-from robodyn.input_file import read_input
-from robodyn.whole_file import write_whole
+from robodyn.support.files import write_whole
+from robodyn.support.input_file import read_input
 
 VERSION = 1
 

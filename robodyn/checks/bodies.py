@@ -12,10 +12,10 @@ from robodyn.checks.context import Context
 from robodyn.checks.frames import Pose, link_poses, pose
 from robodyn.checks.shapes import box_of, group_boxes, real_shapes, solids
 from robodyn.checks.view import InertialView, LinkView
-from robodyn.inertia.boxes import Box
-from robodyn.inertia.exact import Floats
-from robodyn.inertia.second import second_moments
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
+from robodyn.solids.inertia.boxes import Box
+from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.second import second_moments
 
 _LEAST = 0.01
 _STILL = Pose(np.eye(3), np.zeros(3))

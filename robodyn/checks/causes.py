@@ -17,9 +17,9 @@ from robodyn.checks.mirror import Pair, pairs
 from robodyn.checks.nearest import nearest
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.checks.view import INERTIA, LinkView, numbers
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import length, product
-from robodyn.wording import figure
+from robodyn.programs.vectors import length, product
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.wording import figure
 
 _DIGITS = 12
 

@@ -14,9 +14,9 @@ from robodyn.checks.masses import principal_moments
 from robodyn.checks.mirror import Pair, link_inertia, reflected
 from robodyn.checks.primitives import own_box
 from robodyn.checks.view import LinkView
-from robodyn.inertia.exact import Floats
-from robodyn.inertia.second import second_moments
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
+from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.second import second_moments
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""

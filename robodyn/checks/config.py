@@ -11,8 +11,8 @@ from typing import Any
 from robodyn.checks.context import DEFAULT, Thresholds
 from robodyn.checks.run import Options, rules_for
 from robodyn.errors import InputError, SceneError, unreadable
-from robodyn.input_file import read_input
-from robodyn.scene_table import SceneTable, read_toml
+from robodyn.scene.toml_table import SceneTable, read_toml
+from robodyn.support.input_file import read_input
 
 NAMES = ("robodyn.toml", "pyproject.toml")
 """What is looked for in each folder, in this order."""

@@ -8,7 +8,7 @@ from typing import Any
 from robodyn.checks.context import Context
 from robodyn.checks.masses import principal_moments
 from robodyn.checks.view import JointView, numbers, value_span
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 Found = tuple[Span, str]
 _TINY = 1e-15

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from robodyn.checks.context import Context
 from robodyn.checks.mesh_files import MeshUse, State, mesh_names, mesh_uses
 from robodyn.checks.mesh_formats import READS, unread
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 Found = tuple[Span, str]
 

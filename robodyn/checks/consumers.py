@@ -22,7 +22,7 @@ from robodyn.checks.consumer_facts import (
 )
 from robodyn.checks.consumer_meshes import missing_meshes, unread_meshes, uris, visuals
 from robodyn.checks.context import Context
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 Found = tuple[Span, str]
 """A place, and what is there."""

@@ -12,12 +12,12 @@ from robodyn.checks.reading import Reading
 from robodyn.checks.tree import Tree, build_tree
 from robodyn.checks.view import View
 from robodyn.errors import DescriptionError
-from robodyn.limits import MOST_EFFORT, MOST_VELOCITY
-from robodyn.urdf.description import Description, read_description
-from robodyn.urdf.packages import Search
+from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
+from robodyn.robot.urdf.description import Description, read_description
+from robodyn.robot.urdf.packages import Search
 
 if TYPE_CHECKING:
-    from robodyn.model import Model
+    from robodyn.robot.model import Model
 
 T = TypeVar("T")
 
@@ -65,12 +65,14 @@ class Context:
         thresholds: what the rules measure against.
         package_path: folders in which `package://` names are looked up first.
         asked: what is asked beyond the file itself.
+        codes: of all rules.
     """
 
     reading: Reading
     thresholds: Thresholds = DEFAULT
     package_path: tuple[str, ...] = ()
     asked: Asked = NOTHING
+    codes: tuple[str, ...] = ()
     _kept: dict[Callable[..., Any], Any] = field(default_factory=dict, repr=False)
 
     def once(self, function: Callable[[Context], T]) -> T:
@@ -128,7 +130,7 @@ class Context:
 
     @cached_property
     def model_or_none(self) -> Model | None:
-        from robodyn.assemble import assemble
+        from robodyn.robot.assemble import assemble
 
         if self.description_or_none is None:
             return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Excerpt
-from robodyn.urdf.places import BOM, Span
+from robodyn.robot.urdf.source_positions import BOM, Span
 
 _BEFORE, _AFTER = 60, 60
 """Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robodyn.checks.rule import Rule
-from robodyn.wording import nearest, shown
+from robodyn.support.wording import nearest, shown
 
 _LEAST = 3
 """Characters of a code that say of which kind a rule is: RD2."""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from robodyn.checks.context import Context
 from robodyn.checks.view import OriginView
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
 
 if TYPE_CHECKING:
-    from robodyn.spatial import Array
+    from robodyn.programs.vectors import Array
 
 
 class Pose(NamedTuple):
@@ -24,7 +24,7 @@ def pose(origin: OriginView) -> Pose | None:
     """None where a number in it cannot be read."""
     import numpy as np
 
-    from robodyn.spatial import rotation_from_rpy
+    from robodyn.programs.vectors import rotation_from_rpy
 
     xyz, rpy = origin.xyz.or_default(0.0, 0.0, 0.0), origin.rpy.or_default(0.0, 0.0, 0.0)
     if xyz is None or rpy is None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from robodyn.checks.attributes import Subject
-from robodyn.urdf.elements import Element
+from robodyn.robot.urdf.elements import Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from robodyn.checks.attributes import Numbers, OriginView, Subject, numbers, value_span
-from robodyn.urdf.elements import Element
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import Span
 
 MOVING = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})

@@ -30,11 +30,11 @@ def carried_masses(context: Context) -> Mapping[Group, float]:
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
     """The principal moments of inertia, ascending [kg m^2].
 
-    Accuracy: that of `robodyn.inertia.eigen`.
+    Accuracy: that of `robodyn.solids.inertia.eigen`.
     """
     import numpy as np
 
-    from robodyn.inertia.eigen import eigen
+    from robodyn.solids.inertia.eigen import eigen
 
     xx, xy, xz, yy, yz, zz = tensor
     size = max(map(abs, tensor)) or 1.0

@@ -62,14 +62,14 @@ class MeshFacts:
 def mesh_facts(path: Path) -> MeshFacts:
     """The facts of a file, by one pass over its triangles; only where the surface is closed are shells told apart.
 
-    Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.mesh.integrate`).
+    Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrate`).
     """
-    from robodyn.mesh.indexed import merged
-    from robodyn.mesh.integrate import measure
-    from robodyn.mesh.load import load_triangles
-    from robodyn.mesh.one_shell import is_one_shell
-    from robodyn.mesh.shell_faults import shell_faults
-    from robodyn.mesh.shells import wound
+    from robodyn.solids.mesh.indexed import merged
+    from robodyn.solids.mesh.integrate import measure
+    from robodyn.solids.mesh.load import load_triangles
+    from robodyn.solids.mesh.one_shell import is_one_shell
+    from robodyn.solids.mesh.shell_faults import shell_faults
+    from robodyn.solids.mesh.shells import wound
 
     try:
         triangles = load_triangles(path)

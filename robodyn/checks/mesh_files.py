@@ -14,9 +14,9 @@ from robodyn.checks.mesh_store import facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
 from robodyn.checks.view import GeometryView, LinkView, value_span
 from robodyn.checks.xml_reader import unexpanded
-from robodyn.urdf.packages import package_of
-from robodyn.urdf.places import Span
-from robodyn.wording import shown_path
+from robodyn.robot.urdf.packages import package_of
+from robodyn.robot.urdf.source_positions import Span
+from robodyn.support.wording import shown_path
 
 STDIN = "<stdin>"
 

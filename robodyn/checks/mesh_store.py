@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from robodyn.checks.mesh_facts import MeshFacts, mesh_facts
-from robodyn.execute.object_cache import Key, ObjectCache, cache_folder
+from robodyn.support.cache import Key, ObjectCache, cache_folder
 
 MAKER = "mesh facts 2"
 """Another text wherever other facts would come of the same file."""

@@ -10,11 +10,11 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.mirror_names import named_pairs
-from robodyn.inertia.exact import Floats
-from robodyn.joints import placement
-from robodyn.spatial import length, product
-from robodyn.ties import first_largest
-from robodyn.urdf.description import Description, Inertial, Joint, Link
+from robodyn.programs.vectors import length, product
+from robodyn.robot.joints import placement
+from robodyn.robot.urdf.description import Description, Inertial, Joint, Link
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.ties import first_largest
 
 _NEAR = 2e-3
 """How far a frame may be from its mirror image, relative to the robot's size."""

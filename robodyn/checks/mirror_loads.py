@@ -10,9 +10,9 @@ import numpy as np
 from robodyn.checks.context import Context
 from robodyn.checks.mirror import Pair, link_inertia, pairs, reflected
 from robodyn.checks.view import InertialView, LinkView
-from robodyn.inertia.eigen import eigen
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import length
+from robodyn.programs.vectors import length
+from robodyn.solids.inertia.eigen import eigen
+from robodyn.solids.inertia.exact import Floats
 
 MASS = 0.02
 """How far the masses of twins may differ."""

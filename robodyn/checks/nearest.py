@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.inertia.eigen import eigen
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
+from robodyn.solids.inertia.eigen import eigen
+from robodyn.solids.inertia.exact import Floats
 
 _LEAST = 1e-6
 """Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from robodyn.checks.frames import pose
 from robodyn.checks.view import GeometryView, LinkView, numbers
-from robodyn.inertia.boxes import Box, around
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
+from robodyn.solids.inertia.boxes import Box, around
+from robodyn.solids.inertia.exact import Floats
 
 
 def own_box(link: LinkView, R: Floats) -> Box | None:

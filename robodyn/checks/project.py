@@ -13,8 +13,9 @@ from robodyn.checks.rule import Finding
 from robodyn.checks.run import EVERYTHING, Checked, Options, Unread, check_one, read_one, rules_for
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.errors import InputError
-from robodyn.urdf.parts import Description
-from robodyn.urdf.sources import EXPANDED, is_xacro, read_source
+from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.robot.urdf.parts import Description
+from robodyn.robot.urdf.sources import is_xacro, read_source
 
 STDIN = "<stdin>"
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from robodyn.errors import InputError
 
 if TYPE_CHECKING:
-    from robodyn.model import Model
+    from robodyn.robot.model import Model
 
 STATES = 16
 SAME = 64 * 2.0**-52
@@ -28,8 +28,8 @@ def change_of_dynamics(before: bytes, after: bytes) -> float:
     """
     import numpy as np
 
-    from robodyn.assemble import load
-    from robodyn.inverse import inverse_dynamics
+    from robodyn.dynamics.inverse import inverse_dynamics
+    from robodyn.robot.assemble import load
 
     old, new = load(before, moving_base=True), load(after, moving_base=True)
     if _coordinates(old) != _coordinates(new):

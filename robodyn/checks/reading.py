@@ -1,6 +1,6 @@
 """The file as XML: its elements with their places, and everything that is wrong with it so far.
 
-`robodyn.urdf.document` refuses a file at the first fault; a linter collects them and reads on where it can.
+`robodyn.robot.urdf.document` refuses a file at the first fault; a linter collects them and reads on where it can.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from robodyn.checks.long_tokens import LONGEST, long_token
 from robodyn.checks.xml_reader import Reader, TextFault, unexpanded
 from robodyn.errors import DescriptionError
-from robodyn.urdf.document import Document
-from robodyn.urdf.elements import Element
-from robodyn.urdf.places import Places
-from robodyn.urdf.sources import as_utf8, read_source
+from robodyn.robot.urdf.document import Document
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import Places
+from robodyn.robot.urdf.sources import as_utf8, read_source
 
 __all__ = ["Reading", "TextFault", "read", "unexpanded"]
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.static_torque import MOST_BODIES, position_ranges
-from robodyn.inertia.exact import Floats
-from robodyn.inertia.laws import about_centre
-from robodyn.model import Joint, Model
-from robodyn.spatial import product, rotation_about
+from robodyn.programs.vectors import product, rotation_about
+from robodyn.robot.model import Joint, Model
+from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.laws import about_centre
 
 _WORTH = 1e-2
 """s; damping that is slower than this on the body's own inertia is of no interest."""

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.assemble import load
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import DescriptionError, InputError
-from robodyn.inertia.exact import Floats
-from robodyn.inverse import inverse_dynamics
-from robodyn.model import Joint, Model
-from robodyn.spatial import length
-from robodyn.ties import first_largest
+from robodyn.programs.vectors import length
+from robodyn.robot.assemble import load
+from robodyn.robot.model import Joint, Model
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.ties import first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""

@@ -1,8 +1,8 @@
 """What a check is made of: rules, what they are given, and what they find.
 
-A rule is one file in `robodyn/checks/rules/`, named after its code. It ends in one `RULE = Rule(...)`, which stands in
-the tuple `RULES` of `robodyn.checks.catalogue`. Its `check` is a generator: it is given a `Context`, yields one `Fault`
-for each thing that is wrong, and never raises. What it may rely on is its `stage`:
+A rule is one file in `robodyn/checks/rules/`, named after its code, and nothing else is needed to add one. It ends in
+`RULE = Rule(...)`. Its `check` is a generator: it is given a `Context`, yields one `Fault` for each thing that is
+wrong, and never raises. What it may rely on is its `stage`:
 
     TEXT      `context.reading`: the bytes, and what is wrong with them as XML
     DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
@@ -22,7 +22,7 @@ from enum import Enum, IntEnum
 
 from robodyn.checks.context import Context
 from robodyn.checks.view import Subject
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 
 class Severity(Enum):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from robodyn.checks.asked import NOTHING, Asked
-from robodyn.checks.catalogue import RULES
+from robodyn.checks.catalogue import CODES, RULES
 from robodyn.checks.context import DEFAULT, Context, Thresholds
 from robodyn.checks.excerpt import excerpt
 from robodyn.checks.find_rules import instead_of
@@ -18,8 +18,8 @@ from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.view import Subject
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
-from robodyn.urdf.sources import content_of, is_xacro
-from robodyn.wording import shown
+from robodyn.robot.urdf.sources import content_of, is_xacro
+from robodyn.support.wording import shown
 
 Source = str | os.PathLike[str] | bytes
 
@@ -125,7 +125,8 @@ def read_one(source: Source, options: Options = EVERYTHING, name: str | None = N
 
 def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
     """The findings in one file or its bytes, in the order of the text."""
-    context = Context(read_one(source, options, name), options.thresholds, options.package_path, options.asked)
+    reading = read_one(source, options, name)
+    context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     rules = [rule for rule in rules_for(options) if _runs(rule, context)]
     findings = [_finding(context.reading, rule, fault) for rule in rules for fault in rule.check(context)]
     left = _without_waived(context, rules, findings)
@@ -138,9 +139,8 @@ def rules_for(options: Options) -> tuple[Rule, ...]:
     Raises:
         InputError: no rule has such a code.
     """
-    codes = [rule.code for rule in RULES]
     for given in (*options.select, *options.ignore):
-        if not given or not any(code.startswith(given) for code in codes):
+        if not given or not any(code.startswith(given) for code in CODES):
             what = f"there is no rule {shown(given)}"
             raise InputError(what, remedy=instead_of(given, RULES))
     select, ignore = options.select or ("",), options.ignore
@@ -164,7 +164,7 @@ def _runs(rule: Rule, context: Context) -> bool:
 
 def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:
     """The findings that no waiver of the file allows, and those about waivers that had nothing to allow."""
-    given = [waiver for waiver in context.once(waivers) if waiver.in_force([rule.code for rule in RULES])]
+    given = [waiver for waiver in context.once(waivers) if waiver.in_force(context.codes)]
     if not given:
         return findings
     ran = {rule.code for rule in rules}

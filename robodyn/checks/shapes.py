@@ -16,9 +16,9 @@ from robodyn.checks.mesh_units import mesh_slips
 from robodyn.checks.primitives import half_size
 from robodyn.checks.tree import Group
 from robodyn.checks.view import GeometryView, LinkView, numbers
-from robodyn.inertia.boxes import Box, around
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import length, product
+from robodyn.programs.vectors import length, product
+from robodyn.solids.inertia.boxes import Box, around
+from robodyn.solids.inertia.exact import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from robodyn.errors import DescriptionError
-from robodyn.urdf.document import read_document
-from robodyn.urdf.elements import Element
+from robodyn.robot.urdf.document import read_document
+from robodyn.robot.urdf.elements import Element
 
 _BESIDE = ("", "config", "srdf", "../config", "../srdf")
 """Folders in which an SRDF is looked for, from that of the description."""

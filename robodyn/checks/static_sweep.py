@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.inertia.exact import Floats
-from robodyn.model import Body, Model
-from robodyn.spatial import arctan2, product, skew
+from robodyn.programs.vectors import arctan2, product, skew
+from robodyn.robot.model import Body, Model
+from robodyn.solids.inertia.exact import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,10 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.static_sweep import Sweep, around
-from robodyn.inertia.exact import Floats
-from robodyn.model import Joint, Model
-from robodyn.spatial import length, product
-from robodyn.ties import first_largest
+from robodyn.programs.vectors import length, product
+from robodyn.robot.model import Joint, Model
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.ties import first_largest
 
 STARTS = 4
 MOST_BODIES = 150

@@ -11,8 +11,8 @@ import numpy as np
 from robodyn.checks.bodies import Body, bodies, share
 from robodyn.checks.context import Context
 from robodyn.checks.shapes import outside, size_of
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import length, product
+from robodyn.programs.vectors import length, product
+from robodyn.solids.inertia.exact import Floats
 
 _FACTORS = (1e3, 1e6, 1e9)
 _LENGTHS = (1e3, 25.4)

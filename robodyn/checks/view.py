@@ -1,8 +1,8 @@
 """Links, joints and numbers of a file as far as they can be read.
 
-The strict reader (`robodyn.urdf.description`) raises at the first fault. Rules read through this view instead: nothing
-in it raises, what is missing or unreadable is None, and every part knows the element it comes from. Of several children
-with one tag the first counts, as in urdfdom. One pass over the links and joints, no recursion.
+The strict reader (`robodyn.robot.urdf.description`) raises at the first fault. Rules read through this view instead:
+nothing in it raises, what is missing or unreadable is None, and every part knows the element it comes from. Of several
+children with one tag the first counts, as in urdfdom. One pass over the links and joints, no recursion.
 """
 
 from __future__ import annotations
@@ -12,17 +12,9 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from robodyn.checks.attributes import Numbers, OriginView, Subject, numbers, value_span
-from robodyn.checks.joint_view import (
-    JOINT_TYPES,
-    MOVING,
-    WITH_AXIS,
-    WITH_RANGE,
-    JointView,
-    LimitView,
-    MimicView,
-)
-from robodyn.urdf.elements import Element
-from robodyn.urdf.places import Span
+from robodyn.checks.joint_view import JOINT_TYPES, MOVING, WITH_AXIS, WITH_RANGE, JointView, LimitView, MimicView
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import Span
 
 __all__ = [
     "INERTIA",

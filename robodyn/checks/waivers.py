@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from robodyn.checks.context import Context
 from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Finding
-from robodyn.urdf.elements import Element
-from robodyn.urdf.places import Span
-from robodyn.wording import alternatives, shown
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import Span
+from robodyn.support.wording import alternatives, shown
 
 OWN = ("RD008", "RD009")
 """The rules about waivers, which cannot be waived."""

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.parsers import expat
 
-from robodyn.urdf.elements import Element
-from robodyn.urdf.places import BOM, Places, Span
-from robodyn.wording import shown
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import BOM, Places, Span
+from robodyn.support.wording import shown
 
 MAX_DEPTH = 200
 RUN_XACRO = "name it FILE.xacro, and it is expanded first"

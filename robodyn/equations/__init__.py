@@ -1,0 +1,1 @@
+"""Equations of motion on paper: closed form, C, ODE; dae/, free_body/."""

@@ -8,17 +8,17 @@ from importlib.metadata import version
 
 import numpy as np
 
-from robodyn.accelerations import acceleration_program
-from robodyn.effects.friction import rubbing
+from robodyn.dynamics.accelerations import acceleration_program
+from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics.plan import plan
+from robodyn.equations.identifiers import identifier, identifiers
 from robodyn.equations.jobs import bias_plan, check_equations
 from robodyn.errors import InputError
-from robodyn.execute.c_code import c_function, comment, prototype
-from robodyn.execute.identifiers import identifier, identifiers
-from robodyn.inverse import mass_runner
-from robodyn.model import Model
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT, Friction, Scene
-from robodyn.trace.program import Program
+from robodyn.programs.program import Program
+from robodyn.programs.run.c_code import c_function, comment, prototype
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Friction, Scene
 
 
 @dataclass(frozen=True)

@@ -8,18 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from robodyn.dynamics.inverse import mass_runner
+from robodyn.equations.identifiers import identifiers
 from robodyn.equations.jobs import bias_plan, check_equations
 from robodyn.equations.polynomial import TooLargeError
 from robodyn.equations.trigonometric import Forms, largest
 from robodyn.errors import InputError
-from robodyn.execute.identifiers import identifiers
-from robodyn.execute.numpy_blocks import Numbers, NumpyBlocks
-from robodyn.execute.symbolic import expressions, module
-from robodyn.inverse import mass_runner
-from robodyn.model import Model
-from robodyn.scene import DEFAULT, Scene
-from robodyn.trace.program import Program
-from robodyn.trace.scalar import CONSTANT, INPUT
+from robodyn.programs.program import Program
+from robodyn.programs.run.numpy_blocks import Numbers, NumpyBlocks
+from robodyn.programs.run.symbolic import expressions, module
+from robodyn.programs.scalar import CONSTANT, INPUT
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
 
 Symbols = Mapping[tuple[str, int], Any]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.execute.symbolic import module
+from robodyn.programs.run.symbolic import module
 
 
 def decimal(expression: Any) -> Any:

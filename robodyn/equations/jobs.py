@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.model import Model
-from robodyn.plan import Plan, plan
-from robodyn.scene import Scene
-from robodyn.scene_fit import check_moves
-from robodyn.wording import listed
+from robodyn.robot.model import Model
+from robodyn.scene.fit import check_moves
+from robodyn.scene.scene import Scene
+from robodyn.support.wording import listed
 
 
 def check_equations(model: Model, scene: Scene) -> None:

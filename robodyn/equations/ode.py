@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.arrays import still
+from robodyn.dynamics.arrays import still
+from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.equations.jobs import bias_plan, check_equations
 from robodyn.errors import InputError
-from robodyn.inertia.eigen import eigen
-from robodyn.inverse import bias_forces, mass_matrix, runner_of
-from robodyn.model import Model
-from robodyn.robot_inertia.configuration import Values, beyond_limits, configuration, rates
-from robodyn.scene import DEFAULT, Scene
+from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.eigen import eigen
 
 Floats = NDArray[np.float64]
 

@@ -7,20 +7,10 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from robodyn.equations.polynomial import (
-    Budget,
-    Key,
-    Polynomial,
-    constant,
-    generator,
-    linear,
-    product,
-    total,
-    wave,
-)
-from robodyn.execute.symbolic import DIGITS, module, number, operations
-from robodyn.trace.program import Program
-from robodyn.trace.scalar import ADD, CONSTANT, COS, DIV, INPUT, MUL, NEG, SIN
+from robodyn.equations.polynomial import Budget, Key, Polynomial, constant, generator, linear, product, total, wave
+from robodyn.programs.program import Program
+from robodyn.programs.run.symbolic import DIGITS, module, number, operations
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, INPUT, MUL, NEG, SIN
 
 SHORT = 16 * 2.0**-52
 """A coefficient this near a short decimal, as a share of itself, is taken to be that decimal."""

@@ -7,14 +7,14 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from robodyn.library_messages import treated_warnings
 from robodyn.report.ticks import plain_numbers
+from robodyn.support.library_messages import treated_warnings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from robodyn.history import Floats
+    from robodyn.loads.history import Floats
 
 INK, SOFT, GRID, PAPER, BAD, GOOD = "#0a0b01", "#0a0b02", "#0a0b03", "#0a0b04", "#0a0b05", "#0a0b06"
 SERIES = tuple(f"#0a0c{k:02d}" for k in range(1, 11))

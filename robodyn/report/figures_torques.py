@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robodyn.history import Curves, Floats, History
+from robodyn.loads.history import Curves, Floats, History
+from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
-from robodyn.result import ComponentLoad, EnergyBalance, JointLoad
-from robodyn.ties import ranked
-from robodyn.wording import shortened
+from robodyn.support.ties import ranked
+from robodyn.support.wording import shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
-    from robodyn.urdf.parts import Description
+    from robodyn.robot.urdf.parts import Description
 
 _WIDE = 380
 _TALL = 660
@@ -167,8 +167,8 @@ def pose_figure(description: Description, moving_base: bool, q: Floats, joint: s
 
     A description goes to a process beside this one; a model does not.
     """
-    from robodyn.assemble import assemble
     from robodyn.report.robot_picture import robot_figure, shapes_of
+    from robodyn.robot.assemble import assemble
 
     model = assemble(description, moving_base=moving_base)
     shapes, why = shapes_of(model)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.loads.result import Result
 from robodyn.report.table import printable
-from robodyn.result import Result
 
 _NAMED = 6
 

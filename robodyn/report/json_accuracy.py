@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.accuracy.ladder import Accuracy, Ladder, Rung
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 
 
 def accuracy_json(accuracy: Accuracy, target: float | None = None) -> str:

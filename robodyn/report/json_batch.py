@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.batch_result import Batch, Outcome
+from robodyn.loads.many import Batch, Outcome
 from robodyn.report.json_torques import limits_data
 
 

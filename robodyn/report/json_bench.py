@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.bench.result import Bench, EffectBench
+from robodyn.measure.speed.result import Bench, EffectBench
 
 
 def bench_json(bench: Bench) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.view import View
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.view import View
 
 COM = View()
 

@@ -7,8 +7,8 @@ from typing import Any
 from robodyn.report.json_body import body_data, finite
 from robodyn.report.json_composite import validity_data
 from robodyn.report.json_inertia import part_data
-from robodyn.robot_inertia.compare import Comparison, Difference, LinkComparison
-from robodyn.urdf.geometry import Shape
+from robodyn.robot.masses.compare import Comparison, Difference, LinkComparison
+from robodyn.robot.urdf.geometry import Shape
 
 
 def comparison_json(found: Comparison) -> str:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from robodyn.combination import Combination
-from robodyn.inertia.composite import Pose
-from robodyn.inertia.validity import Validity, validity
-from robodyn.inertia.view import View
 from robodyn.report.check_words import check_data
 from robodyn.report.json_body import body_data
 from robodyn.report.json_inertia import part_data
-from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
-from robodyn.robot_inertia.from_shapes import LinkShapes
+from robodyn.robot.masses.declared import LinkInertia, RobotInertia
+from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.properties import Pose
+from robodyn.solids.inertia.validity import Validity, validity
+from robodyn.solids.inertia.view import View
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

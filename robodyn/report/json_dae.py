@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.maximal.connections import Connection
-from robodyn.maximal.dae import Dae
-from robodyn.maximal.equations import Equation
-from robodyn.maximal.system import about_centre
+from robodyn.equations.dae.connections import Connection
+from robodyn.equations.dae.dae import Dae
+from robodyn.equations.dae.equations import Equation
+from robodyn.equations.dae.system import about_centre
 
 
 def dae_json(found: Dae) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from robodyn.doctor import Line, healthy
+from robodyn.measure.doctor import Line, healthy
 
 
 def doctor_json(lines: tuple[Line, ...]) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.free_body.types import Action, FreeBodies, FreeBody, JointRow
-from robodyn.spatial import product
+from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
+from robodyn.programs.vectors import product
 
 
 def free_bodies_json(found: FreeBodies, state: str) -> str:

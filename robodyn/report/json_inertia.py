@@ -7,10 +7,10 @@ from dataclasses import asdict
 from typing import Any
 
 from robodyn.errors import MeshError
-from robodyn.inertia.view import View
-from robodyn.part import Part
 from robodyn.report.json_body import COM, body_data, finite
 from robodyn.report.json_shape import symmetry_data, tessellation_data
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Part
 
 
 def inertia_json(outcomes: Sequence[Part | MeshError], view: View) -> str:

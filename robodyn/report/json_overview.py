@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.overview import Branch, Overview
+from robodyn.checks.overview import Branch, Overview
 from robodyn.report.check_words import check_data
 from robodyn.report.json_body import finite
-from robodyn.urdf.description import Joint, Limit
+from robodyn.robot.urdf.description import Joint, Limit
 
 
 def overview_json(found: Overview) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from robodyn.part import Part
 from robodyn.report.json_body import finite
+from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
-    from robodyn.mesh.tessellation import Bars, Tessellation
+    from robodyn.solids.mesh.tessellation import Bars, Tessellation
 
 
 def symmetry_data(part: Part) -> dict[str, Any] | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.sizing_result import BearingLoad, JointSizing, Sizing
+from robodyn.loads.sizing_result import BearingLoad, JointSizing, Sizing
 
 
 def sizing_data(sizing: Sizing) -> dict[str, Any]:

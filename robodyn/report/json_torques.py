@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from robodyn.limits import Coverage
+from robodyn.loads.result import Checks, JointLoad, Result
 from robodyn.report.limits_words import limits_verdict
-from robodyn.result import Checks, JointLoad, Result
+from robodyn.robot.limits import Coverage
 
 
 def torques_json(result: Result) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robodyn.maximal.connections import Connection
-from robodyn.maximal.dae import Dae
+from robodyn.equations.dae.connections import Connection
+from robodyn.equations.dae.dae import Dae
 from robodyn.report.latex_equations import escaped
 from robodyn.report.letters_dae import acting
 

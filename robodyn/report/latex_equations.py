@@ -7,7 +7,7 @@ from typing import Any
 
 from robodyn.equations.closed import Closed
 from robodyn.equations.decimals import decimal
-from robodyn.execute.symbolic import module
+from robodyn.programs.run.symbolic import module
 from robodyn.report.text_equations import checked
 
 DIGITS = 6

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from robodyn.maximal.dae import Dae
+from robodyn.equations.dae.dae import Dae
 
 
 class Acting(NamedTuple):

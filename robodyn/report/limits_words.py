@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from robodyn.doubts import Doubt
-from robodyn.limits import Coverage, Excess, Reached, Unchecked
+from robodyn.loads.result import Result
 from robodyn.report.document import Level, Verdict
 from robodyn.report.table import Content, Page, is_noise, number, printable
-from robodyn.result import Result
-from robodyn.ties import ranked
-from robodyn.wording import count
+from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
+from robodyn.support.doubts import Doubt
+from robodyn.support.ties import ranked
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.simulation.result import Simulation

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
-from robodyn.accuracy.ladder import Accuracy, Ladder
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder
 from robodyn.report.document import Block, Document, Download, Figure, Gallery, Heading, Verdict, downloads
 from robodyn.report.json_accuracy import accuracy_json
 from robodyn.report.text_accuracy import accuracy_text, error_text

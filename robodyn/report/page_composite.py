@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.assemble import assemble
-from robodyn.combination import Combination
-from robodyn.history import Floats
-from robodyn.inertia.view import View
+from robodyn.loads.history import Floats
+from robodyn.programs.vectors import product
 from robodyn.report.document import Document, Figure
 from robodyn.report.json_comparison import comparison_json
 from robodyn.report.json_composite import combination_json, link_json, link_shapes_json, robot_json
@@ -19,12 +17,14 @@ from robodyn.report.page_inertia import body_figure, body_page, comparison_page
 from robodyn.report.table import printable
 from robodyn.report.text_comparison import comparison_text
 from robodyn.report.text_composite import combination_text, link_shapes_text, link_text, robot_text
-from robodyn.robot_inertia.compare import Comparison
-from robodyn.robot_inertia.configuration import configuration
-from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
-from robodyn.robot_inertia.from_shapes import LinkShapes
-from robodyn.spatial import product
-from robodyn.urdf.description import Description
+from robodyn.robot.assemble import assemble
+from robodyn.robot.configuration import configuration
+from robodyn.robot.masses.compare import Comparison
+from robodyn.robot.masses.declared import LinkInertia, RobotInertia
+from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.robot.urdf.description import Description
+from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.view import View
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

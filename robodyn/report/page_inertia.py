@@ -11,11 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.history import Floats
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.validity import validity
-from robodyn.inertia.view import View
-from robodyn.part import Part
+from robodyn.loads.history import Floats
+from robodyn.programs.vectors import product
 from robodyn.report.check_words import check_line, check_verdict
 from robodyn.report.document import (
     Block,
@@ -33,7 +30,10 @@ from robodyn.report.json_inertia import inertia_json
 from robodyn.report.table import Page, number, printable
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_inertia import inertia_text
-from robodyn.spatial import product
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.validity import validity
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

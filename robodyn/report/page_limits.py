@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.loads.result import Result
 from robodyn.report.document import Block, Heading, HeatMap, Table
 from robodyn.report.limits_words import LINES, effort_use, exceeded_table, speed_use, use
-from robodyn.result import Result
 
 
 def limits_blocks(result: Result) -> Iterator[Block]:

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.history import Curves, Floats
-from robodyn.model import Model
-from robodyn.motor import Curve
-from robodyn.motors import load_torque, motor_torque, train_of
+from robodyn.loads.figures import joint_of_rates
+from robodyn.loads.gear_trains import load_torque, motor_torque, train_of
+from robodyn.loads.history import Curves, Floats
+from robodyn.loads.result import Result
+from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Block, Facts, Figure, Gallery, Heading, Level, Verdict
 from robodyn.report.limits_words import offenders, offenders_first
 from robodyn.report.table import Page, number, printable
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_sizing import in_words, sizing_parts
-from robodyn.result import Result
-from robodyn.scene import Scene
-from robodyn.sizing import joint_of_rates
-from robodyn.sizing_result import MotorLoad, Sizing
+from robodyn.robot.model import Model
+from robodyn.scene.motor import Curve
+from robodyn.scene.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

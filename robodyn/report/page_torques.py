@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.history import SPANS, History
-from robodyn.model import Model
+from robodyn.loads.history import SPANS, History
+from robodyn.loads.result import Result
 from robodyn.report.document import (
     Block,
     Document,
@@ -31,10 +31,10 @@ from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
 from robodyn.report.text_joints import share_table
 from robodyn.report.text_torques import base_table, load_table
-from robodyn.result import Result
-from robodyn.scene import Scene
-from robodyn.ties import ranked
-from robodyn.wording import count
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.ties import ranked
+from robodyn.support.wording import count
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:

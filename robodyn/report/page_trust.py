@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.loads.result import Result
+from robodyn.loads.sampling_doubts import energy_doubt
 from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph, Table, Verdict
 from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, number, relative_text
 from robodyn.report.text_joints import derivation_table
 from robodyn.report.text_torques import effect_table
-from robodyn.result import Result
-from robodyn.sampling_doubts import energy_doubt
-from robodyn.wording import count
+from robodyn.support.wording import count
 
 
 def trust(result: Result, plots: Plots | None) -> Iterator[Block]:

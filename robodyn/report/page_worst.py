@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
-from robodyn.free_body.types import FreeBodies, FreeBody
-from robodyn.history import History
-from robodyn.model import Model
+from robodyn.loads.history import History
+from robodyn.loads.result import Result
 from robodyn.report.document import Block, Figure, Gallery, Heading, Paragraph, Table
 from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.svg_text import NOTES, symbols
 from robodyn.report.table import printable
 from robodyn.report.text_free_body import action_table
-from robodyn.result import Result
-from robodyn.scene import Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 
 
 def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | None) -> Iterator[Block]:
@@ -42,7 +42,7 @@ def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | Non
 
 def _free_bodies(model: Model, scene: Scene, history: History, k: int) -> FreeBodies | None:
     """The robot at the peak of a joint; None where it cannot be taken apart."""
-    from robodyn.free_body.bodies import free_bodies
+    from robodyn.equations.free_body.bodies import free_bodies
 
     state = history.states[k]
     columns = dict(zip(scene.columns, state["columns"], strict=False))

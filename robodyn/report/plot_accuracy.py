@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
-from robodyn.accuracy.ladder import Accuracy, Ladder, Rung
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.report.plotting import new_figure
 from robodyn.report.table import printable
 from robodyn.report.ticks import log_axis

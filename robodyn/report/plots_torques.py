@@ -8,15 +8,15 @@ from functools import partial
 
 import numpy as np
 
-from robodyn.history import Curves, History
-from robodyn.model import Model
+from robodyn.loads.history import Curves, History
+from robodyn.loads.result import JointLoad, Result
 from robodyn.report.document import Figure
 from robodyn.report.drawing import PROCESSES, Draw, Task
 from robodyn.report.limits_words import effort_use, offenders, worst_joint
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, printable
-from robodyn.result import JointLoad, Result
-from robodyn.ties import ranked
+from robodyn.robot.model import Model
+from robodyn.support.ties import ranked
 
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""

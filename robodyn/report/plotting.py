@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError
-from robodyn.wording import alternatives
+from robodyn.support.wording import alternatives
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

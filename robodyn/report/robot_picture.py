@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.history import Floats
-from robodyn.model import Model
+from robodyn.loads.history import Floats
+from robodyn.programs.vectors import Array, product
 from robodyn.report.document import Figure
 from robodyn.report.figures import INK, SERIES, SOFT, plot
 from robodyn.report.solids import PAPER, Solid, on_paper, paint, triad
 from robodyn.report.table import printable
-from robodyn.robot_inertia.configuration import link_poses
-from robodyn.spatial import Array, product
+from robodyn.robot.configuration import link_poses
+from robodyn.robot.model import Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
-    from robodyn.urdf.visuals import Visuals
+    from robodyn.report.pictures.visuals import Visuals
 
 _SIZE = 460
 
@@ -65,7 +65,7 @@ def robot_figure(
 
 def shapes_of(model: Model) -> tuple[Visuals | None, str]:
     """The visual shapes of a robot's description, and what is said of those that are not there."""
-    from robodyn.urdf.visuals import visuals
+    from robodyn.report.pictures.visuals import visuals
 
     assert model.description is not None, "it is not a model of bodies alone"
     try:

@@ -16,7 +16,7 @@ from robodyn.checks.identity import fingerprints
 from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Edit, Finding, Rule
 from robodyn.checks.run import Unread
-from robodyn.urdf.places import Places
+from robodyn.robot.urdf.source_positions import Places
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 Object = dict[str, Any]

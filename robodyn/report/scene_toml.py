@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 
-from robodyn.model import Joint, Model
 from robodyn.report.table import PLAIN, number
-from robodyn.robot_inertia.configuration import configuration, link_poses
-from robodyn.scene import DEFAULT
+from robodyn.robot.configuration import configuration, link_poses
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import DEFAULT
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _HEAD = """Scene of the robot {name}, begun by: robodyn scene init

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.spatial import length, product
+from robodyn.programs.vectors import length, product
 
 if TYPE_CHECKING:
-    from robodyn.free_body.types import FreeBodies
-    from robodyn.model import Model
-    from robodyn.result import Result
+    from robodyn.equations.free_body.types import FreeBodies
+    from robodyn.loads.result import Result
+    from robodyn.robot.model import Model
     from robodyn.simulation.result import Simulation
 
 Floats = NDArray[np.float64]

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.free_body.types import FreeBody
+from robodyn.equations.free_body.types import FreeBody
+from robodyn.programs.vectors import Array, length, product
 from robodyn.report.sizes import Sizes
 from robodyn.report.svg_labels import Point
 from robodyn.report.table import is_noise
-from robodyn.spatial import Array, length, product
 
 RIGHT = np.array([-1.0, 1.0, 0.0]) / sqrt(2)
 UP = np.array([-1.0, -1.0, 2.0]) / sqrt(6)

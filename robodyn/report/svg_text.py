@@ -8,11 +8,11 @@ from math import floor, log10
 
 import numpy as np
 
-from robodyn.free_body.types import Action, Floats, FreeBody
+from robodyn.equations.free_body.types import Action, Floats, FreeBody
+from robodyn.programs.vectors import length
 from robodyn.report.sizes import Sizes
 from robodyn.report.table import is_noise
-from robodyn.spatial import length
-from robodyn.wording import shortened
+from robodyn.support.wording import shortened
 
 COLOURS = {
     "weight": "#2b8a3e",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robodyn.batch_result import Batch, Outcome, Status, Worst
+from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.report.limits_words import unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import speed_unit
 from robodyn.report.table import PLAIN, Content, Page, moment, number, printable
-from robodyn.wording import count
+from robodyn.support.wording import count
 
 _LISTED = 3
 """Exceeded limits that a line names."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from statistics import median
 
-from robodyn.bench.result import Bench, ExecutorBench, PeerBench, PeersBench, Timing
+from robodyn.measure.speed.result import Bench, ExecutorBench, PeerBench, PeersBench, Timing
 from robodyn.report.table import PLAIN, Content, Page, printable
-from robodyn.wording import count
+from robodyn.support.wording import count
 
 
 def bench_text(bench: Bench, page: Page = PLAIN) -> str:

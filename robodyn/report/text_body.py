@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.view import View
+from robodyn.programs.vectors import Array
 from robodyn.report.table import Page, number
-from robodyn.spatial import Array
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.view import View
 
 AXES = ("x", "y", "z")
 

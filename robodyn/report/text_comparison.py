@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.report.table import PLAIN, Page, number, printable
-from robodyn.robot_inertia.compare import UNCERTAIN, Comparison, Difference, LinkComparison
+from robodyn.robot.masses.compare import UNCERTAIN, Comparison, Difference, LinkComparison
 
 _HEAD = (
     *("link", "difference [%]", "mass [kg]", "density [kg/m^3]", "centres apart [m]"),

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.combination import Combination
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.validity import Validity, validity
-from robodyn.inertia.view import View
 from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Page, number, printable
 from robodyn.report.text_body import AXES, inertia_table, point_text, principal_table
-from robodyn.robot_inertia.declared import LinkInertia, RobotInertia
-from robodyn.robot_inertia.from_shapes import LinkShapes
-from robodyn.ties import ranked
+from robodyn.robot.masses.declared import LinkInertia, RobotInertia
+from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.validity import Validity, validity
+from robodyn.solids.inertia.view import View
+from robodyn.support.ties import ranked
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robodyn.maximal.connections import Connection
-from robodyn.maximal.counts import Counts
-from robodyn.maximal.dae import Dae
+from robodyn.equations.dae.connections import Connection
+from robodyn.equations.dae.counts import Counts
+from robodyn.equations.dae.dae import Dae
 from robodyn.report.letters_dae import acting
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_dae_numbers import MOST, both_text, cut, elimination_text, numbers_text

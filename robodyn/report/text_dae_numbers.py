@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.inertia.eigen import eigen
-from robodyn.maximal.dae import Dae
-from robodyn.maximal.equations import Across
+from robodyn.equations.dae.dae import Dae
+from robodyn.equations.dae.equations import Across
 from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, Page, number, printable, relative_text
-from robodyn.ties import first_largest
+from robodyn.solids.inertia.eigen import eigen
+from robodyn.support.ties import first_largest
 
 MOST = 16
 """Rows of a table."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from robodyn.doctor import Line, healthy
+from robodyn.measure.doctor import Line, healthy
 from robodyn.report.table import printable
 
 

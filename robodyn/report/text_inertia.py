@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robodyn.inertia.view import View
-from robodyn.part import Part
 from robodyn.report.table import PLAIN, Page, number, printable
 from robodyn.report.text_body import inertia_table, point_text, principal_table
 from robodyn.report.text_shape import symmetry_text, tessellation_text
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Part
 
 
 def inertia_text(parts: Sequence[Part], view: View, page: Page = PLAIN) -> str:

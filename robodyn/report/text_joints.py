@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from robodyn.loads.result import JointLoad, Result
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, is_noise, number
-from robodyn.result import JointLoad, Result
 from robodyn.trajectory.motion import Derivation
 
 _KNOWN = 1e-6

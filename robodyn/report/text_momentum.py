@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from robodyn.momentum import GROUND
+from robodyn.dynamics.momenta import GROUND
+from robodyn.loads.result import MomentumReport
 from robodyn.report.table import Content, moment, number, printable
-from robodyn.result import MomentumReport
 
 _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
 

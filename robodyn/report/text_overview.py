@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robodyn.overview import Branch, Meshes, Overview
+from robodyn.checks.overview import Branch, Meshes, Overview
+from robodyn.programs.vectors import product
 from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Content, Page, number, printable
 from robodyn.report.text_body import point_text
-from robodyn.spatial import product
-from robodyn.urdf.description import Joint, Limit
-from robodyn.wording import shown
+from robodyn.robot.urdf.description import Joint, Limit
+from robodyn.support.wording import shown
 
 _UNITS = {"prismatic": ("m", "N", "m/s")}
 _ANGULAR = ("rad", "N m", "rad/s")

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.part import Part
 from robodyn.report.table import Page, is_noise, number
 from robodyn.report.text_body import point_text
+from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
-    from robodyn.mesh.symmetry_kinds import Axis, Plane
-    from robodyn.mesh.tessellation import Bars
+    from robodyn.solids.mesh.symmetry_kinds import Axis, Plane
+    from robodyn.solids.mesh.tessellation import Bars
 
 _UNKNOWN = "an unknown amount (facets too coarse)"
 _MOST = 9
@@ -64,7 +64,7 @@ def _bars(bars: Bars, gyration: float) -> tuple[str, str, str]:
 
 
 def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
-    from robodyn.mesh.symmetry_kinds import Plane
+    from robodyn.solids.mesh.symmetry_kinds import Plane
 
     if isinstance(thing, Plane):
         name, direction, place = "plane", thing.normal, number(thing.offset, reach)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from robodyn.loads.result import JointLoad, Result
+from robodyn.loads.sizing_result import BearingLoad, Exceeded, JointSizing, MotorLoad, Sizing
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import Content, Page, is_noise, moment, number, printable
-from robodyn.result import JointLoad, Result
-from robodyn.sizing_result import BearingLoad, Exceeded, JointSizing, MotorLoad, Sizing
 
 _WORDS = {
     "motor torque": "the motor's torque",

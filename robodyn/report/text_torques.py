@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from robodyn.loads.result import Result
 from robodyn.report.input_words import input_words
 from robodyn.report.limits_words import limits_text, limits_verdict, offenders_first, use
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import PLAIN, Content, Page, moment, number, printable, relative_text
 from robodyn.report.text_joints import derivation_table, share_table
-from robodyn.result import Result
-from robodyn.wording import count
+from robodyn.support.wording import count
 
 
 def torques_text(result: Result, explain: bool = False, page: Page = PLAIN) -> str:

@@ -1,0 +1,1 @@
+"""Forward simulation: integrators, events, stiffness, tables as inputs."""

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.dynamics.inverse import runner_of
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute.repeated import COLUMNS
-from robodyn.inverse import runner_of
-from robodyn.model import Model
-from robodyn.plan import Plan
+from robodyn.programs.run.repeated import COLUMNS
+from robodyn.robot.model import Model
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import dense_touches, first_passed
 from robodyn.simulation.fixed import Motion
-from robodyn.simulation.how import TooMuchError
 from robodyn.simulation.limits import Limits
+from robodyn.simulation.method_options import TooMuchError
 from robodyn.simulation.methods import Method
 from robodyn.simulation.rows import NEAR
 from robodyn.simulation.table import Signal

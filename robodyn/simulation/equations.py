@@ -7,24 +7,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from robodyn.accelerations import accelerations
-from robodyn.dynamics.aligned import aligned
-from robodyn.dynamics.along import along_motion
-from robodyn.dynamics.dual import rate_of
-from robodyn.dynamics.momentum import momenta
-from robodyn.effects.effect import Effect, Sample
-from robodyn.effects.rotor_inertia import reflected
-from robodyn.execute.repeated import COLUMNS
-from robodyn.model import Model
-from robodyn.plan import Plan, applied
-from robodyn.scene import Entry, Scene
-from robodyn.self_checks import power_lost, stored_energy
-from robodyn.simulation.closing import Closing
+from robodyn.dynamics.accelerations import accelerations
+from robodyn.dynamics.balance import power_lost, stored_energy
+from robodyn.dynamics.effects.effect import Effect, Sample
+from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.loops import necessary
+from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.turning import local_rates, moved, unit
+from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.dual_state import along_motion
+from robodyn.dynamics.recursions.momentum import momenta
+from robodyn.programs.dual import rate_of
+from robodyn.programs.program import Program, trace
+from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar, cross
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Entry, Scene
 from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
-from robodyn.simulation.turning import local_rates, moved, unit
-from robodyn.spatial import Scalar, cross
-from robodyn.trace.program import Program, trace
-from robodyn.trace.scalar import Tape
 
 STATE = "state"
 """The source of programs whose columns are q, qd, the work done so far and the step."""
@@ -75,7 +76,7 @@ class Equations:
     @cached_property
     def closing(self) -> Closing | None:
         """The scene's loops, if it has any."""
-        return Closing(self.plan) if self.scene.loops else None
+        return necessary.closing(self.plan) if self.scene.loops else None
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """The state after a step, with unit quaternions and on the loops."""

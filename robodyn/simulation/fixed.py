@@ -10,21 +10,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute.choice import EXECUTORS, Work, times
-from robodyn.execute.llvm.machine import compiler, one_line
-from robodyn.execute.repeated import SINGLE, CompiledSteps, NumpySteps
-from robodyn.plan import Plan
+from robodyn.programs.program import Program
+from robodyn.programs.run.choice import EXECUTORS, Work, times
+from robodyn.programs.run.llvm.machine import compiler, one_line
+from robodyn.programs.run.repeated import SINGLE, CompiledSteps, NumpySteps
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import first_passed, hermite_touches
-from robodyn.simulation.how import TooMuchError
 from robodyn.simulation.limits import Limits
+from robodyn.simulation.method_options import TooMuchError
 from robodyn.simulation.methods import Method
 from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.table import Signal
-from robodyn.trace.program import Program
-from robodyn.wording import alternatives
+from robodyn.support.wording import alternatives
 
 Floats = NDArray[np.float64]
 CHUNK = 4096

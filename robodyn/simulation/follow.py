@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.doubts import Doubt
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.plan import Plan
 from robodyn.simulation.fixed import SHORTER, Motion
-from robodyn.simulation.how import How, TooMuchError
+from robodyn.simulation.method_options import How, TooMuchError
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
+from robodyn.support.doubts import Doubt
 
 Floats = NDArray[np.float64]
 MOST_UNASKED = 1e5

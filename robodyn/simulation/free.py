@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.momentum import momenta
-from robodyn.effects.effect import Sample
-from robodyn.effects.payload import EFFECT as PAYLOAD
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.effects.payload import EFFECT as PAYLOAD
+from robodyn.dynamics.plan import applied
+from robodyn.dynamics.recursions.momentum import momenta
 from robodyn.errors import InputError
-from robodyn.model import Model
-from robodyn.plan import applied
-from robodyn.scene import GROUND, Scene
-from robodyn.spatial import Array, Scalar, cross
+from robodyn.programs.vectors import Array, Scalar, cross
+from robodyn.robot.model import Model
+from robodyn.scene.scene import GROUND, Scene
 
 if TYPE_CHECKING:
     from robodyn.simulation.equations import Equations

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.doubts import Doubt
-from robodyn.held_base import untouched
-from robodyn.limits import Coverage, Excess, binding, coverage, reached_beyond
-from robodyn.model import Joint, Model
-from robodyn.scene import Scene
+from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.standing import untouched
+from robodyn.scene.scene import Scene
 from robodyn.simulation.free import is_free
 from robodyn.simulation.remarks import deepest
-from robodyn.ties import BEYOND, first_largest
+from robodyn.support.doubts import Doubt
+from robodyn.support.ties import BEYOND, first_largest
 
 Floats = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from robodyn.effects.effect import Effect
+from robodyn.dynamics.effects.effect import Effect
 from robodyn.errors import InputError
+from robodyn.programs.program import trace
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.spatial import Scalar
-from robodyn.trace.program import trace
-from robodyn.trace.scalar import Tape
 
 
 def check_leapfrog(equations: Equations) -> None:

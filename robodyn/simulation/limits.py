@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
-from robodyn.model import Joint, Model
-from robodyn.ties import first_largest
+from robodyn.robot.model import Joint, Model
+from robodyn.support.ties import first_largest
 
 Floats = NDArray[np.float64]
 

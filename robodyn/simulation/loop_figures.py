@@ -9,22 +9,23 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.dynamics.sparse import total
-from robodyn.effects.effect import Sample
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.inverse import runner_of
+from robodyn.dynamics.loops import necessary
+from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.find import NOTHING, jacobian
+from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.recursions.sparse import total
 from robodyn.errors import InputError
-from robodyn.execute.repeated import COLUMNS
-from robodyn.execute.runner import Runner
-from robodyn.inverse import runner_of
-from robodyn.loops.find import NOTHING, jacobian
-from robodyn.plan import Plan, applied
-from robodyn.simulation.closing import Closing
+from robodyn.programs.program import Program, trace
+from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.singular import Singular, passed
 from robodyn.simulation.table import Signal
-from robodyn.spatial import Scalar
-from robodyn.trace.program import Program, trace
-from robodyn.trace.scalar import Tape
 
 Floats = NDArray[np.float64]
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
@@ -80,7 +81,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     """
     if not plan.scene.loops:
         return None
-    closing = Closing(plan)
+    closing = necessary.closing(plan)
     chain, count = closing.chain, len(plan.scene.loops)
     rank = _rank(closing, motion.states[0])
     runner = _ready(plan, len(signal.curves))
@@ -115,7 +116,7 @@ def _ready(plan: Plan, columns: int) -> Runner:
 
 def loop_program(equations: Equations) -> Program:
     """The program of each loop's wrench, then of phi and phi' by equation."""
-    closing = Closing(equations.plan)
+    closing = necessary.closing(equations.plan)
     chain = closing.chain
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
@@ -150,7 +151,7 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
     Raises:
         InputError: the first row that is not, with its error.
     """
-    chain = Closing(plan).chain
+    chain = necessary.closing(plan).chain
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         here = chain.equations(replace(plan.sample(tape), model=chain.model, qdd=(0.0,) * plan.model.n))

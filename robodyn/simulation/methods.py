@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from robodyn.errors import InputError
-from robodyn.wording import alternatives
+from robodyn.support.wording import alternatives
 
 Rows = tuple[tuple[float, ...], ...]
 

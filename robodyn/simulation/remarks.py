@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.effects.friction import rubbing
-from robodyn.model import Joint, Model
-from robodyn.scene import Scene
+from robodyn.dynamics.effects.friction import rubbing
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import Scene
 from robodyn.simulation.limits import Limits
-from robodyn.ties import first_largest, ranked
+from robodyn.support.ties import first_largest, ranked
 
 Floats = NDArray[np.float64]
 SLOW = 3.0

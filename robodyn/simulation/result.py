@@ -8,15 +8,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.doubts import Doubt
-from robodyn.effects.effect import Effect, Verdict
-from robodyn.limits import Coverage, Excess, within
-from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.dynamics.effects.effect import Effect, Verdict
+from robodyn.robot.limits import Coverage, Excess, within
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 from robodyn.simulation.free import is_free
 from robodyn.simulation.joint_use import JointUse, doubts, joint_use, limits_checked
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
+from robodyn.support.doubts import Doubt
 
 Floats = NDArray[np.float64]
 

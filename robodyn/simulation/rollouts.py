@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robodyn.arrays import arrays_of
+from robodyn.dynamics.arrays import arrays_of
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.execute.repeated import LANES, SINGLE, CompiledSteps, NumpySteps
-from robodyn.model import Model
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT, Scene
+from robodyn.programs.run.repeated import LANES, SINGLE, CompiledSteps, NumpySteps
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
@@ -22,7 +22,7 @@ from robodyn.simulation.methods import method_named
 from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.slip import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
-from robodyn.workers import cores
+from robodyn.support.workers import cores
 
 Floats = NDArray[np.float64]
 TOGETHER = 64

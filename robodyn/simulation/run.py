@@ -9,27 +9,26 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.dynamics.initial_state import initial_state, limits_at_start
+from robodyn.dynamics.inverse import runner_of
+from robodyn.dynamics.loops.closed_start import closed_start, start_notes
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.execute.repeated import COLUMNS
-from robodyn.execute.runner import Runner
-from robodyn.inverse import runner_of
-from robodyn.model import Model
-from robodyn.plan import Plan, plan
-from robodyn.scene import DEFAULT, Scene
-from robodyn.scene_fit import check_moves
+from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.runner import Runner
+from robodyn.robot.model import Model
+from robodyn.scene.fit import check_moves
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import adaptive_motion
-from robodyn.simulation.closed_start import closed_start, start_notes
-from robodyn.simulation.closing import Closing
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import FixedSteps, Motion
 from robodyn.simulation.follow import Free, followed
 from robodyn.simulation.free import check_free
-from robodyn.simulation.how import How, how_of
-from robodyn.simulation.initial import initial_state, limits_at_start
 from robodyn.simulation.joint_use import assumed
 from robodyn.simulation.leapfrog import check_leapfrog
 from robodyn.simulation.limits import Limits
 from robodyn.simulation.loop_figures import loop_figures
+from robodyn.simulation.method_options import How, how_of
 from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.singular import passing_notes, start_doubts
@@ -144,7 +143,7 @@ def start_of(a_plan: Plan) -> Floats:
         InputError: they cannot be.
     """
     state = initial_state(a_plan.model, a_plan.scene)
-    return closed_start(Closing(a_plan), state) if a_plan.scene.loops else state
+    return closed_start(a_plan, state) if a_plan.scene.loops else state
 
 
 def integrated(

@@ -9,19 +9,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.doubts import Doubt
+from robodyn.dynamics.inverse import runner_of
+from robodyn.dynamics.loops import necessary
+from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.find import jacobian
+from robodyn.dynamics.loops.necessary import FEW
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute.runner import Runner
-from robodyn.inverse import runner_of
-from robodyn.loops.find import jacobian
-from robodyn.plan import Plan
-from robodyn.simulation.closing import Closing
+from robodyn.programs.program import Program, trace
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
-from robodyn.simulation.necessary import FEW
-from robodyn.spatial import Scalar
-from robodyn.trace.program import Program, trace
-from robodyn.trace.scalar import Tape
+from robodyn.support.doubts import Doubt
 
 Floats = NDArray[np.float64]
 KEPT = 1e-4
@@ -47,7 +48,7 @@ def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
     """
     if not plan.scene.loops:
         return ()
-    closing, model = Closing(plan), plan.model
+    closing, model = necessary.closing(plan), plan.model
     q, qd = state[: model.nq].tolist(), state[model.nq : model.nq + model.n]
     left, across = _lost(closing, q)
     if not left.shape[1]:
@@ -110,7 +111,7 @@ def passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
     Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
     one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
     """
-    closing = Closing(plan)
+    closing = necessary.closing(plan)
     chain, n = closing.chain, plan.model.n
     if not chain.count:
         return ()
@@ -161,11 +162,11 @@ def _ready(plan: Plan) -> Runner:
 
 
 def _program(equations: Equations) -> Program:
-    chain, n = Closing(equations.plan).chain, equations.model.n
+    chain, n = necessary.closing(equations.plan).chain, equations.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         state = equations.state(tape)
-        sample = Closing(equations.plan).sample(state.q, [0.0] * n)
+        sample = necessary.closing(equations.plan).sample(state.q, [0.0] * n)
         return [row.get(rate, 0.0) for row in chain.equations(sample).J for rate in range(n)]
 
     return trace(outputs)

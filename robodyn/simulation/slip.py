@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
-from robodyn.effects import coulomb_friction
-from robodyn.effects.friction import rubbing
-from robodyn.model import Model
-from robodyn.scene import Scene
+from robodyn.dynamics.effects import coulomb_friction
+from robodyn.dynamics.effects.friction import rubbing
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 
 SLIP_SPEED = 1e-3
 """rad/s, where a joint has Coulomb friction and the scene gives none."""

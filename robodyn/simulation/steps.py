@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from robodyn.execute.repeated import COLUMNS
+from robodyn.dynamics.loops.turning import moved, unit
+from robodyn.programs.program import Program, trace
+from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
 from robodyn.simulation.free import kept
 from robodyn.simulation.methods import Method
-from robodyn.simulation.turning import moved, unit
-from robodyn.spatial import Scalar
-from robodyn.trace.program import Program, trace
-from robodyn.trace.scalar import Tape
 
 REST = 2.0**-16
 """Times the square of positions (and 1) per step; what is left of that in a step is less than their rounding."""

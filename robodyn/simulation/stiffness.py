@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.effects.friction import rubbing
-from robodyn.inverse import inverse_dynamics
-from robodyn.linear import solve
-from robodyn.model import Joint
-from robodyn.plan import Plan
+from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.linear import solve
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Joint
 from robodyn.simulation.methods import Method
-from robodyn.spatial import product
-from robodyn.ties import first_largest, ranked
+from robodyn.support.ties import first_largest, ranked
 
 Floats = NDArray[np.float64]
 FRICTION = "Coulomb friction near rest"

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, SceneError
-from robodyn.model import Model
-from robodyn.scene import Entry, Scene
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Entry, Scene
 from robodyn.simulation.rows import NEAR, Piece
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.header import listing
+from robodyn.trajectory.open import open_table
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.table import open_table
 from robodyn.trajectory.units import TimeUnit
 
 Floats = NDArray[np.float64]

@@ -19,6 +19,8 @@ Place = tuple[Quantity, int]
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 TWIST_RATE = ("wdx", "wdy", "wdz", "ax", "ay", "az")
+COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")
+"""Of a wrench, in the order of its columns."""
 TIME_NAMES = ("time", "t", "timestamp")
 MEASURED: dict[Quantity, str] = {"q": "position", "qd": "velocity", "qdd": "acceleration", "tau": "torque"}
 WORDS: dict[str, Quantity] = {

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.clock import is_time
 from robodyn.trajectory.columns import ANY_WORD, WORDS, Quantity, Signals
-from robodyn.wording import alternatives, shown
 
 _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"
 _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from robodyn.support.wording import alternatives
 from robodyn.trajectory.clock import Clock, clocks
 from robodyn.trajectory.columns import MEASURED, TIME_NAMES, Meaning, Place, Signals
 from robodyn.trajectory.complete import held_still
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.reading import DEFAULT, Reading
 from robodyn.trajectory.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
-from robodyn.wording import alternatives
 
 ABSENT = -1
 

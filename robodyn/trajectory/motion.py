@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from robodyn.doubts import Doubt
+from robodyn.support.doubts import Doubt
 from robodyn.trajectory.table import FloatArray
 
 FEW = 24

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.doubts import Doubt
+from robodyn.support.doubts import Doubt
 from robodyn.trajectory.clock import EPOCH, Clock
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.layout import ABSENT, Layout

@@ -13,9 +13,10 @@ from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.assemble import join
 from robodyn.trajectory.columns import Signals, matrix_column
 from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.open import open_table
 from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
 from robodyn.trajectory.reading import DEFAULT, Reading
-from robodyn.trajectory.table import FloatArray, open_table
+from robodyn.trajectory.table import FloatArray
 
 
 def open_trajectory(

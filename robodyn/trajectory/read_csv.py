@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, BinaryIO
 
 from robodyn.errors import TrajectoryError
-from robodyn.input_file import copied, open_input
+from robodyn.support.input_file import copied, open_input
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
 from robodyn.trajectory.table import FloatArray, changed
 

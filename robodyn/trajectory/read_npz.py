@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.input_file import open_input
+from robodyn.support.input_file import open_input
 from robodyn.trajectory.npz_members import Values, member
 from robodyn.trajectory.table import FloatArray, check_expansion, check_finite, common_length, decoding, less, spread
 

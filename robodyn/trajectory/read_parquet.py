@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.input_file import open_input
+from robodyn.support.input_file import open_input
 from robodyn.trajectory.table import FloatArray, changed, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.doubts import Doubt
 from robodyn.errors import TrajectoryError
+from robodyn.support.doubts import Doubt
 from robodyn.trajectory.assemble import Assembly, cut
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.columns import POSE, Signals
 from robodyn.trajectory.units import ANGLES, AngleUnit, TimeUnit
-from robodyn.wording import alternatives, shown
 
 Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
 MODES = ("auto", "given", "spline", "savgol", "central")

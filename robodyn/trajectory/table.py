@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
@@ -16,16 +15,6 @@ if TYPE_CHECKING:
     from decimal import Decimal
 
 FloatArray = NDArray[np.float64]
-
-FILE_TYPES = {
-    ".csv": "csv",
-    ".tsv": "csv",
-    ".txt": "csv",
-    ".dat": "csv",
-    ".parquet": "parquet",
-    ".pq": "parquet",
-    ".npz": "npz",
-}
 
 _EXPANDED, _RATIO = 1 << 28, 500
 """Bytes of numbers that are always read, and how many for each byte that is stored."""
@@ -86,42 +75,6 @@ class Table(Protocol):
     def close(self) -> None:
         """Give the file back."""
         ...
-
-
-def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Table:
-    """The table in a file; `-` is standard input (CSV).
-
-    Args:
-        file_type: "csv", "parquet" or "npz"; by the suffix of the name if None.
-
-    Raises:
-        TrajectoryError: there is no such file, it cannot be opened, or it is not of that type.
-    """
-    name = os.fspath(path)
-    kind = file_type or ("csv" if name == "-" else FILE_TYPES.get(os.path.splitext(name)[1].lower()))
-    known = sorted(set(FILE_TYPES.values()))
-    if kind not in known:
-        what = f"unknown type of table {file_type!r}" if file_type else "unknown type of table by this suffix"
-        remedy = f"types: {', '.join(known)}" if file_type else f"suffixes: {' '.join(FILE_TYPES)}"
-        raise TrajectoryError(what, remedy=remedy, file=name)
-    try:
-        if os.path.isdir(name):
-            raise TrajectoryError("is a directory", remedy="name a file", file=name)
-        if kind == "csv":
-            from robodyn.trajectory.read_csv import CsvTable
-
-            return CsvTable(name)
-        if kind == "parquet":
-            from robodyn.trajectory.read_parquet import ParquetTable
-
-            return ParquetTable(name)
-        from robodyn.trajectory.read_npz import NpzTable
-
-        return NpzTable(name)
-    except OSError as error:
-        raise TrajectoryError(f"cannot be read: {reason(error)}", file=name) from None
-    except ValueError as error:  # an embedded null character in the name
-        raise TrajectoryError(f"cannot be read: {error}", file=name) from None
 
 
 def reason(error: OSError) -> str:

@@ -6,8 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 from robodyn.errors import TrajectoryError
-from robodyn.statistics import COMPONENTS
-from robodyn.trajectory.columns import Place, Signals
+from robodyn.trajectory.columns import COMPONENTS, Place, Signals
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.proposals import asked, meant
 

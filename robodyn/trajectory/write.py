@@ -8,9 +8,10 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import BinaryIO, Protocol
 
 from robodyn.errors import InputError
+from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
-from robodyn.trajectory.table import FILE_TYPES, FloatArray
-from robodyn.whole_file import cannot_be_written, whole_file
+from robodyn.trajectory.open import FILE_TYPES
+from robodyn.trajectory.table import FloatArray
 
 
 class Format(Protocol):

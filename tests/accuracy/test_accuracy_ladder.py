@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robodyn.accuracy.ladder import Ladder, Rung, front
-from robodyn.accuracy.timing import Spread, timed
+from robodyn.measure.accuracy.ladder import Ladder, Rung, front
+from robodyn.measure.accuracy.timing import Spread, timed
 
 
 def rung(name: str, error: float, seconds: float) -> Rung:
@@ -73,15 +73,15 @@ def test_spread_is_median_and_quartiles() -> None:
 
 
 def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 2)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.ROUNDS", 2)
     calls: list[str] = []
     act = {"act": lambda: calls.append("run")}
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 5  # a short one fills the caches before each
-    monkeypatch.setattr("robodyn.accuracy.timing.SHORT", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.SHORT", 0.0)
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 8
-    monkeypatch.setattr("robodyn.accuracy.timing.SLOW", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.SLOW", 0.0)
     assert timed(act)["act"][1].runs == 1
     assert len(calls) == 9

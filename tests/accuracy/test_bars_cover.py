@@ -30,17 +30,17 @@ from simulated_robots import pendulum
 from small_robots import random_tree
 
 import robodyn
-from robodyn.accuracy import motion_reference as reference_module
-from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.accuracy.simulate_within import simulate_within
-from robodyn.accuracy.simulation_ladder import state_errors
-from robodyn.accuracy.torques_within import arithmetic_within
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.motion_input import motion, sources_of
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT, Scene
+from robodyn.dynamics.plan import plan
+from robodyn.measure.accuracy import motion_reference as reference_module
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy.simulation_ladder import state_errors
+from robodyn.measure.accuracy.torques_within import arithmetic_within
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.trajectory.robot_motion import motion, sources_of
 
 ENOUGH = 0.95
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from command_line import ROBOTS
 
-from robodyn.accuracy.mesh_ladder import mesh_accuracy
-from robodyn.accuracy.mesh_methods import by_box, by_chance, by_columns, by_voxels, by_winding_numbers, inertia
-from robodyn.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
-from robodyn.accuracy.operations import counted, integral_operations
 from robodyn.errors import MeshError
-from robodyn.mesh.load import from_array, load_triangles
+from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
+from robodyn.measure.accuracy.mesh_methods import by_box, by_chance, by_columns, by_voxels, by_winding_numbers, inertia
+from robodyn.measure.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
+from robodyn.measure.accuracy.operations import counted, integral_operations
+from robodyn.solids.mesh.load import from_array, load_triangles
 
 TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
     np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
@@ -21,8 +21,8 @@ I_TETRAHEDRON = np.array([[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 1
 
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 1)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.ROUNDS", 1)
 
 
 def error(moments) -> float:

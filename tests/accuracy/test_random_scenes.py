@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from random_scene_accuracy import ALLOWED, CLASSES, FEWEST, PAGE, outcomes, shares
 
-from robodyn.accuracy import effort
+from robodyn.measure.accuracy import effort
 
 
 @pytest.fixture(autouse=True)

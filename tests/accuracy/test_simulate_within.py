@@ -10,14 +10,14 @@ import pytest
 from simulated_robots import pendulum, slide, turntable
 
 import robodyn
-from robodyn.accuracy import effort
-from robodyn.accuracy.apart import apart
-from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.accuracy.simulate_within import simulate_within
-from robodyn.accuracy.simulation_ladder import state_errors
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.plan import plan
-from robodyn.scene import Scene
+from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy.apart import apart
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy.simulation_ladder import state_errors
+from robodyn.scene.scene import Scene
 
 SWING = Scene(initial_q={"j1": 2.5})
 

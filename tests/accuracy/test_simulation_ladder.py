@@ -11,15 +11,15 @@ from closed_chains import four_bars
 from oracles import reference
 from simulated_robots import pendulum, slide, tumbling
 
-from robodyn.accuracy import motion_reference as reference_module
-from robodyn.accuracy import simulation_ladder
-from robodyn.accuracy.ladder import front
-from robodyn.accuracy.motion_error import MotionError
-from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.accuracy.simulation_ladder import simulation_accuracy, state_errors
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.plan import plan
-from robodyn.scene import Drive, Friction, Scene
+from robodyn.measure.accuracy import motion_reference as reference_module
+from robodyn.measure.accuracy import simulation_ladder
+from robodyn.measure.accuracy.ladder import front
+from robodyn.measure.accuracy.motion_error import MotionError
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy, state_errors
+from robodyn.scene.scene import Drive, Friction, Scene
 from robodyn.simulation.run import simulate
 
 pytest.importorskip("mpmath")
@@ -31,8 +31,8 @@ PUSHED = replace(SWING, drive={"j1": Drive(torque="push")})
 
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 1)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.ROUNDS", 1)
     monkeypatch.setattr(simulation_ladder, "STEPS", (1.6e-2, 4e-3))
     monkeypatch.setattr(simulation_ladder, "TOLERANCES", (1e-4, 1e-8))
 

@@ -8,12 +8,12 @@ import pytest
 from oracles import reference
 from simulated_robots import pendulum, slide
 
-from robodyn.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.plan import plan
-from robodyn.scene import Friction, Scene, Spring
+from robodyn.measure.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
+from robodyn.programs.program import trace
+from robodyn.scene.scene import Friction, Scene, Spring
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.trace.program import trace
 
 mpmath = pytest.importorskip("mpmath")
 

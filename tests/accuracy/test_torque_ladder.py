@@ -10,14 +10,14 @@ import pytest
 from command_line import ROBOTS
 from hurried import hurry
 
-from robodyn.accuracy.derivative_ladder import like, noisy
-from robodyn.accuracy.torque_ladder import file_accuracy, torque_accuracy
-from robodyn.assemble import load
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.inverse import inverse_dynamics
-from robodyn.motion_input import motion, read_motion
-from robodyn.scene import DEFAULT
+from robodyn.measure.accuracy.derivative_ladder import like, noisy
+from robodyn.measure.accuracy.torque_ladder import file_accuracy, torque_accuracy
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.motion import Derivation, JointDerivation
+from robodyn.trajectory.robot_motion import motion, read_motion
 
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
 
@@ -27,8 +27,8 @@ pytest.importorskip("mpmath")
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
     hurry(monkeypatch)
-    monkeypatch.setattr("robodyn.accuracy.timing.BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.accuracy.timing.ROUNDS", 1)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.ROUNDS", 1)
 
 
 def test_scara() -> None:

@@ -10,13 +10,13 @@ from command_line import ROBOTS, run
 from mesh_samples import binary_stl, box, cylinder, moved, tetrahedron
 
 import robodyn
-from robodyn.accuracy.inertia_within import needs_rationals, with_promise
-from robodyn.accuracy.torques_within import PAIRS, ROUNDING, arithmetic_within
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, MeshError
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.motion_input import motion, sources_of
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT
+from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
+from robodyn.measure.accuracy.torques_within import PAIRS, ROUNDING, arithmetic_within
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.scene.scene import DEFAULT
+from robodyn.trajectory.robot_motion import motion, sources_of
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 

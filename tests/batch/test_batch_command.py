@@ -14,11 +14,11 @@ from batch_runs import NAMES, batch, document, in_turn, listing, write_motion, w
 from command_line import ROBOTS, command, run
 
 import robodyn
-from robodyn.batch import work
-from robodyn.batch.processes import worked_here
-from robodyn.batch.setup import VERSION, Setup
 from robodyn.cli import torques_batch
-from robodyn.installed import code_digest, version_of
+from robodyn.cli.batch import work
+from robodyn.cli.batch.processes import worked_here
+from robodyn.cli.batch.setup import VERSION, Setup
+from robodyn.support.libraries import code_digest, version_of
 
 LINES = [f"runs/{name}.csv: 50 samples, 0.49 s -> results/{name}.csv" for name in sorted(NAMES)]
 

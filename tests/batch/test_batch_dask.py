@@ -15,9 +15,9 @@ from batch_runs import batch, in_turn, listing, write_motion, write_runs
 from command_line import command, run
 from processes import python
 
-from robodyn.batch import cluster
-from robodyn.batch.jobs import jobs_of
 from robodyn.cli import torques_batch
+from robodyn.cli.batch import cluster
+from robodyn.cli.batch.jobs import jobs_of
 
 distributed = pytest.importorskip("distributed")
 FILES = 24

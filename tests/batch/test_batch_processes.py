@@ -17,8 +17,8 @@ from batch_runs import NAMES, write_motion, write_runs
 from command_line import command
 from terminals import on_terminal
 
-from robodyn.batch.jobs import jobs_of
-from robodyn.batch.processes import ATTEMPTS, worked_here
+from robodyn.cli.batch.jobs import jobs_of
+from robodyn.cli.batch.processes import ATTEMPTS, worked_here
 from robodyn.cli.torques_batch import _setup
 
 OPTIONS = {"reactions": False, "sizing": False, "momentum": None}

@@ -14,7 +14,7 @@ from batch_runs import listing
 from command_line import run, spawn
 from other_robots import other_paths
 
-from robodyn.execute.llvm.machine import compiler
+from robodyn.programs.run.llvm.machine import compiler
 from robodyn.trajectory.write import open_writer
 
 try:

@@ -11,18 +11,18 @@ from example_robots import real
 from hurried import hurry
 from oracles import ROBOTS, robot
 
-from robodyn.bench import executors as bench_executors
-from robodyn.bench import peers as bench_peers
-from robodyn.bench import run as module
-from robodyn.bench.result import Timing
-from robodyn.bench.run import bench
+from robodyn.dynamics.balance import energy, laws
+from robodyn.dynamics.inverse import mass_matrix
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.execute.llvm.machine import Compiler
-from robodyn.inverse import mass_matrix
-from robodyn.plan import plan
-from robodyn.scene import Scene
-from robodyn.scene_file import load_scene
-from robodyn.self_checks import energy, laws
+from robodyn.measure.speed import executors as bench_executors
+from robodyn.measure.speed import peers as bench_peers
+from robodyn.measure.speed import run as module
+from robodyn.measure.speed.result import Timing
+from robodyn.measure.speed.run import bench
+from robodyn.programs.run.llvm.machine import Compiler
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
 
 MISSING = "llvmlite is not installed; pip install llvmlite"
 SAMPLES = 300

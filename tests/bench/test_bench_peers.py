@@ -12,11 +12,11 @@ from hurried import hurry
 from oracles import robot
 from small_robots import joint, link, urdf
 
-from robodyn.assemble import load
-from robodyn.bench.libraries import LIBRARIES, Task
-from robodyn.bench.peers import bare_description, bare_scene, compared, following
-from robodyn.bench.samples import random_sources
-from robodyn.plan import plan
+from robodyn.dynamics.plan import plan
+from robodyn.measure.speed.libraries import LIBRARIES, Task
+from robodyn.measure.speed.peers import bare_description, bare_scene, compared, following
+from robodyn.measure.speed.samples import random_sources
+from robodyn.robot.assemble import load
 
 SAMPLES = 20
 GRAVITY = (1.0, -2.0, 3.0)

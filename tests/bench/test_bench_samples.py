@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from oracles import robot
 
-from robodyn.bench.samples import MEMORY, laid_out, random_sources
 from robodyn.errors import InputError
-from robodyn.scene import ExternalWrench, Scene
+from robodyn.measure.speed.samples import MEMORY, laid_out, random_sources
+from robodyn.scene.scene import ExternalWrench, Scene
 
 PUSHED = Scene(wrenches=(ExternalWrench("upper_link", ("fx", 0.0, "fz")),))
 

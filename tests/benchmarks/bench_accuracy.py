@@ -19,9 +19,9 @@ from robot_catalogue import runs
 from small_robots import chain
 
 import robodyn
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.effects.effect import Sample
-from robodyn.plan import Plan, applied, loads
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.plan import Plan, applied, loads
 
 STATES = 4
 HEAD = ("quantity", "compared with", "cases", "median error", "largest error")

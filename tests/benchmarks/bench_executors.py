@@ -19,13 +19,13 @@ from oracles import ROBOTS as FOLDER
 from oracles import worst
 
 import robodyn
-from robodyn.bench.executors import available, build_times
-from robodyn.bench.peers import bare_scene, following, library_tasks
-from robodyn.bench.result import Timing
-from robodyn.bench.samples import laid_out, random_sources
-from robodyn.bench.timing import repeated, taking_turns
-from robodyn.inverse import torque_runner
-from robodyn.plan import Plan, plan
+from robodyn.dynamics.inverse import torque_runner
+from robodyn.dynamics.plan import Plan, plan
+from robodyn.measure.speed.executors import available, build_times
+from robodyn.measure.speed.peers import bare_scene, following, library_tasks
+from robodyn.measure.speed.result import Timing
+from robodyn.measure.speed.samples import laid_out, random_sources
+from robodyn.measure.speed.timing import repeated, taking_turns
 
 OURS = {"Two links": "two_link_planar", "SCARA": "scara"}
 """Robots of robots/; the others are of example-robot-data."""

@@ -18,11 +18,11 @@ from markdown_tables import main, table
 from oracles import worst
 
 import robodyn
-from robodyn.accelerations import acceleration_program
-from robodyn.bench.peers import bare_description, following
-from robodyn.bench.samples import random_sources
-from robodyn.bench.timing import taking_turns
-from robodyn.plan import Plan
+from robodyn.dynamics.accelerations import acceleration_program
+from robodyn.dynamics.plan import Plan
+from robodyn.measure.speed.peers import bare_description, following
+from robodyn.measure.speed.samples import random_sources
+from robodyn.measure.speed.timing import taking_turns
 
 HEAD = (
     *("robot", "joints (Pinocchio)", "operations", "at rest", "NumPy", "compiled", "2 threads"),

@@ -20,13 +20,13 @@ from machine import machine
 from markdown_tables import main, table
 from mesh_samples import binary_stl, torus
 
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.compiled_kernel import kernel_for
-from robodyn.mesh.integrate import integrate, measure
-from robodyn.mesh.kernel import volume_kernel
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.one_shell import is_one_shell
-from robodyn.mesh.sweep import swept
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.compiled_kernel import kernel_for
+from robodyn.solids.mesh.integrate import integrate, measure
+from robodyn.solids.mesh.kernel import volume_kernel
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.one_shell import is_one_shell
+from robodyn.solids.mesh.sweep import swept
 
 OURS = "integral"
 WORTH_ANYTHING = 10**9

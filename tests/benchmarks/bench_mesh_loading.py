@@ -26,7 +26,7 @@ from markdown_tables import main, table
 from mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
 from mesh_samples import binary_stl, torus
 
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 HEAD = ("format", "bytes per triangle", "robodyn", "trimesh", "ratio")
 LARGE = 5_000_000

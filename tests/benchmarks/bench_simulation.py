@@ -17,10 +17,10 @@ from machine import machine
 from markdown_tables import main, table
 
 import robodyn
-from robodyn.bench.peers import bare_description
-from robodyn.bench.samples import random_sources
-from robodyn.bench.timing import taking_turns
-from robodyn.plan import plan
+from robodyn.dynamics.plan import plan
+from robodyn.measure.speed.peers import bare_description
+from robodyn.measure.speed.samples import random_sources
+from robodyn.measure.speed.timing import taking_turns
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

@@ -20,11 +20,11 @@ from markdown_tables import main, table
 from symmetry_cases import bodies
 
 from robodyn.errors import MeshError
-from robodyn.mesh.asymmetry import CentredBody
-from robodyn.mesh.integrate import measure
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.symmetry import symmetry
-from robodyn.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.integrate import measure
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.symmetry import symmetry
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 
 SUFFIXES = (".stl", ".obj", ".dae")
 SIZES = (0, 1000, 3000, 10_000, 30_000, 100_000)

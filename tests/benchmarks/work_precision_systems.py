@@ -21,14 +21,14 @@ from oracles import ROBOTS
 from scipy.integrate import solve_ivp
 
 import robodyn
-from robodyn.accuracy.motion_reference import motion_reference
-from robodyn.bench.peers import bare_description
-from robodyn.model import Model
-from robodyn.plan import plan
-from robodyn.scene import Friction, Scene
+from robodyn.dynamics.plan import plan
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.speed.peers import bare_description
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import How, integrated
-from robodyn.spatial import rotation_from_rpy
 
 Run = Callable[[], Any]
 COARSEST = 8

@@ -16,9 +16,9 @@ from robodyn.checks.masses import principal_moments
 from robodyn.checks.mirror_examples import ORIGIN, two_arms
 from robodyn.checks.reading import read
 from robodyn.checks.run import check_one
-from robodyn.inertia.laws import parallel_axis
-from robodyn.inertia.second import inertia_matrix
-from robodyn.spatial import rotation_from_rpy
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.solids.inertia.laws import parallel_axis
+from robodyn.solids.inertia.second import inertia_matrix
 
 C = np.array((0.1, -0.05, 0.2))
 MASS = 2.0

@@ -11,7 +11,7 @@ from mesh_samples import binary_stl, box
 from robodyn.checks import mesh_files
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import check_one
-from robodyn.urdf.packages import Search
+from robodyn.robot.urdf.packages import Search
 
 E, W = Severity.E, Severity.W
 COMPOSED, DECOMPOSED = "Gerät.stl", "Gera\u0308t.stl"

@@ -14,7 +14,7 @@ from robodyn.checks.mirror_examples import IMAGE, LIMIT, ORIGIN, ORIGIN_IMAGE, T
 from robodyn.checks.mirror_names import named_pairs
 from robodyn.checks.reading import read
 from robodyn.checks.run import check_one
-from robodyn.inertia.conversions import from_inertia
+from robodyn.solids.inertia.conversions import from_inertia
 
 EPS = np.finfo(float).eps
 

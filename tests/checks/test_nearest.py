@@ -9,7 +9,7 @@ from planted_defects import HEALTHY
 from robodyn.checks.fix import fixed
 from robodyn.checks.nearest import nearest
 from robodyn.checks.run import check_one
-from robodyn.inertia.exact import Floats
+from robodyn.solids.inertia.exact import Floats
 
 EPS = 2.0**-52
 

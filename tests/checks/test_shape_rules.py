@@ -13,7 +13,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.reading import read
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Options, check_one
-from robodyn.inertia import solids
+from robodyn.solids.inertia import solids
 
 E, W, I = Severity.E, Severity.W, Severity.I
 SHAPE = ("RD301", "RD302", "RD303", "RD304", "RD305")

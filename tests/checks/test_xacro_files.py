@@ -15,7 +15,7 @@ from robodyn.checks.project import check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options
 from robodyn.errors import InputError
-from robodyn.urdf.xacro import expanded
+from robodyn.robot.urdf.xacro import expanded
 
 HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 MACRO = f"""{HEAD}
@@ -133,7 +133,7 @@ def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) 
 
 
 def test_a_process_that_dies_is_one_line(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.urdf.xacro._PROCESS", "import os; os._exit(7)")
+    monkeypatch.setattr("robodyn.robot.urdf.xacro._PROCESS", "import os; os._exit(7)")
     with pytest.raises(InputError, match="xacro cannot expand it: its process ended with status 7"):
         expanded(str(robot))
 

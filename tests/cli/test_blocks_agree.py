@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from command_line import ROBOTS, write_arm
 
-from robodyn.assemble import load
-from robodyn.loads import torques
-from robodyn.motion_input import signals
+from robodyn.loads.torques import torques
 from robodyn.report.json_torques import torques_json
-from robodyn.scene import DEFAULT
-from robodyn.scene_file import load_scene
+from robodyn.robot.assemble import load
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import DEFAULT
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.robot_motion import signals
 
 CASES = [
     ("scara", "scara_pick_and_place", None),

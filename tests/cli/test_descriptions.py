@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from command_line import ARM, ROBOTS, Outcome, motion, run
 
-from robodyn.urdf.packages import VARIABLES
+from robodyn.robot.urdf.packages import VARIABLES
 
 SHAPE = '<visual><geometry><mesh filename="package://arm/meshes/m.stl" scale="0.001 0.001 0.001"/></geometry></visual>'
 MESHED = ARM.replace('<link name="upper">', f'<link name="upper">{SHAPE}')

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from command_line import Outcome, run
 
-from robodyn import doctor
-from robodyn.doctor import Line, healthy
-from robodyn.execute.trial import TOLERANCE, Trial, trial
-from robodyn.installed import Installed, Library, installed, loading
+from robodyn.measure import doctor
+from robodyn.measure.doctor import Line, healthy
+from robodyn.programs.run.trial import TOLERANCE, Trial, trial
 from robodyn.report.text_doctor import doctor_text
-from robodyn.urdf.packages import VARIABLES
+from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.support.libraries import Installed, Library, installed, loading
 
 LIBRARIES = (*doctor.NEEDED, doctor.COMPILER, doctor.SCENES, *doctor.OPTIONAL)
 WORKS = Trial(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
@@ -86,7 +86,7 @@ def test_executors_agree_here() -> None:
 
 def test_wrong_machine_code_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("llvmlite")
-    from robodyn.execute import compiled_blocks
+    from robodyn.programs.run import compiled_blocks
 
     right = compiled_blocks.CompiledBlocks.__call__
     monkeypatch.setattr(compiled_blocks.CompiledBlocks, "__call__", lambda *args: right(*args) * (1 + 1e-9))

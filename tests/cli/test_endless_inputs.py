@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from command_line import run, write_arm
 
-from robodyn import input_file
+from robodyn.robot.urdf import xacro
+from robodyn.support import input_file
 from robodyn.trajectory import table
-from robodyn.urdf import xacro
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs devices and pipes")
 SIMULATE = ("--duration", "0.01", "--step", "0.005")

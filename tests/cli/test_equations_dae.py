@@ -13,7 +13,7 @@ from oracles import EPS, worst
 from small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.free_body.bodies import free_bodies
+from robodyn.equations.free_body.bodies import free_bodies
 
 SCARA, GRIPPER, FREE = (str(ROBOTS / f"{name}.urdf") for name in ("scara", "gripper", "rigid_body"))
 STATE = ("--at", "0.3,-0.5,0.05", "--qd", "elbow=2", "--tau", "1,2,-14.7")

@@ -13,12 +13,12 @@ from other_robots import other_paths
 from scipy.interpolate import make_interp_spline
 from small_robots import built, joint, link, urdf
 
-from robodyn.assemble import load
-from robodyn.example_motion import example_motion, overloaded
-from robodyn.loads import torques
-from robodyn.motion_input import motion
-from robodyn.scene import Friction, Payload, Scene, Spring
-from robodyn.scene_file import load_scene
+from robodyn.loads.example_motion import example_motion, overloaded
+from robodyn.loads.torques import torques
+from robodyn.robot.assemble import load
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Friction, Payload, Scene, Spring
+from robodyn.trajectory.robot_motion import motion
 
 
 def split(model, columns):

@@ -10,7 +10,7 @@ import pytest
 from command_line import ROBOTS, run
 
 import robodyn
-from robodyn.spatial import product
+from robodyn.programs.vectors import product
 
 SCARA = str(ROBOTS / "scara.urdf")
 PUMA = (str(ROBOTS / "puma.urdf"), "--scene", str(ROBOTS / "puma_polish.toml"))

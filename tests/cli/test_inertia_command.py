@@ -11,7 +11,7 @@ import pytest
 from command_line import run
 
 import robodyn
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 EPS = np.finfo(float).eps
 TETRAHEDRON = [[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]]

@@ -13,11 +13,11 @@ import pytest
 from command_line import ROBOTS, run
 from terminals import on_terminal
 
-from robodyn.inertia.solids import box
-from robodyn.robot_inertia.declared import robot_inertia
-from robodyn.robot_inertia.from_shapes import link_from_shapes
-from robodyn.spatial import rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.masses.declared import robot_inertia
+from robodyn.robot.masses.from_shapes import link_from_shapes
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps
 ARM = str(ROBOTS / "meshed_arm.urdf")

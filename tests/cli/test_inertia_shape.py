@@ -11,7 +11,7 @@ from command_line import run
 from smooth_solids import solids
 
 import robodyn
-from robodyn.mesh import shape
+from robodyn.solids.mesh import shape
 
 EPS = np.finfo(float).eps
 

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 from command_line import ARM, ROBOTS, motion, run
 
-from robodyn.assemble import load
-from robodyn.loads import torques
+from robodyn.loads.torques import torques
 from robodyn.report.json_torques import torques_json
-from robodyn.scene_file import load_scene
+from robodyn.robot.assemble import load
+from robodyn.scene.read import load_scene
 
 CASES = [
     ("scara", "scara_pick_and_place", None),

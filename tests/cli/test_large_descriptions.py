@@ -9,8 +9,8 @@ from types import CodeType, FrameType
 
 import pytest
 
+from robodyn.checks.overview import overview
 from robodyn.checks.run import check_one
-from robodyn.overview import overview
 from robodyn.report.text_overview import overview_text
 
 LINK = (

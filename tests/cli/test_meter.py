@@ -14,9 +14,9 @@ from processes import environment
 from terminals import on_terminal
 
 from robodyn.cli.meter import Meter
-from robodyn.mesh import one_shell
-from robodyn.mesh.load import load_triangles
-from robodyn.part import mass_properties
+from robodyn.solids.mesh import one_shell
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh_mass import mass_properties
 
 
 def two(body):

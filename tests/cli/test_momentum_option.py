@@ -12,9 +12,9 @@ from motions import Pieces, waves
 from oracles import EPS, robot, worst
 
 import robodyn
-from robodyn.momentum import View
-from robodyn.momentum_pass import NAMES
-from robodyn.scene import Rotor, Scene
+from robodyn.dynamics.momenta import View
+from robodyn.loads.momenta import NAMES
+from robodyn.scene.scene import Rotor, Scene
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 

@@ -10,9 +10,9 @@ from command_line import ROBOTS, run, write_arm
 from example_robots import path_of
 
 from robodyn.errors import SceneError
-from robodyn.scene_file import parse_scene
-from robodyn.scene_table import OF_THE_SCENE
-from robodyn.wording import alternatives, nearest
+from robodyn.scene.read import parse_scene
+from robodyn.scene.toml_table import OF_THE_SCENE
+from robodyn.support.wording import alternatives, nearest
 
 TORQUES = ("torques", "arm.urdf", "arm.csv")
 SWAPPED = "arm.csv: this is a table, and a robot description is expected here (is it swapped with arm.urdf? the order: "

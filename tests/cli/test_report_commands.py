@@ -10,8 +10,8 @@ import pytest
 from command_line import ROBOTS, run, write_arm
 from html_pages import checked
 
-from robodyn.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.accuracy.timing import Spread
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
+from robodyn.measure.accuracy.timing import Spread
 from robodyn.report.html_page import html
 from robodyn.report.page_accuracy import accuracy_page
 

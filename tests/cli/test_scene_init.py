@@ -11,10 +11,10 @@ from example_robots import path_of
 
 import robodyn
 from robodyn.errors import SceneError
-from robodyn.model import Model
 from robodyn.report.scene_toml import scene_toml
-from robodyn.scene_file import parse_scene
-from robodyn.scene_fit import check_scene
+from robodyn.robot.model import Model
+from robodyn.scene.fit import check_scene
+from robodyn.scene.read import parse_scene
 
 OURS = [*(path.stem for path in sorted(ROBOTS.glob("*.urdf")))]
 REAL = ("panda", "anymal", "tiago")

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from robodyn.errors import InputError
+from robodyn.support.files import whole_file, write_whole
 from robodyn.trajectory.write import open_writer
-from robodyn.whole_file import whole_file, write_whole
 
 
 def write_table(path: str, data: bytes) -> None:
@@ -254,7 +254,7 @@ def test_two_that_write_the_same_file_do_not_disturb_each_other(tmp_path: Path, 
 
 def test_under_windows_a_file_that_is_open_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """There are no locks; the system keeps others from removing it."""
-    monkeypatch.setattr("robodyn.whole_file._WINDOWS", True)
+    monkeypatch.setattr("robodyn.support.files._WINDOWS", True)
     parts = [tmp_path / f"a.csv.{number}a1b2c3d.part" for number in (0, 1)]
     for part in parts:
         part.touch()

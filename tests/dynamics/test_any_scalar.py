@@ -14,17 +14,17 @@ from oracles import frictionless, golden_model, random_state, reference, robot, 
 from program_values import evaluated
 
 import robodyn
-from robodyn.dynamics.dual import Dual
-from robodyn.dynamics.kinematics import REST, joint_motion
-from robodyn.dynamics.newton_euler import newton_euler
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.effects.effect import Sample
-from robodyn.inertia.moments import MASSLESS, Inertia
-from robodyn.inverse import inverse_dynamics
-from robodyn.model import Joint
-from robodyn.plan import Plan, applied, loads
-from robodyn.scene import Scene
-from robodyn.spatial import vector
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.recursions.newton_euler import newton_euler
+from robodyn.programs.dual import Dual
+from robodyn.programs.vectors import vector
+from robodyn.robot.kinematics import REST, joint_motion
+from robodyn.robot.model import Joint
+from robodyn.scene.scene import Scene
+from robodyn.solids.inertia.moments import MASSLESS, Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 

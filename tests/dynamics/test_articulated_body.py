@@ -16,23 +16,23 @@ from oracles import EPS, frictionless, golden_model, random_state, reference, ro
 from program_values import evaluated
 from small_robots import body_numbers, built, joint, link, numbers, random_tree
 
-from robodyn.accelerations import acceleration_program, accelerations
-from robodyn.dynamics.aligned import aligned
-from robodyn.dynamics.articulated_body import articulated_body
-from robodyn.dynamics.dual import Dual
-from robodyn.dynamics.kinematics import REST, joint_motion
-from robodyn.dynamics.newton_euler import inertial_wrenches
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.effects.effect import Sample
-from robodyn.effects.rotor_inertia import reflected
+from robodyn.dynamics.accelerations import acceleration_program, accelerations
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.articulated_body import articulated_body
+from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
-from robodyn.forward import forward_by_factorisation, forward_dynamics
-from robodyn.inertia.moments import MASSLESS, Inertia
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.model import Body, Joint, Model
-from robodyn.plan import Plan, applied, loads
-from robodyn.scene import Rotor, Scene
-from robodyn.spatial import vector
+from robodyn.programs.dual import Dual
+from robodyn.programs.vectors import vector
+from robodyn.robot.kinematics import REST, joint_motion
+from robodyn.robot.model import Body, Joint, Model
+from robodyn.scene.scene import Rotor, Scene
+from robodyn.solids.inertia.moments import MASSLESS, Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 

@@ -12,9 +12,9 @@ import pytest
 from oracles import EPS, random_state, worst
 from small_robots import built, chain, chain_parts, link, random_tree
 
-from robodyn.forward import forward_dynamics
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
-from robodyn.scene import Scene
+from robodyn.dynamics.forward import forward_dynamics
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.scene.scene import Scene
 
 SAMPLES = 10
 

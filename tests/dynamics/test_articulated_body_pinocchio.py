@@ -9,10 +9,10 @@ from example_robots import PATHS, cases
 from oracles import frictionless, random_state, worst
 from pinocchio_robots import PinocchioRobot
 
-from robodyn.assemble import load
+from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import InputError
-from robodyn.forward import forward_by_factorisation, forward_dynamics
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.robot.assemble import load
 
 SAMPLES = 4
 TOLERANCE = 1e-10

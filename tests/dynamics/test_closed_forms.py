@@ -8,9 +8,9 @@ from closed_forms import TORQUES, g, two_link_planar_masses
 from oracles import frictionless, robot, run, worst
 from small_robots import body_numbers, built, link
 
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import Scene
 
 TOLERANCE = 1e-14
 

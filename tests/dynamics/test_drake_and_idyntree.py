@@ -7,7 +7,7 @@ import pytest
 from example_robots import path_of, real
 from oracles import frictionless, golden_model, random_state, worst
 
-from robodyn.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 
 
 def test_drake():

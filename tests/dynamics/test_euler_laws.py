@@ -8,8 +8,7 @@ import sympy
 from oracles import EPS, random_state, worst
 from small_robots import chain
 
-from robodyn.dynamics.dual import Dual, rate_of, value_of
-from robodyn.dynamics.euler_laws import (
+from robodyn.dynamics.recursions.euler_laws import (
     about_body_point,
     about_fixed_point,
     about_mass_centre,
@@ -20,9 +19,10 @@ from robodyn.dynamics.euler_laws import (
     inertia_about_centre,
     moment_about,
 )
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.newton_euler import inertial_wrenches
-from robodyn.spatial import cross, rotation_from_quaternion, skew
+from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
+from robodyn.programs.dual import Dual, rate_of, value_of
+from robodyn.programs.vectors import cross, rotation_from_quaternion, skew
+from robodyn.robot.kinematics import motions
 
 
 def _vector(name):

@@ -10,13 +10,13 @@ from example_robots import cases
 from oracles import EPS, golden_model, random_state, reference, robot, worst
 from robot_catalogue import names
 
-from robodyn.assemble import load
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.self_checks import energy, laws, losses
+from robodyn.dynamics.balance import energy, laws, losses
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 

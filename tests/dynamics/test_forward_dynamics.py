@@ -10,13 +10,13 @@ from example_robots import real
 from oracles import EPS, frictionless, golden_model, random_state, robot, worst
 
 import robodyn
-from robodyn.accelerations import acceleration_program
+from robodyn.dynamics.accelerations import acceleration_program
+from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.forward import forward_by_factorisation, forward_dynamics
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 
 MODEL = golden_model("puma560_corke")
 STATE = random_state(MODEL, np.random.default_rng(5), 3000)

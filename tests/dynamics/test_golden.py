@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from oracles import golden_model, reference, run, worst
 
-from robodyn.effects import coriolis, gravity
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
+from robodyn.dynamics.effects import coriolis, gravity
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import Scene
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 CASES = [(name, k) for name, model in MODELS.items() for k in range(len(model["cases"]))]

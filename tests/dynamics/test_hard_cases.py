@@ -11,12 +11,12 @@ from independent_dynamics import torques_of
 from oracles import EPS, random_state, reference, run, worst
 from small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
-from robodyn.assemble import load
-from robodyn.effects.effect import Sample
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan, applied, loads
-from robodyn.scene import Scene
-from robodyn.spatial import rotation_from_rpy
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan, applied, loads
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Scene
 
 
 def _states(model, seed, scale=1.0):

@@ -11,10 +11,10 @@ from pinocchio_robots import PinocchioRobot
 from small_robots import chain, urdf
 
 import robodyn
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.places import poses
 from robodyn.errors import InputError
-from robodyn.scene import Payload, Rotor, Scene, Spring
+from robodyn.robot.kinematics import motions
+from robodyn.robot.poses import poses
+from robodyn.scene.scene import Payload, Rotor, Scene, Spring
 
 STILL = Scene(gravity=(0.0, 0.0, 0.0))
 

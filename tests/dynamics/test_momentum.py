@@ -10,14 +10,14 @@ from oracles import EPS, frictionless, random_state, robot, run, worst
 from pinocchio_robots import PinocchioRobot
 from small_robots import urdf
 
-from robodyn.dynamics.along import along_motion
-from robodyn.dynamics.dual import rate_of, value_of
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.momentum import momenta, momentum_of_bodies
-from robodyn.dynamics.places import poses
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.recursions.dual_state import along_motion
+from robodyn.dynamics.recursions.momentum import momenta, momentum_of_bodies
+from robodyn.programs.dual import rate_of, value_of
+from robodyn.robot.kinematics import motions
+from robodyn.robot.poses import poses
+from robodyn.scene.scene import Scene
 
 WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))
 

@@ -12,9 +12,9 @@ import pytest
 from oracles import random_state, worst
 from small_robots import built, joint, link, random_tree_parts, urdf
 
-from robodyn.assemble import load
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.scene import Friction, Rotor, Scene
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Friction, Rotor, Scene
 
 KINDS = ("revolute", "prismatic", "continuous")
 

@@ -11,9 +11,12 @@ from motions import Pieces
 from oracles import ROBOTS
 
 import robodyn
-from robodyn import forward, inverse, momentum, one_pass, plan, self_checks
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.trace import program
+from robodyn.dynamics import balance as self_checks
+from robodyn.dynamics import forward, inverse, plan
+from robodyn.dynamics import momenta as momentum
+from robodyn.loads import accumulate as one_pass
+from robodyn.programs import program
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
 
 PATTERNS = list(product((0.0, 1.0), repeat=6))[1:41]
 """Which of six joints move: forty ways in which not all are still."""
@@ -35,7 +38,7 @@ def traced(monkeypatch):
         made.append(given)
         return program.trace(*given)
 
-    for module in (plan, inverse, forward, momentum, self_checks, robodyn.accelerations):
+    for module in (plan, inverse, forward, momentum, self_checks, robodyn.dynamics.accelerations):
         if hasattr(module, "trace"):
             monkeypatch.setattr(module, "trace", counted)
     return made
@@ -60,7 +63,7 @@ def test_forty_patterns_share_a_program(name, executor, model, traced, monkeypat
     """Robots at rest have programs of their own: without speeds, accelerations or torques."""
     monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path))
     built = []
-    name_of = "robodyn.execute.compiled_blocks.CompiledBlocks"
+    name_of = "robodyn.programs.run.compiled_blocks.CompiledBlocks"
     monkeypatch.setattr(name_of, lambda *given: (built.append(given), CompiledBlocks(*given))[1])
     for moves in PATTERNS:
         CALLS[name](model, *_state(moves), executor=executor)

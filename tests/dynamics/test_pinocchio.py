@@ -8,9 +8,9 @@ from example_robots import PATHS, REFUSED, all_paths, cases, path_of
 from oracles import frictionless, random_state, run, worst
 from pinocchio_robots import PinocchioRobot
 
-from robodyn.assemble import load
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.robot.assemble import load
 
 SAMPLES = 6
 TOLERANCE = 1e-12

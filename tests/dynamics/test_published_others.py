@@ -10,10 +10,10 @@ import pytest
 from oracles import frictionless, golden_model, reference, run, worst
 from small_robots import built, joint, link
 
-from robodyn.effects import coriolis, gravity
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Scene
+from robodyn.dynamics.effects import coriolis, gravity
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import ExternalWrench, Scene
 
 PRINTED = reference("published_checks")
 g = 9.81

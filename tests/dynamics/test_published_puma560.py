@@ -12,11 +12,11 @@ import pytest
 from oracles import frictionless, reference, robot, run, worst
 from robot_files import FOLDER
 
-from robodyn.effects import coriolis
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Payload
-from robodyn.scene_file import load_scene
+from robodyn.dynamics.effects import coriolis
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import ExternalWrench, Payload
 
 PRINTED = reference("published_checks")["puma560_rtb"]
 QN = [0, math.pi / 4, math.pi, 0, math.pi / 4, 0]

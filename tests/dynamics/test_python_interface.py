@@ -8,10 +8,10 @@ from busy_robot import BUSY_SCENE, busy_robot
 from oracles import random_state, robot, run, worst
 
 import robodyn
-from robodyn.effects import inertia, payload, rotor_inertia
+from robodyn.dynamics.effects import inertia, payload, rotor_inertia
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.plan import Plan, plan
-from robodyn.scene import Scene
+from robodyn.scene.scene import Scene
 
 
 @pytest.mark.parametrize("moving_base", [False, True])

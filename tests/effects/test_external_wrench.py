@@ -9,13 +9,13 @@ from oracles import EPS, frictionless, random_state, run, worst
 from pinocchio_robots import PinocchioRobot
 from small_robots import urdf
 
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.places import poses
-from robodyn.effects import external_wrench
+from robodyn.dynamics.effects import external_wrench
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.inverse import bias_forces, inverse_dynamics
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Scene
+from robodyn.robot.kinematics import motions
+from robodyn.robot.poses import poses
+from robodyn.scene.scene import ExternalWrench, Scene
 
 FORCE, MOMENT, POINT = (1.0, -2.0, 3.0), (0.4, 0.5, -0.6), (0.1, -0.3, 0.2)
 SAMPLES = 10

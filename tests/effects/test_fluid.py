@@ -7,10 +7,10 @@ from busy_robot import busy_robot
 from oracles import EPS, frictionless, random_state, run, worst
 from small_robots import built, joint, link
 
-from robodyn.effects import fluid, gravity
-from robodyn.inverse import inverse_dynamics
-from robodyn.plan import Plan
-from robodyn.scene import Immersed, Payload, Scene
+from robodyn.dynamics.effects import fluid, gravity
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import Immersed, Payload, Scene
 
 WATER = 1000.0
 

@@ -8,8 +8,8 @@ from busy_robot import busy_robot
 from oracles import EPS, frictionless, random_state, robot, worst
 from small_robots import built, joint, link
 
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.scene import Friction, Rotor, Scene, Spring
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.scene.scene import Friction, Rotor, Scene, Spring
 
 GEARED = (
     '<transmission name="t"><joint name="j"/><actuator name="m">'

@@ -11,13 +11,13 @@ from oracles import EPS, frictionless, random_state, robot, run, worst
 from pinocchio_robots import PinocchioRobot
 from small_robots import joint, link, random_tree, random_tree_parts, urdf
 
-from robodyn.assemble import load
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.places import poses
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
+from robodyn.robot.assemble import load
+from robodyn.robot.kinematics import motions
+from robodyn.robot.poses import poses
+from robodyn.scene.scene import Scene
 
 MIMIC = '<mimic joint="finger" multiplier="-2.5" offset="0.3"/>'
 

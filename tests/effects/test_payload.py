@@ -8,11 +8,11 @@ from busy_robot import busy_parts, busy_robot
 from oracles import EPS, random_state, run, worst
 from small_robots import body_numbers, joint, link, urdf
 
-from robodyn.assemble import load
-from robodyn.effects import payload
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Payload, Scene
+from robodyn.dynamics.effects import payload
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Payload, Scene
 
 
 def _numbers(seed):

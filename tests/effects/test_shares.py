@@ -11,12 +11,12 @@ from example_robots import real
 from oracles import EPS, golden_model, random_state, robot, run, worst
 from robot_files import FOLDER
 
-from robodyn.effects import coriolis, gravity, inertia, payload
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.scene_file import load_scene
+from robodyn.dynamics.effects import coriolis, gravity, inertia, payload
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
 
 SAMPLES = 50
 

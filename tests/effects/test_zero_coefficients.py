@@ -7,9 +7,9 @@ import pytest
 from busy_robot import busy_robot
 from oracles import random_state, robot
 
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 
 NOTHING = {
     "viscous friction": Scene(friction={"shoulder": Friction()}),

@@ -17,7 +17,7 @@ from small_robots import built, joint, link, random_tree
 import robodyn
 from robodyn.equations.c_source import c_source
 from robodyn.errors import InputError
-from robodyn.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Scene
 
 BUSY = replace(BUSY_SCENE, wrenches=tuple(wrench for wrench in BUSY_SCENE.wrenches if not wrench.columns))
 

@@ -18,7 +18,7 @@ from robodyn.equations.closed import closed
 from robodyn.equations.ode import ode
 from robodyn.equations.trigonometric import Forms
 from robodyn.errors import InputError
-from robodyn.scene import Scene
+from robodyn.scene.scene import Scene
 
 R = sympy.Rational
 

@@ -12,9 +12,9 @@ from oracles import worst
 from random_programs import random_program
 
 from robodyn.errors import InputError
-from robodyn.execute.c_code import c_function, comment
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.spatial import cos, exp, sign, sin
+from robodyn.programs.run.c_code import c_function, comment
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 
 @needs_c

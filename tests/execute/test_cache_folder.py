@@ -10,7 +10,7 @@ import platformdirs
 import pytest
 from kept_files import CONTENT, KEY, OTHER, posix
 
-from robodyn.execute.object_cache import ObjectCache, cache_folder
+from robodyn.support.cache import ObjectCache, cache_folder
 
 not_as_root = pytest.mark.skipif(os.name == "nt" or os.getuid() == 0, reason="permissions do not bind this user")
 

@@ -13,7 +13,7 @@ import pytest
 from kept_files import KEY, files
 from processes import environment, python
 
-from robodyn.execute.object_cache import FORGOTTEN, ObjectCache
+from robodyn.support.cache import FORGOTTEN, ObjectCache
 
 WRITER = """
 import sys

@@ -8,7 +8,7 @@ import time
 import pytest
 from kept_files import CONTENT, KEY, OTHER, files, the_file
 
-from robodyn.execute.object_cache import FORGOTTEN, Key, ObjectCache
+from robodyn.support.cache import FORGOTTEN, Key, ObjectCache
 
 
 @pytest.mark.parametrize(("age", "left"), [(0.5 * FORGOTTEN, True), (2.0 * FORGOTTEN, False)])

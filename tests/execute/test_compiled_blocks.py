@@ -11,14 +11,14 @@ from array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
 from compiled_programs import bits, needs_compiler
 from oracles import EPS, golden_model, random_state, worst
 
-from robodyn.execute import compiled_blocks
-from robodyn.execute import job as job_module
-from robodyn.execute.compiled_blocks import BLOCK, CompiledBlocks
-from robodyn.execute.llvm import build, machine
-from robodyn.execute.llvm.machine import host
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.plan import Plan
-from robodyn.scene import Scene
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run import compiled_blocks
+from robodyn.programs.run import job as job_module
+from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
+from robodyn.programs.run.llvm import build, machine
+from robodyn.programs.run.llvm.machine import host
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.scene.scene import Scene
 
 pytestmark = needs_compiler
 

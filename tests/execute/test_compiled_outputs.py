@@ -12,8 +12,8 @@ from array_layouts import LAYOUTS, PROGRAM, expected, in_bytes, ready, state
 from compiled_programs import bits, compiled, needs_compiler
 from oracles import EPS, worst
 
-from robodyn.execute import compiled_blocks
-from robodyn.execute.compiled_blocks import BLOCK
+from robodyn.programs.run import compiled_blocks
+from robodyn.programs.run.compiled_blocks import BLOCK
 
 pytestmark = needs_compiler
 

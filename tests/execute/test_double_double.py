@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from robot_files import FOLDER
 
-from robodyn.assemble import load
-from robodyn.execute import double_double as dd
-from robodyn.execute.double_double import DoubleDouble, Pair
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT
+from robodyn.dynamics.plan import plan
+from robodyn.programs.run import double_double as dd
+from robodyn.programs.run.double_double import DoubleDouble, Pair
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import DEFAULT
 
 DIGITS = 60
 RNG = np.random.default_rng(4)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from compiled_programs import bits, compiled, needs_compiler
 
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.spatial import cos, exp, sign, sin
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 pytestmark = needs_compiler
 

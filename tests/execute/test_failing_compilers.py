@@ -10,10 +10,10 @@ import pytest
 from compiled_programs import needs_compiler, program_of
 
 from robodyn.errors import InputError
-from robodyn.execute import runner
-from robodyn.execute.llvm import build, machine
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.runner import Runner
+from robodyn.programs.run import runner
+from robodyn.programs.run.llvm import build, machine
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.runner import Runner
 
 
 def _powers(x):

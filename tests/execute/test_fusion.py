@@ -12,11 +12,11 @@ import pytest
 from compiled_programs import bits, compiled, needs_compiler, program_of
 from oracles import golden_model
 
-from robodyn.execute.compiled_blocks import CompiledBlocks, kernel_of
-from robodyn.execute.llvm.fusion import fused_products
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.trace.scalar import ADD, CONSTANT, INPUT, MUL, SUB
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
+from robodyn.programs.run.llvm.fusion import fused_products
+from robodyn.programs.scalar import ADD, CONSTANT, INPUT, MUL, SUB
+from robodyn.scene.scene import Scene
 
 INPUTS = 4
 

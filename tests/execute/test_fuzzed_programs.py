@@ -16,11 +16,11 @@ from oracles import golden_model, random_state, robot
 from random_programs import OPERATIONS, programs, random_inputs, seeded
 from rounding_bounds import bounds
 
-from robodyn.execute import numpy_blocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.trace.scalar import CONSTANT, INPUT
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run import numpy_blocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.scalar import CONSTANT, INPUT
+from robodyn.scene.scene import Scene
 
 SEEDS = 15
 ROWS = 4

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from compiled_programs import needs_compiler, program_of
 
-from robodyn.execute.compiled_blocks import CompiledBlocks, content_of
-from robodyn.execute.llvm import build
-from robodyn.execute.llvm.machine import Host
-from robodyn.trace.program import Program
+from robodyn.programs.program import Program
+from robodyn.programs.run.compiled_blocks import CompiledBlocks, content_of
+from robodyn.programs.run.llvm import build
+from robodyn.programs.run.llvm.machine import Host
 
 pytestmark = needs_compiler
 PROGRAM = program_of(lambda x, y: [x * 2.5 + y, y.sin()], 2)

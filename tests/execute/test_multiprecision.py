@@ -15,12 +15,12 @@ from oracles import EPS, golden_model, random_state, reference, robot, worst
 from program_values import evaluated
 from random_programs import BINARY, UNARY
 
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute.multiprecision import Multiprecision
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.spatial import cos, exp, sin
-from robodyn.trace.program import trace
+from robodyn.programs.program import trace
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.programs.vectors import cos, exp, sin
+from robodyn.scene.scene import Scene
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 INF, NAN = math.inf, math.nan

@@ -7,14 +7,14 @@ import pytest
 from oracles import EPS, golden_model, random_state, worst
 from program_values import evaluated
 
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.execute import numpy_blocks
-from robodyn.execute.numpy_blocks import LARGEST, NumpyBlocks
-from robodyn.inverse import inverse_dynamics
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.spatial import exp, sign
-from robodyn.trace.program import trace
+from robodyn.programs.program import trace
+from robodyn.programs.run import numpy_blocks
+from robodyn.programs.run.numpy_blocks import LARGEST, NumpyBlocks
+from robodyn.programs.vectors import exp, sign
+from robodyn.scene.scene import Scene
 
 MODEL = golden_model("puma560_corke")
 WIDTHS = {"q": 6, "qd": 6, "qdd": 6}

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from kept_files import CONTENT, KEY, OTHER, files, posix, the_file
 
-from robodyn.execute.object_cache import MARK, Key, ObjectCache, in_profile
+from robodyn.support.cache import MARK, Key, ObjectCache, in_profile
 
 as_root = pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="only root gives files away")
 

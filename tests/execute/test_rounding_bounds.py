@@ -11,10 +11,10 @@ from oracles import EPS
 from random_programs import BINARY, random_inputs, seeded
 from rounding_bounds import bounds
 
-from robodyn.execute.numpy_blocks import UFUNCS, NumpyBlocks
-from robodyn.spatial import cos, exp, sign, sin
-from robodyn.trace.program import trace
-from robodyn.trace.scalar import CONSTANT, COS, EXP, INPUT, SIN
+from robodyn.programs.program import trace
+from robodyn.programs.run.numpy_blocks import UFUNCS, NumpyBlocks
+from robodyn.programs.scalar import CONSTANT, COS, EXP, INPUT, SIN
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 U = EPS / 2
 INF, NAN = math.inf, math.nan

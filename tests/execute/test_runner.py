@@ -9,11 +9,11 @@ import pytest
 from compiled_programs import needs_compiler, program_of
 
 from robodyn.errors import InputError
-from robodyn.execute import runner
-from robodyn.execute.choice import Work, choice
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.runner import Runner
+from robodyn.programs.run import runner
+from robodyn.programs.run.choice import Work, choice
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.runner import Runner
 
 
 def _sums(x, y, turns):

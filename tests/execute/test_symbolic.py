@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from oracles import worst
 from random_programs import random_program
 
+from robodyn.equations.identifiers import identifier, identifiers
 from robodyn.errors import InputError
-from robodyn.execute.identifiers import identifier, identifiers
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.symbolic import expressions, number
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.symbolic import expressions, number
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -8,8 +8,8 @@ from compiled_programs import needs_compiler
 from processes import python
 
 from robodyn.errors import InputError
-from robodyn.execute.llvm import build, machine
-from robodyn.execute.llvm.machine import LEVELS, Host
+from robodyn.programs.run.llvm import build, machine
+from robodyn.programs.run.llvm.machine import LEVELS, Host
 
 pytestmark = needs_compiler
 BITS = """

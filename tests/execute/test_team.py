@@ -14,8 +14,8 @@ import pytest
 from compiled_programs import needs_compiler
 from processes import python
 
-from robodyn.execute import team as module
-from robodyn.execute.team import Team
+from robodyn.programs.run import team as module
+from robodyn.programs.run.team import Team
 
 pytestmark = needs_compiler
 

@@ -11,12 +11,12 @@ from busy_robot import BUSY_SCENE, busy_robot
 from compiled_programs import needs_compiler, program_of
 
 import robodyn
-from robodyn.execute import runner
-from robodyn.execute.choice import Choice
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.execute.runner import Runner
-from robodyn.plan import plan
+from robodyn.dynamics.plan import plan
+from robodyn.programs.run import runner
+from robodyn.programs.run.choice import Choice
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.runner import Runner
 
 PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
 WIDTHS = {"x": 2}
@@ -54,7 +54,7 @@ def test_a_call_is_told_its_own_executor_whatever_others_ask_meanwhile(monkeypat
             _elsewhere(by_numpy)
             return super().__call__(*given)
 
-    monkeypatch.setattr("robodyn.execute.compiled_blocks.CompiledBlocks", Interrupted)
+    monkeypatch.setattr("robodyn.programs.run.compiled_blocks.CompiledBlocks", Interrupted)
     found = a_runner.run({"x": x}, len(x), executor="compiled")
     assert found.choice == ("compiled", "as asked")
     assert meanwhile == [("numpy", "as asked")] * 2
@@ -76,7 +76,7 @@ def _at_once(jobs):
 @needs_compiler
 def test_results_are_those_of_the_executor_that_is_told(monkeypatch):
     """Threads with samples, sizes and executors of their own; those that leave the choice turn to machine code."""
-    monkeypatch.setattr("robodyn.execute.choice.START", 1e-3)
+    monkeypatch.setattr("robodyn.programs.run.choice.START", 1e-3)
     a_runner = Runner(PROGRAM, WIDTHS)
     by = {"numpy": NumpyBlocks(PROGRAM, WIDTHS), "compiled": CompiledBlocks(PROGRAM, WIDTHS)}
 
@@ -110,7 +110,7 @@ def test_machine_code_is_made_once_by_many_threads(monkeypatch):
             made.append(given)
             super().__init__(*given)
 
-    monkeypatch.setattr("robodyn.execute.compiled_blocks.CompiledBlocks", Counted)
+    monkeypatch.setattr("robodyn.programs.run.compiled_blocks.CompiledBlocks", Counted)
     a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((5, 2))
     _at_once([lambda: a_runner({"x": x}, 5, executor="compiled")] * THREADS)
     assert len(made) == 1

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn import workers
 from robodyn.checks.sources import each_in_a_process
-from robodyn.workers import processes
+from robodyn.support import workers
+from robodyn.support.workers import processes
 
 
 @pytest.mark.parametrize(

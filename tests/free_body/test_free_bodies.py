@@ -9,9 +9,9 @@ from oracles import EPS, random_state, robot, run, worst
 from small_robots import chain
 
 import robodyn
+from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.plan import Plan
-from robodyn.scene import DEFAULT, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 
 ROBOTS = ("puma560", "scara", "cylindrical", "gripper", "two_link_spatial", "satellite", "meshed_arm")
 BUSY = Scene(
@@ -61,7 +61,7 @@ def test_long_chains_and_branching_robots_too():
 
 def test_a_wrong_inertia_would_unbalance_it(monkeypatch):
     """The balance can fail: the inertial forces do not come from the recursion that gives the reactions."""
-    from robodyn.free_body import actions
+    from robodyn.equations.free_body import actions
 
     monkeypatch.setattr(actions, "inertia_about_centre", lambda I, m, r: 1.001 * I)
     assert taken_apart(robot("puma560"))[1].residual_moment > 1e-6

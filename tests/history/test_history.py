@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from robodyn.history import SPANS, Recorder, Thinned
+from robodyn.loads.history import SPANS, Recorder, Thinned
 
 
 def gathered(time, values, cuts, guess):

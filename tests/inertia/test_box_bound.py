@@ -12,12 +12,12 @@ from mass_clouds import Cloud, floats, random_cloud
 from oracles import EPS
 
 from robodyn.errors import InputError
-from robodyn.inertia.box_bound import box_bound
-from robodyn.inertia.conversions import from_inertia
-from robodyn.inertia.exact import exact
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.solids import box
-from robodyn.spatial import IDENTITY, ZERO
+from robodyn.programs.vectors import IDENTITY, ZERO
+from robodyn.solids.inertia.box_bound import box_bound
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.solids import box
 
 
 def test_masses_in_the_corners_reach_it():

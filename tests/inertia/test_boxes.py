@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.inertia.boxes import Box, around, counted_twice, overlaps
-from robodyn.spatial import IDENTITY, ZERO, rotation_from_rpy
+from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
+from robodyn.solids.inertia.boxes import Box, around, counted_twice, overlaps
 
 UNIT = Box(np.zeros(3), np.ones(3))
 

@@ -8,7 +8,7 @@ import pytest
 from oracles import EPS
 
 from robodyn.errors import InputError
-from robodyn.inertia.solids import box, capsule, cone, cylinder, ellipsoid, sphere, torus
+from robodyn.solids.inertia.solids import box, capsule, cone, cylinder, ellipsoid, sphere, torus
 
 DENSITY = 2700.0
 DIGITS = 60

@@ -13,12 +13,12 @@ from mass_clouds import floats, joined, random_cloud, within
 from oracles import EPS, ROBOTS, robot, worst
 
 from robodyn.errors import InputError
-from robodyn.inertia.composite import composite
-from robodyn.inertia.conversions import from_inertia
-from robodyn.inertia.solids import box, cylinder, sphere
-from robodyn.joints import placement
-from robodyn.spatial import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
+from robodyn.robot.joints import placement
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.properties import composite
+from robodyn.solids.inertia.solids import box, cylinder, sphere
 
 BITS = Fraction(1, 2**106)
 HERE = (IDENTITY, ZERO)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from oracles import EPS
 
-from robodyn.inertia.eigen import eigen
+from robodyn.solids.inertia.eigen import eigen
 
 
 def _exact(S):

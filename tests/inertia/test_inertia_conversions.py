@@ -12,11 +12,11 @@ from mass_clouds import random_cloud, within
 from oracles import EPS, worst
 
 from robodyn.errors import InputError
-from robodyn.inertia.conversions import from_inertia, from_integrals, from_moments, from_surface_integrals
-from robodyn.inertia.exact import exact
-from robodyn.inertia.moments import MASSLESS
-from robodyn.inertia.solids import box
-from robodyn.spatial import ZERO
+from robodyn.programs.vectors import ZERO
+from robodyn.solids.inertia.conversions import from_inertia, from_integrals, from_moments, from_surface_integrals
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.moments import MASSLESS
+from robodyn.solids.inertia.solids import box
 
 BITS = Fraction(1, 2**106)
 seeds = st.integers(0, 10**6)

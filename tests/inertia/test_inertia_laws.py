@@ -10,10 +10,10 @@ from mass_clouds import floats, random_cloud
 from oracles import EPS, worst
 
 from robodyn.errors import InputError
-from robodyn.inertia.exact import exact
-from robodyn.inertia.laws import about_centre, orthogonal, parallel_axis, rotation_law
-from robodyn.inertia.second import inertia_matrix, second_moments
-from robodyn.spatial import rotation_from_rpy
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.laws import about_centre, orthogonal, parallel_axis, rotation_law
+from robodyn.solids.inertia.second import inertia_matrix, second_moments
 
 lengths = st.floats(-10, 10)
 places = st.tuples(lengths, lengths, lengths).map(np.array)

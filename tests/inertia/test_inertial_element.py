@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from mass_clouds import random_cloud
 
-from robodyn.assemble import load
-from robodyn.inertia.conversions import from_inertia
-from robodyn.inertia.solids import box, cone
-from robodyn.inertia.urdf_text import inertial_element
-from robodyn.spatial import ZERO, rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.programs.vectors import ZERO, rotation_from_rpy
+from robodyn.robot.assemble import load
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.solids import box, cone
+from robodyn.solids.inertia.urdf_text import inertial_element
 
 
 def _urdf(body):

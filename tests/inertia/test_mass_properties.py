@@ -12,11 +12,11 @@ from mass_clouds import floats, random_cloud, within
 from oracles import EPS, worst
 
 from robodyn.errors import InputError
-from robodyn.inertia.exact import exact
-from robodyn.inertia.moments import inertia_of
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.solids import box
-from robodyn.spatial import ZERO, rotation_from_rpy
+from robodyn.programs.vectors import ZERO, rotation_from_rpy
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.inertia.moments import inertia_of
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.solids import box
 
 BITS = Fraction(1, 2**106)
 angles = st.floats(-3, 3)

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from mass_clouds import random_cloud
 from oracles import EPS
 
-from robodyn.inertia.conversions import from_inertia
-from robodyn.inertia.laws import rotation_law
-from robodyn.inertia.properties import MassProperties
-from robodyn.inertia.solids import box, sphere
-from robodyn.inertia.validity import unphysical, validity
-from robodyn.spatial import ZERO, rotation_from_rpy
+from robodyn.programs.vectors import ZERO, rotation_from_rpy
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.laws import rotation_law
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.solids import box, sphere
+from robodyn.solids.inertia.validity import unphysical, validity
 
 TURN = rotation_from_rpy(0.3, 0.5, 0.7)
 angles = st.floats(-3, 3)

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from mass_clouds import random_cloud
 from oracles import EPS
 
-from robodyn.inertia.principal import principal_axes
-from robodyn.inertia.second import inertia_matrix
-from robodyn.inertia.solids import box, cylinder, sphere
-from robodyn.spatial import rotation_about, rotation_from_quaternion, rotation_from_rpy
+from robodyn.programs.vectors import rotation_about, rotation_from_quaternion, rotation_from_rpy
+from robodyn.solids.inertia.principal import principal_axes
+from robodyn.solids.inertia.second import inertia_matrix
+from robodyn.solids.inertia.solids import box, cylinder, sphere
 
 SHAPES = {
     "plate": (1.0, 0.8, 1e-6),

@@ -12,14 +12,14 @@ from motions import Pieces, waves
 from oracles import EPS, robot
 from small_robots import built, joint, link
 
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
-from robodyn.execute import choice
-from robodyn.extremes import Extremes, Greatest
-from robodyn.inverse import inverse_dynamics
-from robodyn.loads import torques
-from robodyn.motion_input import motion
-from robodyn.one_pass import output_names
-from robodyn.statistics import Peak
+from robodyn.loads.accumulate import output_names
+from robodyn.loads.extremes import Extremes, Greatest
+from robodyn.loads.statistics import Peak
+from robodyn.loads.torques import torques
+from robodyn.programs.run import choice
+from robodyn.trajectory.robot_motion import motion
 
 SAMPLES = 400
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))

@@ -13,9 +13,9 @@ from other_robots import other_paths
 from small_robots import built, joint, link
 
 import robodyn
-from robodyn.held_base import untouched
 from robodyn.report.limits_words import limits_verdict
-from robodyn.robot_inertia.configuration import link_poses
+from robodyn.robot.configuration import link_poses
+from robodyn.robot.standing import untouched
 
 FEET, WHEELS, FLIES, STIFF = "feet", "wheels", "thrust", "no joint"
 WARNED = {

@@ -9,10 +9,10 @@ import pytest
 from batch_runs import write_motion
 from command_line import ARM, motion, run
 
-from robodyn.assemble import load
-from robodyn.doubts import Doubt
-from robodyn.limits import Excess, coverage
 from robodyn.report.limits_words import unchecked_words, verdict_on_limits
+from robodyn.robot.assemble import load
+from robodyn.robot.limits import Excess, coverage
+from robodyn.support.doubts import Doubt
 
 LIMIT = '<limit effort="50" velocity="5" lower="-3" upper="3"/>'
 NO_EFFORT = "2 of 2 joints have no effort limit: not checked (0, which means none, for shoulder, elbow)."

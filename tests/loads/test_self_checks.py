@@ -10,17 +10,17 @@ from busy_robot import BUSY_SCENE, busy_robot
 from motions import waves
 from oracles import ROBOTS, random_state, robot, run
 
-import robodyn.plan
-from robodyn.dynamics.newton_euler import newton_euler
-from robodyn.energy_ledger import EnergyLedger
-from robodyn.inverse import mass_matrix
-from robodyn.loads import torques
-from robodyn.motion_input import motion, read_motion
-from robodyn.plan import Plan
-from robodyn.result import EnergyBalance
-from robodyn.scene import Scene
-from robodyn.scene_file import load_scene
-from robodyn.self_checks import LawResiduals, laws, losses
+import robodyn.dynamics.plan
+from robodyn.dynamics.balance import LawResiduals, laws, losses
+from robodyn.dynamics.inverse import mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.recursions.newton_euler import newton_euler
+from robodyn.loads.energy import EnergyLedger
+from robodyn.loads.result import EnergyBalance
+from robodyn.loads.torques import torques
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
+from robodyn.trajectory.robot_motion import motion, read_motion
 
 EXAMPLES = {
     "scara_pick_and_place": ("scara", None),
@@ -78,7 +78,7 @@ def test_a_wrong_wrench_shows_up(mutation, monkeypatch):
     def wrong(*args):
         return [MUTATIONS[mutation](wrench) for wrench in newton_euler(*args)]
 
-    monkeypatch.setattr(robodyn.plan, "newton_euler", wrong)
+    monkeypatch.setattr(robodyn.dynamics.plan, "newton_euler", wrong)
     model = busy_robot.__wrapped__()  # one of its own, whose programs nobody else finds
     plain = replace(BUSY_SCENE, wrenches=(), immersed=())
     trajectory = waves(model, np.linspace(0, 2, 100))

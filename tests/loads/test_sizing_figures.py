@@ -9,13 +9,13 @@ from oracles import EPS, reference, robot, run, worst
 from scipy.integrate import trapezoid
 from small_robots import built, joint, link
 
-from robodyn.energy_ledger import quadrature_errors
-from robodyn.inverse import inverse_dynamics
-from robodyn.loads import torques
-from robodyn.motion_input import motion
-from robodyn.plan import Plan
-from robodyn.scene import Friction, Scene
-from robodyn.statistics import Integrals, Statistics
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan
+from robodyn.loads.energy import quadrature_errors
+from robodyn.loads.statistics import Integrals, Statistics
+from robodyn.loads.torques import torques
+from robodyn.scene.scene import Friction, Scene
+from robodyn.trajectory.robot_motion import motion
 
 SIZING = reference("sizing")
 WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))

@@ -13,8 +13,8 @@ from command_line import ARM, run
 from oracles import robot
 
 import robodyn
-from robodyn.doubts import TOO_FEW
 from robodyn.report.limits_words import limits_verdict
+from robodyn.support.doubts import TOO_FEW
 
 DURATION = 4.0
 ENOUGH = 0.93

@@ -8,15 +8,15 @@ from closed_chains import four_bars, spatial_loop
 from small_robots import built, joint, link, random_tree
 
 import robodyn
-from robodyn.dynamics.aligned import aligned
-from robodyn.dynamics.composite_body import composite_body, rates_inward
-from robodyn.dynamics.sparse import Root, SingularError
-from robodyn.effects.effect import Sample
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.loops.find import closed_chain, jacobian
+from robodyn.dynamics.loops.least_change import LeastChange
+from robodyn.dynamics.plan import applied, plan
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.composite_body import composite_body, rates_inward
+from robodyn.dynamics.recursions.sparse import Root, SingularError
 from robodyn.errors import InputError
-from robodyn.loops.find import closed_chain, jacobian
-from robodyn.loops.least_change import LeastChange
-from robodyn.plan import applied, plan
-from robodyn.scene import Loop, Scene
+from robodyn.scene.scene import Loop, Scene
 
 
 def dense(entries, n):

@@ -14,7 +14,7 @@ from small_robots import built, joint, link
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene import Loop, Scene
+from robodyn.scene.scene import Loop, Scene
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference" / "a02_reference.json"
 ENERGY_BAR = 0.1

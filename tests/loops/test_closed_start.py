@@ -9,19 +9,19 @@ import pytest
 from closed_chains import crank_slider, four_bars, spatial_loop
 
 import robodyn
+from robodyn.dynamics.initial_state import initial_state
+from robodyn.dynamics.loops import necessary
+from robodyn.dynamics.loops.closed_start import closed_start
+from robodyn.dynamics.loops.find import jacobian
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.loops.find import jacobian
-from robodyn.plan import plan
-from robodyn.scene import Loop, Scene
-from robodyn.simulation.closed_start import closed_start
-from robodyn.simulation.closing import Closing
-from robodyn.simulation.initial import initial_state
+from robodyn.scene.scene import Loop, Scene
 
 
 def started(model, scene):
     """q and qd that a motion begins with, and the closing."""
-    closing = Closing(plan(model, scene))
-    state = closed_start(closing, initial_state(model, scene))
+    closing = necessary.closing(plan(model, scene))
+    state = closed_start(closing.plan, initial_state(model, scene))
     return state[: model.nq], state[model.nq : model.nq + model.n], closing
 
 
@@ -47,7 +47,7 @@ def test_residual_of_spatial_loops(kind):
     assert np.abs(np.array(closing.chain.equations(sample).error, dtype=float)).max() <= 1e-13
     if kind == "weld":
         assert np.trace(closing.chain.equations(sample).places[0].B) > -1
-        turn = robodyn.spatial.rotation_from_rpy(*closing.chain.closures[0].loop.rpy)
+        turn = robodyn.programs.vectors.rotation_from_rpy(*closing.chain.closures[0].loop.rpy)
         assert np.allclose(closing.chain.equations(sample).places[0].B.astype(float), turn, atol=1e-12)
 
 

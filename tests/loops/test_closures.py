@@ -7,13 +7,13 @@ import pytest
 from closed_chains import four_bars, spatial_loop
 from small_robots import built, joint, link
 
-from robodyn.dynamics.along import along_motion
-from robodyn.effects.effect import Sample
-from robodyn.loops.closure import Closure
-from robodyn.loops.equation import equations_of
-from robodyn.loops.find import closed_chain, closure_of, independent, jacobian
-from robodyn.plan import plan
-from robodyn.scene import Loop, Scene
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.loops.closure import Closure
+from robodyn.dynamics.loops.equation import equations_of
+from robodyn.dynamics.loops.find import closed_chain, closure_of, independent, jacobian
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.recursions.dual_state import along_motion
+from robodyn.scene.scene import Loop, Scene
 
 KINDS = ("point", "hinge", "weld")
 
@@ -56,7 +56,7 @@ def test_forces_do_the_power_of_the_multipliers(kind):
 
 
 def test_a_weld_is_closed_where_its_turn_is():
-    from robodyn.spatial import rotation_from_rpy
+    from robodyn.programs.vectors import rotation_from_rpy
 
     loop = Loop("a", "b", kind="weld", rpy=(0.3, -0.5, 1.1))
     R = rotation_from_rpy(*loop.rpy)

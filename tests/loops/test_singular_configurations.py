@@ -10,8 +10,8 @@ import pytest
 from closed_chains import bennett, crank_slider, four_bars, parallelogram
 
 import robodyn
-from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import InputError
+from robodyn.measure.accuracy.simulate_within import simulate_within
 from robodyn.report.json_simulation import simulation_json
 from robodyn.report.page_simulation import simulation_page
 from robodyn.report.text_simulation import simulation_text

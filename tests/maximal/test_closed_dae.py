@@ -1,4 +1,4 @@
-"""Closed chains by the DAE form: against `robodyn.loops`, in the coordinates that loops leave, and cut open."""
+"""Closed chains by the DAE form: against `dynamics.loops`, in the coordinates that loops leave, and cut open."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from single_bodies import HINGE, NEAR, four_bar
 from small_robots import body_numbers, built, joint, link
 
 import robodyn
+from robodyn.equations.dae.closed import by_the_tree
+from robodyn.equations.dae.dae import dae
+from robodyn.equations.dae.reactions import loop_wrenches
 from robodyn.errors import InputError
-from robodyn.maximal.closed import by_the_tree
-from robodyn.maximal.dae import dae
-from robodyn.maximal.reactions import loop_wrenches
-from robodyn.scene import Loop, Scene
+from robodyn.scene.scene import Loop, Scene
 
 SPATIAL = [(kind, free) for kind in ("point", "hinge", "weld") for free in (False, True)]
 
@@ -28,7 +28,7 @@ def torques(model, seed=0):
 
 
 def agrees(found):
-    """With `robodyn.loops`: accelerations, what every loop does to both bodies, and then all joints."""
+    """With `robodyn.dynamics.loops`: accelerations, what every loop does to both bodies, and then all joints."""
     both = found.comparison
     assert max(both.accelerations, both.forces, both.moments) <= 1e-12
     assert max(step.error for step in found.steps) <= 1e-13

@@ -9,12 +9,12 @@ from oracles import random_state, robot
 from single_bodies import HINGE, NEAR, disturbed, four_bar, thrown
 from small_robots import chain, random_tree
 
+from robodyn.equations.dae.consistent import flat_speeds, projected, residuals
+from robodyn.equations.dae.coordinates import consistent, coordinates_of, quaternion
+from robodyn.equations.dae.posed import posed
 from robodyn.errors import InputError
-from robodyn.maximal.consistent import flat_speeds, projected, residuals
-from robodyn.maximal.coordinates import consistent, coordinates_of, quaternion
-from robodyn.maximal.posed import posed
-from robodyn.scene import DEFAULT, Loop, Scene
-from robodyn.spatial import rotation_about, rotation_from_quaternion
+from robodyn.programs.vectors import rotation_about, rotation_from_quaternion
+from robodyn.scene.scene import DEFAULT, Loop, Scene
 
 
 def placed(model, seed=0, scene=DEFAULT):

@@ -8,9 +8,9 @@ from oracles import robot
 from single_bodies import HINGE, NEAR, four_bar, taken_apart
 from small_robots import built, chain, joint, link, random_tree
 
-from robodyn.maximal.dae import dae, dae_at
-from robodyn.maximal.rank import ranked
-from robodyn.scene import Loop, Scene
+from robodyn.equations.dae.dae import dae, dae_at
+from robodyn.equations.dae.rank import ranked
+from robodyn.scene.scene import Loop, Scene
 
 
 def index_of_pencil(E, A):

@@ -16,13 +16,13 @@ from single_bodies import taken_apart, thrown
 from small_robots import built, chain, joint, link, random_tree
 
 import robodyn
-from robodyn.effects.effect import Sample
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.plan import applied, loads, plan
+from robodyn.equations.dae.dae import dae, dae_at
+from robodyn.equations.dae.posed import own_rates, posed
 from robodyn.errors import InputError
-from robodyn.inertia.moments import Inertia
-from robodyn.maximal.dae import dae, dae_at
-from robodyn.maximal.posed import own_rates, posed
-from robodyn.plan import applied, loads, plan
-from robodyn.scene import DEFAULT, Scene
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.moments import Inertia
 
 OWN = sorted(path.stem for path in ROBOTS.glob("*.urdf") if path.stem != "composite")
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])

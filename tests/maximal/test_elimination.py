@@ -12,10 +12,10 @@ from oracles import robot, worst
 from single_bodies import taken_apart
 from small_robots import built, joint, link, random_tree
 
-from robodyn.maximal import elimination, reduction
-from robodyn.maximal.posed import own_rates, posed
-from robodyn.maximal.reduction import reduced
-from robodyn.scene import Rotor, Scene
+from robodyn.equations.dae import elimination, reduction
+from robodyn.equations.dae.posed import own_rates, posed
+from robodyn.equations.dae.reduction import reduced
+from robodyn.scene.scene import Rotor, Scene
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
 FORMULAS = [

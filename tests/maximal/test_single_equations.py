@@ -8,12 +8,12 @@ from oracles import EPS, random_state, robot, worst
 from single_bodies import in_motion, random_bodies
 from small_robots import random_tree
 
-from robodyn.dynamics.dual import rate_of, value_of
-from robodyn.maximal.connections import Anchors, directions, hinge, point, slide, weld
-from robodyn.maximal.consistent import flat_speeds
-from robodyn.maximal.equations import Across, Along, Sum, Turn, drifts, stacked, values
-from robodyn.maximal.joints import joint_connections
-from robodyn.maximal.state import state_of
+from robodyn.equations.dae.connections import Anchors, directions, hinge, point, slide, weld
+from robodyn.equations.dae.consistent import flat_speeds
+from robodyn.equations.dae.equations import Across, Along, Sum, Turn, drifts, stacked, values
+from robodyn.equations.dae.joints import joint_connections
+from robodyn.equations.dae.state import state_of
+from robodyn.programs.dual import rate_of, value_of
 
 
 def unit(rng):

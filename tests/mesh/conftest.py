@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn.mesh import compiled_kernel, integrate
-from robodyn.mesh.kernel import volume_kernel
+from robodyn.solids.mesh import compiled_kernel, integrate
+from robodyn.solids.mesh.kernel import volume_kernel
 
 
 @pytest.fixture(params=["numpy", "machine code"])

@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from robodyn.mesh.exact import Moments
-from robodyn.mesh.integrals import volume_bound
+from robodyn.solids.mesh.exact import Moments
+from robodyn.solids.mesh.integrals import volume_bound
 
 ONE = Moments(Fraction(1), np.zeros(3), np.eye(3))
 

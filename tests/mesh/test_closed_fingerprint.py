@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from mesh_oracle import rational_moments_from, rotation
 from mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 
-from robodyn.mesh.blocks import ROWS
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.blocks import ROWS
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
 def printed(array):

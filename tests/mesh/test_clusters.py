@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.mesh.clusters import clusters
+from robodyn.solids.mesh.clusters import clusters
 
 
 @pytest.mark.parametrize("count", [0, 1, 16, 17, 500])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from symmetric_bodies import any_rotation, bracket
 
-from robodyn.mesh.columns import Lattice, differing_volume, frame_along, inside_volume
+from robodyn.solids.mesh.columns import Lattice, differing_volume, frame_along, inside_volume
 
 ALONG = (0.0, 0.0, 1.0)
 OBLIQUE = (0.36, 0.48, 0.8)

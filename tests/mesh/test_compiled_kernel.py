@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from robodyn.execute.llvm import machine
-from robodyn.mesh import compiled_kernel
-from robodyn.mesh.blocks import ROWS, workspace
-from robodyn.mesh.compiled_kernel import LEAST, TOGETHER, kernel_for, triangle_program
-from robodyn.mesh.kernel import SUMS, Kernel, volume_kernel
-from robodyn.spatial import Array
+from robodyn.programs.run.llvm import machine
+from robodyn.programs.vectors import Array
+from robodyn.solids.mesh import compiled_kernel
+from robodyn.solids.mesh.blocks import ROWS, workspace
+from robodyn.solids.mesh.compiled_kernel import LEAST, TOGETHER, kernel_for, triangle_program
+from robodyn.solids.mesh.kernel import SUMS, Kernel, volume_kernel
 
 
 @pytest.fixture(autouse=True)
@@ -55,7 +55,7 @@ def test_where_it_does_not_compile(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*_: object, **__: object) -> None:
         raise RuntimeError("no such processor")
 
-    monkeypatch.setattr("robodyn.execute.compiled_blocks.CompiledBlocks", fails)
+    monkeypatch.setattr("robodyn.programs.run.compiled_blocks.CompiledBlocks", fails)
     assert kernel_for(100_000_000) is volume_kernel
 
 

@@ -11,7 +11,7 @@ from mesh_oracle import centred, deviation, exact, rational_moments, rotation
 from mesh_samples import box, corners, flipped, moved, tetrahedron, torus, uv_sphere
 
 import robodyn
-from robodyn.inertia.principal import principal_axes
+from robodyn.solids.inertia.principal import principal_axes
 
 BODIES = {
     "tetrahedron": tetrahedron(),

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from symmetric_bodies import any_rotation
 
-from robodyn.mesh.higher_moments import axial_moments, central_moments
+from robodyn.solids.mesh.higher_moments import axial_moments, central_moments
 
 CORNER = samples.tetrahedron(((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mesh_samples import box, cone, cylinder, moved, tetrahedron, torus, uv_sphere
 
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 pytestmark = pytest.mark.usefixtures("either_kernel")
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from mesh_oracle import deviation, rational_moments, rational_moments_from, rotation
 from mesh_samples import box, cone, corners, cylinder, flipped, moved, tetrahedron, torus, uv_sphere
 
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 pytestmark = pytest.mark.usefixtures("either_kernel")
 

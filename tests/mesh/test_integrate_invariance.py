@@ -10,11 +10,11 @@ from mesh_oracle import deviation, exact, rational_moments, rotation
 from mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.blocks import ROWS, reference_in
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.integrate import integrate, measure
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.triangles import BLOCK, MemoryTriangles
+from robodyn.solids.mesh.blocks import ROWS, reference_in
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.integrate import integrate, measure
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.triangles import BLOCK, MemoryTriangles
 
 pytestmark = pytest.mark.usefixtures("either_kernel")
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.mesh.blocks import ROWS
-from robodyn.mesh.kernel import PAIRS
-from robodyn.mesh.residue_kernel import Field, residue_kernel
-from robodyn.mesh.residues import MODULUS_BITS, integer, moduli_for, residue
+from robodyn.solids.mesh.blocks import ROWS
+from robodyn.solids.mesh.kernel import PAIRS
+from robodyn.solids.mesh.residue_kernel import Field, residue_kernel
+from robodyn.solids.mesh.residues import MODULUS_BITS, integer, moduli_for, residue
 
 
 @given(st.integers(0, 10**400), st.data())

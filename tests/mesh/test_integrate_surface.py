@@ -8,8 +8,8 @@ from mesh_oracle import exact, rotation
 from mesh_samples import box, cylinder, flipped, moved, sheet, torus, uv_sphere
 
 from robodyn.errors import MeshError
-from robodyn.mesh.surface import surface
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.surface import surface
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(float).eps
 BODIES = {"box": box((1, 2, 3)), "sphere": uv_sphere(0.5, 10, 20), "torus": torus(2, 0.5, 24, 12)}

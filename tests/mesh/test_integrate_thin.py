@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from mesh_oracle import centred, deviation, rational_moments, rotation
 from mesh_samples import box, cylinder, moved, tetrahedron, torus, uv_sphere
 
-from robodyn.inertia.conversions import from_integrals
-from robodyn.inertia.principal import principal_axes
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.inertia.conversions import from_integrals
+from robodyn.solids.inertia.principal import principal_axes
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 pytestmark = pytest.mark.usefixtures("either_kernel")
 

@@ -12,7 +12,7 @@ from mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
 from mesh_samples import binary_stl, tetrahedron
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 SOLID = tetrahedron()
 POINTS, FACES = indexed(SOLID)

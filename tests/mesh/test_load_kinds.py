@@ -13,11 +13,11 @@ from mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, rows, three_
 from mesh_samples import binary_stl, box, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.kinds import KINDS
-from robodyn.mesh.load import from_array, load_triangles
-from robodyn.mesh.triangles import BLOCK
-from robodyn.mesh.triangles import box as box_of
-from robodyn.mesh.units import METRES
+from robodyn.solids.mesh.kinds import KINDS
+from robodyn.solids.mesh.load import from_array, load_triangles
+from robodyn.solids.mesh.triangles import BLOCK
+from robodyn.solids.mesh.triangles import box as box_of
+from robodyn.solids.mesh.units import METRES
 
 BOX = box((1, 2, 3))
 FILES = {
@@ -169,7 +169,7 @@ def test_a_binary_stl_needs_no_heavy_module(tmp_path):
     path = tmp_path / "part.stl"
     path.write_bytes(FILES["stl"])
     code = (
-        "import sys; from robodyn.mesh.load import load_triangles; load_triangles(sys.argv[1]).array(); "
+        "import sys; from robodyn.solids.mesh.load import load_triangles; load_triangles(sys.argv[1]).array(); "
         "print(*{'trimesh', 'scipy', 'json', 'zipfile', 'tempfile', 'xml.etree.ElementTree'} & sys.modules.keys())"
     )
     done = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, check=True)

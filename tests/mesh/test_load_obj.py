@@ -8,7 +8,7 @@ from mesh_files import obj, rows
 from mesh_samples import box, corners, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 VERTICES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)]
 TEXT = "".join(f"v {x} {y} {z}\n" for x, y, z in VERTICES)

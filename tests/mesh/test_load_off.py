@@ -8,7 +8,7 @@ from mesh_files import off, rows
 from mesh_samples import corners, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 POINTS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 TEXT = "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"

@@ -8,7 +8,7 @@ from mesh_files import indexed, ply, rows
 from mesh_samples import box, corners, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 ENCODINGS = ["ascii", "<", ">"]
 POINTS, FACES = indexed(box())

@@ -11,7 +11,7 @@ import trimesh
 from mesh_files import rows
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 SUFFIXES = (".stl", ".obj", ".dae")
 HIDDEN = "anymal_foot.dae"

@@ -13,7 +13,7 @@ from mesh_files import dae, glb, indexed, rows, three_mf
 from mesh_samples import box, uv_sphere
 
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 
 BALL = uv_sphere(rings=8, sectors=12).astype(np.float32)
 TURN = np.array([[0, -2, 0, 1], [2, 0, 0, 0.5], [0, 0, 2, -3], [0, 0, 0, 1]], np.float64)

@@ -12,8 +12,8 @@ from mesh_samples import binary_stl, box, flipped, moved, torus
 
 import robodyn
 from robodyn.errors import MeshError
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.triangles import BLOCK
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.triangles import BLOCK
 
 RING = torus(rings=60, sectors=50)
 """6000 triangles: a whole block and a part of one."""

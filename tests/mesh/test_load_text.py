@@ -11,8 +11,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
-from robodyn.mesh.lines import Tokens, last_line_end, tokens, whole_lines
-from robodyn.mesh.source import open_source
+from robodyn.solids.mesh.lines import Tokens, last_line_end, tokens, whole_lines
+from robodyn.solids.mesh.source import open_source
 
 BLANKS = st.text(" \t\r\n\v\f", min_size=1, max_size=3)
 FORMATS = st.sampled_from(["{!r}", "{:.6f}", "{:e}", "{:g}", "{:+.17g}", "{:.3E}", "{:.20f}"])

@@ -7,10 +7,10 @@ import pytest
 from mesh_samples import moved, torus, uv_sphere
 from repaired_meshes import R
 
-from robodyn.mesh.indexed import Edges, Indexed, areas, merged
-from robodyn.mesh.local_caps import local_caps
-from robodyn.mesh.loops import boundary_loops
-from robodyn.mesh.winding import winding_numbers
+from robodyn.solids.mesh.indexed import Edges, Indexed, areas, merged
+from robodyn.solids.mesh.local_caps import local_caps
+from robodyn.solids.mesh.loops import boundary_loops
+from robodyn.solids.mesh.winding import winding_numbers
 
 
 def cone(body, seed=0):

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 
-from robodyn.mesh import one_shell
-from robodyn.mesh.blocks import ROWS
-from robodyn.mesh.one_shell import is_one_shell
-from robodyn.mesh.triangles import BLOCK, IndexedTriangles, MemoryTriangles
+from robodyn.solids.mesh import one_shell
+from robodyn.solids.mesh.blocks import ROWS
+from robodyn.solids.mesh.one_shell import is_one_shell
+from robodyn.solids.mesh.triangles import BLOCK, IndexedTriangles, MemoryTriangles
 
 
 def found(array):

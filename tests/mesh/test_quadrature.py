@@ -7,13 +7,13 @@ import pytest
 from mesh_samples import box, cylinder, flipped, moved, torus, uv_sphere
 from repaired_meshes import R
 
-from robodyn.mesh.columns import Lattice
-from robodyn.mesh.indexed import merged
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.pieces import pieces
-from robodyn.mesh.quadrature import by_columns
-from robodyn.mesh.repair import repair
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.columns import Lattice
+from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.pieces import pieces
+from robodyn.solids.mesh.quadrature import by_columns
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
 def central(found):

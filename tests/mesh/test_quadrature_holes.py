@@ -7,12 +7,12 @@ import pytest
 from mesh_samples import box, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from repaired_meshes import R, repaired, taken
 
-from robodyn.mesh.indexed import merged
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.loops import boundary_loops, cap_of
-from robodyn.mesh.quadrature import by_winding_numbers
-from robodyn.mesh.triangles import MemoryTriangles
-from robodyn.mesh.winding_tree import WindingTree
+from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.loops import boundary_loops, cap_of
+from robodyn.solids.mesh.quadrature import by_winding_numbers
+from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.winding_tree import WindingTree
 
 
 def volume(triangles):

@@ -17,8 +17,8 @@ from mesh_samples import (
 from repaired_meshes import R, repaired, taken, volume
 
 from robodyn.errors import MeshError
-from robodyn.mesh.repair import repair
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(np.float64).eps
 ANYWHERE = ((0.0, 0.0, 0.0), (1e3, -2e5, 3e4))

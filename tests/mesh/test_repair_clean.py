@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mesh_samples import box, corners, flipped, moved, sheet, torus, uv_sphere
 
-from robodyn.mesh.clean import collinear
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.repair import repair
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.clean import collinear
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
 def repaired(*parts):

@@ -7,10 +7,10 @@ import pytest
 from mesh_samples import box, corners, cylinder, flipped, moved, sheet, tetrahedron, torus, uv_sphere
 from repaired_meshes import R
 
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.repair import repair
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 EPS = np.finfo(np.float64).eps
 

@@ -2,7 +2,7 @@ import mesh_samples as samples
 import numpy as np
 from symmetric_bodies import any_rotation
 
-from robodyn.mesh.same_triangles import TriangleSet
+from robodyn.solids.mesh.same_triangles import TriangleSet
 
 MIRROR = np.diag([1.0, 1.0, -1.0])
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from robodyn.errors import MeshError
-from robodyn.mesh.closed import fingerprint
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.scaled import scaled
-from robodyn.mesh.triangles import MemoryTriangles
-from robodyn.part import mass_properties
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.scaled import scaled
+from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh_mass import mass_properties
 
 EPS = np.finfo(float).eps
 WEDGE = mesh_samples.tetrahedron()

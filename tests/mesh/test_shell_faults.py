@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from mesh_samples import box, flipped, moved, torus, uv_sphere
 
-from robodyn.mesh.load import from_array
-from robodyn.mesh.repair import repair
-from robodyn.mesh.shell_faults import shell_faults
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.shell_faults import shell_faults
 
 ROUND = uv_sphere()
 CASES = {

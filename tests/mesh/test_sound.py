@@ -8,12 +8,12 @@ from command_line import ROBOTS
 from mesh_oracle import rotation
 from mesh_samples import binary_stl, box, cylinder, flipped, moved, sheet, torus, uv_sphere
 
-from robodyn.mesh import repair
-from robodyn.mesh.integrate import measure
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.sound import is_sound
-from robodyn.mesh.triangles import MemoryTriangles
-from robodyn.part import mass_properties
+from robodyn.solids.mesh import repair
+from robodyn.solids.mesh.integrate import measure
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.sound import is_sound
+from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh_mass import mass_properties
 
 
 def sound(triangles):

@@ -8,12 +8,12 @@ from mesh_oracle import exact, rotation
 from mesh_samples import binary_stl, box, cylinder, moved, torus
 
 from robodyn.errors import MeshError
-from robodyn.mesh.blocks import ROWS
-from robodyn.mesh.integrate import integrate, measure
-from robodyn.mesh.kernel import volume_kernel
-from robodyn.mesh.load import load_triangles
-from robodyn.mesh.sweep import swept
-from robodyn.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh.blocks import ROWS
+from robodyn.solids.mesh.integrate import integrate, measure
+from robodyn.solids.mesh.kernel import volume_kernel
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.sweep import swept
+from robodyn.solids.mesh.triangles import MemoryTriangles
 
 pytestmark = pytest.mark.usefixtures("either_kernel")
 

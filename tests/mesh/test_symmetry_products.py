@@ -3,11 +3,11 @@ import numpy as np
 import pytest
 from symmetric_bodies import any_rotation, bracket, cavity, found, pinwheel
 
-from robodyn.inertia.conversions import from_integrals
-from robodyn.mesh.asymmetry import CentredBody, mirror
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.mesh.symmetry import symmetrized
+from robodyn.solids.inertia.conversions import from_integrals
+from robodyn.solids.mesh.asymmetry import CentredBody, mirror
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.symmetry import symmetrized
 
 
 def zeros(corners):

@@ -7,10 +7,10 @@ from smooth_solids import solids
 from symmetric_bodies import any_rotation, bracket
 from tessellation_errors import case, cases, estimated
 
-from robodyn.mesh.integrate import integrate
-from robodyn.mesh.load import from_array
-from robodyn.mesh.tessellation_lines import line_masses
-from robodyn.mesh.tessellation_pairs import paired_edges
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.tessellation_lines import line_masses
+from robodyn.solids.mesh.tessellation_pairs import paired_edges
 
 RESOLUTIONS = (12, 16, 24, 48)
 

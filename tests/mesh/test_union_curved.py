@@ -12,7 +12,7 @@ from mesh_oracle import deviation, rational_moments
 from mesh_samples import box, moved
 from repaired_meshes import repaired, taken
 
-from robodyn.mesh.integrate import integrate
+from robodyn.solids.mesh.integrate import integrate
 
 EPS = 2.0**-53
 BALL = ball(70, 1.0)

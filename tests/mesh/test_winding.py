@@ -7,8 +7,8 @@ import pytest
 from mesh_samples import box, corners, flipped, moved, tetrahedron, torus, uv_sphere
 from repaired_meshes import R
 
-from robodyn.mesh.indexed import Indexed, merged
-from robodyn.mesh.winding import winding_numbers
+from robodyn.solids.mesh.indexed import Indexed, merged
+from robodyn.solids.mesh.winding import winding_numbers
 
 
 def numbers(triangles, *points):

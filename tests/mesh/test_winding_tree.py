@@ -7,9 +7,9 @@ import pytest
 from mesh_samples import box, moved, torus, uv_sphere
 from repaired_meshes import R
 
-from robodyn.mesh.indexed import Indexed, merged
-from robodyn.mesh.winding import winding_numbers
-from robodyn.mesh.winding_tree import WindingTree
+from robodyn.solids.mesh.indexed import Indexed, merged
+from robodyn.solids.mesh.winding import winding_numbers
+from robodyn.solids.mesh.winding_tree import WindingTree
 
 AROUND = np.random.default_rng(0).uniform(-1.5, 1.5, size=(400, 3))
 

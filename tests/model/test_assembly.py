@@ -12,11 +12,11 @@ from oracles import EPS, robot, worst
 from pinocchio_robots import PinocchioRobot
 from small_robots import body_numbers, built, chain_parts, joint, link, urdf
 
-from robodyn.assemble import load
-from robodyn.dynamics.kinematics import motions
-from robodyn.dynamics.places import poses
+from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import DescriptionError
-from robodyn.inverse import inverse_dynamics
+from robodyn.robot.assemble import load
+from robodyn.robot.kinematics import motions
+from robodyn.robot.poses import poses
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0, 1, 0), (0.48, 0.6, -0.64), (0, 0, -1)])

@@ -12,8 +12,8 @@ from busy_robot import busy_robot
 from small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.dynamics.aligned import aligned
-from robodyn.model import Body, Frame, Joint, Model
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.robot.model import Body, Frame, Joint, Model
 
 
 def _inside(value):

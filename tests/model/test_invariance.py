@@ -8,11 +8,11 @@ from busy_robot import busy_parts, busy_robot
 from oracles import EPS, random_state, run, worst
 from small_robots import body_numbers, joint, link, random_tree_parts, urdf
 
-from robodyn.assemble import load
-from robodyn.inverse import inverse_dynamics, mass_matrix
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.spatial import rotation_from_rpy
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Scene
 
 
 def _pair(first, second, seed=1):

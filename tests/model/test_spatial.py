@@ -9,10 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import EPS, worst
 
-from robodyn.dynamics.euler import euler
-from robodyn.inertia.moments import MASSLESS, combined, inertia_of
-from robodyn.inertia.validity import unphysical
-from robodyn.spatial import (
+from robodyn.dynamics.recursions.euler import euler
+from robodyn.programs.vectors import (
     cross,
     exp,
     rotation_about,
@@ -22,6 +20,8 @@ from robodyn.spatial import (
     skew,
     snapped,
 )
+from robodyn.solids.inertia.moments import MASSLESS, combined, inertia_of
+from robodyn.solids.inertia.validity import unphysical
 
 angles = st.one_of(st.floats(-10, 10), st.sampled_from([k * np.pi / 2 for k in range(-8, 9)]), st.floats(-1e-12, 1e-12))
 components = st.floats(-1, 1).filter(lambda x: x == 0 or abs(x) > 1e-6)

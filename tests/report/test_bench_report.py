@@ -8,7 +8,9 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from robodyn.bench.result import (
+from robodyn.dynamics.effects.effect import Verdict
+from robodyn.loads.result import EffectReport
+from robodyn.measure.speed.result import (
     Bench,
     CopyBench,
     EffectBench,
@@ -18,11 +20,9 @@ from robodyn.bench.result import (
     ProgramBench,
     Timing,
 )
-from robodyn.effects.effect import Verdict
 from robodyn.report.json_bench import bench_json
 from robodyn.report.table import Page
 from robodyn.report.text_bench import bench_text
-from robodyn.result import EffectReport
 
 
 def time(seconds: float, excess: float = 1.1) -> Timing:

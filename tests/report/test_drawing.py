@@ -11,10 +11,10 @@ import pytest
 from dying_workers import at_home
 from oracles import ROBOTS, robot
 
-from robodyn.loads import torques
+from robodyn.loads.torques import torques
 from robodyn.report.drawing import at_once, beside
 from robodyn.report.page_torques import torques_page
-from robodyn.scene import DEFAULT
+from robodyn.scene.scene import DEFAULT
 
 
 def test_pages_are_the_same() -> None:

@@ -11,6 +11,7 @@ from html_pages import Page, checked
 from oracles import ROBOTS, robot
 
 import robodyn
+from robodyn.loads.result import Result
 from robodyn.report.document import HEAT, heat_level
 from robodyn.report.figures_torques import share_figures
 from robodyn.report.html_page import html
@@ -18,8 +19,7 @@ from robodyn.report.limits_words import LINES
 from robodyn.report.markdown_page import markdown
 from robodyn.report.page_torques import torques_page
 from robodyn.report.text_torques import torques_text
-from robodyn.result import Result
-from robodyn.wording import shortened
+from robodyn.support.wording import shortened
 
 SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]
 

@@ -15,7 +15,7 @@ from small_robots import built, joint, link
 import robodyn
 from robodyn.equations.closed import closed
 from robodyn.report.latex_equations import closed_latex
-from robodyn.scene import DEFAULT
+from robodyn.scene.scene import DEFAULT
 
 TOKEN = re.compile(
     r"(?P<wave>[cs])_\{(?P<angles>\d+)\}|\\dot\{q\}_\{(?P<rate>\d)\}|q_\{(?P<angle>\d)\}|\\cdot 10\^\{(?P<ten>-?\d+)\}"

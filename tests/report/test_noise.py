@@ -13,7 +13,8 @@ from example_robots import real
 from oracles import ROBOTS, robot
 
 import robodyn
-from robodyn.batch_result import Worst
+from robodyn.loads.many import Worst
+from robodyn.loads.result import JointLoad, Result
 from robodyn.report.json_torques import torques_json
 from robodyn.report.markdown_page import markdown
 from robodyn.report.page_torques import torques_page
@@ -24,8 +25,7 @@ from robodyn.report.text_batch import worst_table
 from robodyn.report.text_free_body import free_bodies_text
 from robodyn.report.text_simulation import simulation_text
 from robodyn.report.text_torques import torques_text
-from robodyn.result import JointLoad, Result
-from robodyn.scene_file import load_scene
+from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate
 
 TINY = re.compile(r"\de-(?:1[2-9]|[2-9]\d|\d{3})")

@@ -16,7 +16,7 @@ from robodyn.report.glossary import MEANINGS
 from robodyn.report.html_page import html
 from robodyn.report.page_simulation import simulation_page
 from robodyn.report.page_torques import torques_page
-from robodyn.scene_file import load_scene
+from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate
 
 ASSETS = Path(html_page.__file__).parent / "assets"

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import robodyn
-from robodyn.motion_input import motion
+from robodyn.loads.result import Result
 from robodyn.report.table import Page
 from robodyn.report.text_torques import torques_text
-from robodyn.result import Result
-from robodyn.scene_file import load_scene
+from robodyn.scene.read import load_scene
+from robodyn.trajectory.robot_motion import motion
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 CASES = [

@@ -11,7 +11,7 @@ import pytest
 from oracles import random_state, robot
 
 import robodyn
-from robodyn.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.report.sizes import free_body_sizes
 from robodyn.report.svg_arrows import LONGEST, SHORTEST, arrows
 from robodyn.report.svg_free_body import PAGE, PAPERS, SHEET, STYLE, _apart, drawing, drawings, page_drawing

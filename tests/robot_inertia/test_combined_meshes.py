@@ -6,11 +6,11 @@ import mesh_samples
 import numpy as np
 import pytest
 
-from robodyn.combination import combined
 from robodyn.errors import InputError
-from robodyn.inertia.solids import box
-from robodyn.part import mass_properties
-from robodyn.spatial import rotation_from_rpy
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.solids.composite_mass import combined
+from robodyn.solids.inertia.solids import box
+from robodyn.solids.mesh_mass import mass_properties
 
 EPS = np.finfo(float).eps
 SIZES = ((0.5, 0.25, 0.125), (0.25, 0.25, 1.0))

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robodyn.inertia.solids import box
-from robodyn.inertia.urdf_text import inertial_element
+from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.text_comparison import comparison_text
-from robodyn.robot_inertia.compare import compare
-from robodyn.robot_inertia.measured import Reading
-from robodyn.robot_inertia.slips import relative, slip
-from robodyn.spatial import rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.robot.masses.compare import compare
+from robodyn.robot.masses.measured import Reading
+from robodyn.robot.masses.slips import relative, slip
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.solids import box
+from robodyn.solids.inertia.urdf_text import inertial_element
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 EPS = np.finfo(float).eps

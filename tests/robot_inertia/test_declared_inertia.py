@@ -11,12 +11,12 @@ from example_robots import path_of
 from oracles import ROBOTS
 from pinocchio_robots import PinocchioRobot
 
-from robodyn.assemble import assemble
 from robodyn.errors import InputError
-from robodyn.inertia.solids import box
-from robodyn.robot_inertia.declared import link_inertia, robot_inertia
-from robodyn.spatial import rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.assemble import assemble
+from robodyn.robot.masses.declared import link_inertia, robot_inertia
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.solids import box
 
 EPS = np.finfo(float).eps
 REAL = ("panda", "ur5_robot", "anymal", "tiago", "talos_full_v2")

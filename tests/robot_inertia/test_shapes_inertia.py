@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from robodyn.errors import DescriptionError, InputError, MeshError
-from robodyn.inertia import solids
-from robodyn.robot_inertia.from_shapes import link_from_shapes
-from robodyn.spatial import rotation_from_rpy
-from robodyn.urdf.description import load_description
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.masses.from_shapes import link_from_shapes
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia import solids
 
 EPS = np.finfo(float).eps
 SHAPES = {

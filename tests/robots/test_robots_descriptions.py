@@ -9,7 +9,7 @@ import trimesh
 import yourdfpy
 from robot_files import FOLDER, NAMES, REFERENCE, element, model
 
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 pytestmark = pytest.mark.filterwarnings("ignore:`Scene.dump:DeprecationWarning")  # what yourdfpy asks of trimesh
 

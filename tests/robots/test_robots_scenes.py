@@ -6,7 +6,7 @@ import pytest
 from robot_files import FOLDER, read_csv
 from scene_files import read_scene
 
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 SCENES = {
     "puma560_motors": ("puma560", "puma560_sweep"),

@@ -8,7 +8,7 @@ import pytest
 from robot_files import FOLDER, FULL, model, read_csv, stacked, torques
 from scene_files import read_scene
 
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 MOVED_BY_JOINTS = sorted(FULL)
 PERIODIC = ["puma560_sweep", "puma_polish", "two_link_planar_swing"]

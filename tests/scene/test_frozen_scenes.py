@@ -12,12 +12,12 @@ from busy_robot import BUSY_SCENE, busy_robot
 from oracles import robot
 
 import robodyn
-from robodyn.execute.llvm.build import code_key
-from robodyn.forward import acceleration_runner
-from robodyn.inverse import mass_runner, torque_runner
-from robodyn.motor import Motor
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT, Drive, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
+from robodyn.dynamics.forward import acceleration_runner
+from robodyn.dynamics.inverse import mass_runner, torque_runner
+from robodyn.dynamics.plan import plan
+from robodyn.programs.run.llvm.build import code_key
+from robodyn.scene.motor import Motor
+from robodyn.scene.scene import DEFAULT, Drive, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
 from robodyn.simulation.run import simulate
 
 EVERYTHING = replace(

@@ -6,8 +6,8 @@ import pytest
 from oracles import ROBOTS
 
 from robodyn.errors import SceneError
-from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
-from robodyn.scene_file import load_scene, parse_scene
+from robodyn.scene.read import load_scene, parse_scene
+from robodyn.scene.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
 
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]

@@ -7,12 +7,12 @@ import re
 import pytest
 from oracles import robot
 
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError
-from robodyn.inverse import bias_forces, inverse_dynamics, mass_matrix
-from robodyn.loads import torques
-from robodyn.motion_input import motion
-from robodyn.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
-from robodyn.scene_fit import check_scene
+from robodyn.loads.torques import torques
+from robodyn.scene.fit import check_scene
+from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.trajectory.robot_motion import motion
 
 PUMA = robot("puma560")
 MISFITS = {

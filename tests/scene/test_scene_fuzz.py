@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import SceneError
-from robodyn.scene import Scene
-from robodyn.scene_file import parse_scene
+from robodyn.scene.read import parse_scene
+from robodyn.scene.scene import Scene
 
 KEYS = [
     "gravity",

@@ -8,9 +8,9 @@ import pytest
 from oracles import robot
 
 from robodyn.errors import SceneError
-from robodyn.scene import Loop, Scene
-from robodyn.scene_file import parse_scene
-from robodyn.scene_fit import check_scene
+from robodyn.scene.fit import check_scene
+from robodyn.scene.read import parse_scene
+from robodyn.scene.scene import Loop, Scene
 
 EVERY_KIND = b"""
 baumgarte = 20

@@ -9,10 +9,10 @@ import pytest
 from oracles import robot
 
 from robodyn.errors import SceneError
-from robodyn.motor import Motor
-from robodyn.scene import Rotor, Scene
-from robodyn.scene_file import parse_scene
-from robodyn.scene_fit import check_scene
+from robodyn.scene.fit import check_scene
+from robodyn.scene.motor import Motor
+from robodyn.scene.read import parse_scene
+from robodyn.scene.scene import Rotor, Scene
 
 RPM = np.pi / 30
 
@@ -46,7 +46,7 @@ def test_a_rotor_may_stand_in_its_own_table():
 def test_a_gear_alone_leaves_the_inertia_of_the_description():
     from dataclasses import replace
 
-    from robodyn.effects.rotor_inertia import rotor_of
+    from robodyn.dynamics.effects.rotor_inertia import rotor_of
 
     joint = replace(robot("puma560").independent[0], rotor_inertia=5e-4, reduction=30.0)
     assert rotor_of(joint, motor("gear = 3")) == (5e-4, 30.0)

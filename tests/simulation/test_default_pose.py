@@ -13,11 +13,11 @@ from other_robots import other_paths
 from small_robots import built, joint, link
 
 import robodyn
-from robodyn.assemble import load
+from robodyn.dynamics.initial_state import begun_at, default_pose, initial_state
 from robodyn.errors import InputError
-from robodyn.limits import coordinate_ranges
-from robodyn.scene import Scene
-from robodyn.simulation.initial import begun_at, default_pose, initial_state
+from robodyn.robot.assemble import load
+from robodyn.robot.limits import coordinate_ranges
+from robodyn.scene.scene import Scene
 from robodyn.simulation.limits import Limits
 
 NO_ACCELERATION = ("heavy_top", "romeo", "romeo_laas_small")

@@ -10,8 +10,8 @@ from small_robots import built, link
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene import Drive, Scene, Spring
-from robodyn.spatial import rotation_about, rotation_from_quaternion
+from robodyn.programs.vectors import rotation_about, rotation_from_quaternion
+from robodyn.scene.scene import Drive, Scene, Spring
 
 ANALYTIC = reference("analytic")
 FLIP = ANALYTIC["dzhanibekov_I(1,2,3)_w(0.001,1,0.001)"]

@@ -11,7 +11,7 @@ from simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene import Drive, Friction, LimitSpring, Payload, Scene, Spring
+from robodyn.scene.scene import Drive, Friction, LimitSpring, Payload, Scene, Spring
 from robodyn.simulation.methods import METHODS, method_named
 from robodyn.simulation.stiffness import reach, rounded
 

@@ -12,7 +12,7 @@ from small_robots import random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene import Scene
+from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS
 
 FIXED = [method for method in METHODS if not method.adaptive and not method.leapfrog]
@@ -165,6 +165,6 @@ def test_the_limit_is_found_between_records(monkeypatch):
 
 @pytest.mark.parametrize("executor", ["numpy", "compiled"])
 def test_sweeps_that_do_not_settle(executor, monkeypatch):
-    monkeypatch.setattr("robodyn.execute.repeated.SWEEPS", 2)
+    monkeypatch.setattr("robodyn.programs.run.repeated.SWEEPS", 2)
     with pytest.raises(InputError, match="the steps of gauss4 do not settle at 0 s"):
         robodyn.simulate(pendulum(), Scene(initial_q={"j1": 1.0}), 1.0, method="gauss4", step=0.1, executor=executor)

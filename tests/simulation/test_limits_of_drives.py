@@ -13,7 +13,7 @@ from small_robots import built, joint, link
 
 import robodyn
 from robodyn.report.limits_words import simulation_limits
-from robodyn.scene import Drive, ExternalWrench, Scene
+from robodyn.scene.scene import Drive, ExternalWrench, Scene
 
 PUSHED = "[drive]\nelbow = { torque = 9.0 }\nshoulder = { torque = 2.0 }\n"
 HOW = ("--duration", "0.005", "--executor", "numpy", "--gravity", "0,0,0")

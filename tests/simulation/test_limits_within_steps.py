@@ -13,11 +13,11 @@ from simulated_robots import slide
 from small_robots import built, joint, link
 
 import robodyn
-from robodyn.accuracy import effort
-from robodyn.accuracy.near_limits import graze
-from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import InputError
-from robodyn.scene import Drive, Scene
+from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy.near_limits import graze
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS
 
 WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]

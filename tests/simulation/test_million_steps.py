@@ -8,7 +8,7 @@ from oracles import robot
 from simulated_robots import pendulum
 
 import robodyn
-from robodyn.scene import Scene
+from robodyn.scene.scene import Scene
 
 STEPS = 1_000_000
 BOUNDS = {"gauss2": 4e-4, "gauss4": 2e-7, "gauss6": 2e-10}

@@ -9,8 +9,8 @@ from simulated_robots import pendulum, tumbling
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.execute.llvm.machine import Compiler
-from robodyn.scene import Friction, Scene
+from robodyn.programs.run.llvm.machine import Compiler
+from robodyn.scene.scene import Friction, Scene
 from robodyn.simulation.rollouts import TOGETHER, rollouts
 
 

@@ -10,9 +10,9 @@ from random_scenes import momentum_of, pushed_slide
 from simulated_robots import pendulum, slide
 
 import robodyn
-from robodyn.accuracy.simulate_within import simulate_within
 from robodyn.errors import RobodynError
-from robodyn.scene import Drive, Scene
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS
 
 PUSHED = Scene(gravity=(0, 0, 0), joint_limits="ignore", drive={"j1": Drive(torque="push")})

@@ -9,7 +9,7 @@ from simulated_robots import pendulum, slide
 from small_robots import built, joint, link
 
 import robodyn
-from robodyn.scene import Drive, Friction, Scene, Spring
+from robodyn.scene.scene import Drive, Friction, Scene, Spring
 
 G = 9.81
 PERIODS = {float(k): float(v) for k, v in reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"].items()}

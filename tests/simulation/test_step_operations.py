@@ -8,8 +8,8 @@ from functools import cache
 import pytest
 from oracles import robot
 
-from robodyn.plan import plan
-from robodyn.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
+from robodyn.dynamics.plan import plan
+from robodyn.scene.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

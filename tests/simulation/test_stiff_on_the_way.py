@@ -12,9 +12,9 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.report.json_simulation import simulation_json
 from robodyn.report.text_simulation import simulation_text
-from robodyn.scene import Drive, Friction
+from robodyn.scene.scene import Drive, Friction
 from robodyn.simulation import follow
-from robodyn.simulation.how import TooMuchError
+from robodyn.simulation.method_options import TooMuchError
 
 CREEP = 1e-3 * 0.8 / 0.6
 """rad/s under 0.8 of the friction, of v / sqrt(v^2 + slip^2) = 0.8."""
@@ -84,8 +84,8 @@ def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
 
 
 def test_a_bound_on_evaluations_tells_how_far_they_came():
-    from robodyn.plan import plan
-    from robodyn.simulation.how import How
+    from robodyn.dynamics.plan import plan
+    from robodyn.simulation.method_options import How
     from robodyn.simulation.methods import method_named
     from robodyn.simulation.run import integrated, start_of
     from robodyn.simulation.table import Signal

@@ -10,9 +10,9 @@ from oracles import robot
 from simulated_robots import pendulum, slide
 
 import robodyn
+from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, RobodynError
-from robodyn.plan import plan
-from robodyn.scene import Drive, ExternalWrench, Scene
+from robodyn.scene.scene import Drive, ExternalWrench, Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

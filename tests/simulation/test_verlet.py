@@ -9,7 +9,7 @@ from simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene import Drive, ExternalWrench, Friction, Scene, Spring
+from robodyn.scene.scene import Drive, ExternalWrench, Friction, Scene, Spring
 
 PULLED = Scene(
     spring={"j1": Spring(20.0, 0.3)},

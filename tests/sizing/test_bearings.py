@@ -7,9 +7,9 @@ import pytest
 from oracles import EPS, random_state
 from small_robots import random_tree
 
-from robodyn.bearing_pass import frame
-from robodyn.loads import torques
-from robodyn.motion_input import motion
+from robodyn.loads.bearings import frame
+from robodyn.loads.torques import torques
+from robodyn.trajectory.robot_motion import motion
 
 
 @pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1), (0.6, 0, 0.8), (0.36, -0.48, 0.8)])

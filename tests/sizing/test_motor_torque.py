@@ -11,12 +11,12 @@ from scipy.integrate import trapezoid
 from small_robots import built, joint, link
 
 from robodyn.errors import SceneError
-from robodyn.loads import torques
-from robodyn.motion_input import motion
-from robodyn.motor import Motor
-from robodyn.motors import allowed
-from robodyn.scene import Rotor, Scene
-from robodyn.ties import first_largest
+from robodyn.loads.gear_trains import allowed
+from robodyn.loads.torques import torques
+from robodyn.scene.motor import Motor
+from robodyn.scene.scene import Rotor, Scene
+from robodyn.support.ties import first_largest
+from robodyn.trajectory.robot_motion import motion
 
 SIZING = reference("sizing")
 LIMITS = '<limit lower="-9" upper="9" effort="1000" velocity="100"/>'

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from command_line import write_arm
 
-from robodyn.assemble import load
-from robodyn.extremes import Greatest
-from robodyn.loads import torques
-from robodyn.motion_input import signals
-from robodyn.motor import Motor
-from robodyn.scene import Rotor, Scene
+from robodyn.loads.extremes import Greatest
+from robodyn.loads.torques import torques
+from robodyn.robot.assemble import load
+from robodyn.scene.motor import Motor
+from robodyn.scene.scene import Rotor, Scene
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.robot_motion import signals
 
 
 def test_of_equal_samples_the_first_counts():

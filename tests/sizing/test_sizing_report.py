@@ -10,10 +10,10 @@ from command_line import ROBOTS, run
 from oracles import robot
 from scipy.integrate import trapezoid
 
-from robodyn.motors import train_of
+from robodyn.loads.gear_trains import train_of
+from robodyn.loads.sizing_result import Exceeded
 from robodyn.report.text_sizing import in_words
-from robodyn.scene_file import load_scene
-from robodyn.sizing_result import Exceeded
+from robodyn.scene.read import load_scene
 
 PUMA = [str(ROBOTS / name) for name in ("puma560.urdf", "puma560_sweep.csv")]
 SCENE = str(ROBOTS / "puma560_sizing.toml")
@@ -121,7 +121,7 @@ def test_bearings_and_foundation_from_the_table_that_is_written(puma):
 
 
 def test_static_torque_is_that_of_standing_still(puma):
-    from robodyn.inverse import inverse_dynamics
+    from robodyn.dynamics.inverse import inverse_dynamics
 
     document, _, moved = puma
     model = robot("puma560")

@@ -11,11 +11,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from program_values import evaluated
 
-from robodyn.execute.exponential import exponential
-from robodyn.execute.numpy_blocks import NumpyBlocks
-from robodyn.spatial import cos, exp, sign, sin
-from robodyn.trace.program import trace
-from robodyn.trace.scalar import Traced
+from robodyn.programs.program import trace
+from robodyn.programs.run.exponential import exponential
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.scalar import Traced
+from robodyn.programs.vectors import cos, exp, sign, sin
 
 CONSTANTS = [0.0, -0.0, 1.0, -1.0, 2.0, -0.5, 3.7, -1e-3, 1e8]
 BINARY = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}

@@ -10,9 +10,9 @@ from example_robots import real
 from oracles import frictionless, robot
 from small_robots import body_numbers, built, chain, chain_parts, joint, link, random_tree
 
-from robodyn.effects.catalogue import EFFECTS
-from robodyn.plan import Plan
-from robodyn.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
 
 MOVING_AND_AT_REST = {
     "ur5_robot": (371, 131),

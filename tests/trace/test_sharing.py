@@ -6,11 +6,11 @@ import pytest
 from oracles import golden_model
 from program_values import evaluated
 
-from robodyn.plan import Plan
-from robodyn.scene import Scene
-from robodyn.spatial import cos, sin
-from robodyn.trace.program import trace
-from robodyn.trace.scalar import CONSTANT, INPUT, Tape
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.program import trace
+from robodyn.programs.scalar import CONSTANT, INPUT, Tape
+from robodyn.programs.vectors import cos, sin
+from robodyn.scene.scene import Scene
 
 
 def test_the_same_operation_is_the_same_node():

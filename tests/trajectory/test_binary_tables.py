@@ -11,9 +11,9 @@ import pyarrow.parquet as pq
 import pytest
 from table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
 
+from robodyn.trajectory.open import open_table
 from robodyn.trajectory.read import read_trajectory
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.table import open_table
 
 
 @pytest.mark.parametrize("rows", [1, 64, ROWS, 5000])

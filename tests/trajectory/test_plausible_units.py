@@ -16,12 +16,12 @@ import pytest
 from example_robots import PATHS
 from robot_catalogue import FOLDER, belonging, names
 
-from robodyn.assemble import load
-from robodyn.example_motion import example_motion
-from robodyn.model import Model
-from robodyn.motion_input import motion, read_motion, signals
+from robodyn.loads.example_motion import example_motion
+from robodyn.robot.assemble import load
+from robodyn.robot.model import Model
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import open_trajectory
+from robodyn.trajectory.robot_motion import motion, read_motion, signals
 
 SLIPS = {"ms": (1e3, 1.0), "us": (1e6, 1.0), "ns": (1e9, 1.0), "deg": (1.0, 180 / np.pi)}
 """What a slip multiplies stamps and angles by."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from robodyn.errors import DescriptionError
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 LINKS = "<link name='a'/><link name='b'/><link name='c'/>"
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robodyn.urdf.description import (
+from robodyn.robot.urdf.description import (
     Description,
     Geometry,
     Inertial,

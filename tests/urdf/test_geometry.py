@@ -11,9 +11,9 @@ import yourdfpy
 from example_robots import path_of
 
 from robodyn.errors import InputError
-from robodyn.urdf.description import load_description
-from robodyn.urdf.geometry import link_shapes, missing_mesh
-from robodyn.urdf.packages import VARIABLES, Search
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.geometry import link_shapes, missing_mesh
+from robodyn.robot.urdf.packages import VARIABLES, Search
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 TWO = """<robot name="r"><link name="a">

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from robodyn.urdf import packages
-from robodyn.urdf.packages import VARIABLES, Search
+from robodyn.robot.urdf import packages
+from robodyn.robot.urdf.packages import VARIABLES, Search
 
 URI = "package://arm/m.stl"
 

@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.urdf.description import load_description
+from robodyn.robot.urdf.description import load_description
 
 VALID = b"""<?xml version="1.0" encoding="utf-8"?>
 <robot name="r" xmlns:x="u">

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from robodyn.errors import DescriptionError
-from robodyn.urdf.description import Description, load_description
-from robodyn.urdf.document import Element, read_document
+from robodyn.robot.urdf.description import Description, load_description
+from robodyn.robot.urdf.document import Element, read_document
 
 pin = pytest.importorskip("pinocchio")
 yourdfpy = pytest.importorskip("yourdfpy")

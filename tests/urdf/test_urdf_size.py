@@ -9,9 +9,9 @@ from collections.abc import Callable
 import pytest
 
 from robodyn.errors import DescriptionError
-from robodyn.urdf import places
-from robodyn.urdf.description import load_description
-from robodyn.urdf.document import read_document
+from robodyn.robot.urdf import source_positions as places
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.document import read_document
 
 
 def chain(n: int, closed: bool = False) -> bytes:

@@ -10,10 +10,10 @@ import pytest
 import trimesh
 from command_line import ROBOTS
 
-from robodyn.urdf.description import load_description
-from robodyn.urdf.parts import Geometry, Origin
-from robodyn.urdf.primitives import primitive
-from robodyn.urdf.visuals import _of_meshes, visuals
+from robodyn.report.pictures.primitives import primitive
+from robodyn.report.pictures.visuals import _of_meshes, visuals
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Geometry, Origin
 
 SHAPES = {
     "box": ((0.1, 0.2, 0.5), 0.01, 0.0),

@@ -1,0 +1,1 @@
+"""One rule, one file, with its documentation and examples in it."""

@@ -9,8 +9,8 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.grammar import Kind, own_elements
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.urdf.elements import Element
-from robodyn.wording import alternatives, shown
+from robodyn.robot.urdf.elements import Element
+from robodyn.support.wording import alternatives, shown
 
 
 def check(context: Context) -> Iterator[Fault]:

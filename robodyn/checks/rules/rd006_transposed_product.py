@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
 from robodyn.checks.view import numbers
-from robodyn.urdf.elements import Element
+from robodyn.robot.urdf.elements import Element
 
 _PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
 

@@ -13,12 +13,9 @@ _IDENTITY = '<mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" i
 
 
 def check(context: Context) -> Iterator[Fault]:
-    from robodyn.checks.catalogue import RULES
-
-    known = [rule.code for rule in RULES]
     for waiver in context.once(waivers):
-        if not waiver.in_force(known):
-            what, remedy = waiver.problem(known)
+        if not waiver.in_force(context.codes):
+            what, remedy = waiver.problem(context.codes)
             yield Fault(at=waiver.at, what=what, remedy=remedy)
 
 

@@ -9,7 +9,7 @@ from robodyn.checks.examples import arm
 from robodyn.checks.reading import unexpanded
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import View, value_span
-from robodyn.wording import alternatives, shown
+from robodyn.support.wording import alternatives, shown
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.structure import first_above
 from robodyn.checks.view import value_span
-from robodyn.wording import shown
+from robodyn.support.wording import shown
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.structure import first_above
-from robodyn.wording import listed
+from robodyn.support.wording import listed
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.masses import is_a_point, principal_moments
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import figure
+from robodyn.support.wording import figure
 
 
 def check(context: Context) -> Iterator[Fault]:

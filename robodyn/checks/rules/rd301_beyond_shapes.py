@@ -12,10 +12,10 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.masses import widest
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.unit_slips import slips
-from robodyn.inertia.boxes import Box
-from robodyn.inertia.exact import Floats
-from robodyn.ties import first_largest
-from robodyn.wording import figure
+from robodyn.solids.inertia.boxes import Box
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.ties import first_largest
+from robodyn.support.wording import figure
 
 FAR = 4.0
 """Times the bound that are an error."""

@@ -11,8 +11,8 @@ from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.shapes import box_of, real_shapes, solids
 from robodyn.checks.tree import Group
 from robodyn.checks.unit_slips import slips
-from robodyn.inertia.boxes import Box, around
-from robodyn.wording import figure
+from robodyn.solids.inertia.boxes import Box, around
+from robodyn.support.wording import figure
 
 
 def check(context: Context) -> Iterator[Fault]:

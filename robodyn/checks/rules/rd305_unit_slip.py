@@ -10,7 +10,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.masses import widest
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.unit_slips import slips
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
 from robodyn.checks.mirror_loads import MASS, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import figure, shown
+from robodyn.support.wording import figure, shown
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -9,7 +9,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
 from robodyn.checks.mirror_loads import MOMENTS, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.wording import shown
+from robodyn.support.wording import shown
 
 
 def check(context: Context) -> Iterator[Fault]:

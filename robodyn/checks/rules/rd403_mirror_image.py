@@ -10,9 +10,9 @@ from robodyn.checks.mirror_examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
 from robodyn.checks.mirror_loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
-from robodyn.inertia.exact import Floats
-from robodyn.spatial import length, product
-from robodyn.wording import figure, shown
+from robodyn.programs.vectors import length, product
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.wording import figure, shown
 
 _REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
 

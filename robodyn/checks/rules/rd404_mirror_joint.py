@@ -11,8 +11,8 @@ from robodyn.checks.mirror import Pair, pairs
 from robodyn.checks.mirror_examples import LIMIT, two_arms
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import JointView, value_span
-from robodyn.spatial import length, product
-from robodyn.wording import shown
+from robodyn.programs.vectors import length, product
+from robodyn.support.wording import shown
 
 _AXIS = 0.02
 _LIMIT = 0.02

@@ -9,7 +9,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
 from robodyn.checks.view import WITH_AXIS
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 
 def check(context: Context) -> Iterator[Fault]:

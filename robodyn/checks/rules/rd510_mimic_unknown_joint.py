@@ -9,7 +9,7 @@ from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.reading import unexpanded
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
-from robodyn.wording import alternatives, shown
+from robodyn.support.wording import alternatives, shown
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 

@@ -9,7 +9,7 @@ from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.structure import cycles
 from robodyn.checks.view import value_span
-from robodyn.wording import listed
+from robodyn.support.wording import listed
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
 

@@ -8,8 +8,8 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses
 from robodyn.checks.rule import Fault, Fix, Rule, Severity, Stage
-from robodyn.urdf.packages import package_of
-from robodyn.wording import listed, shown, shown_path
+from robodyn.robot.urdf.packages import package_of
+from robodyn.support.wording import listed, shown, shown_path
 
 
 def check(context: Context) -> Iterator[Fault]:

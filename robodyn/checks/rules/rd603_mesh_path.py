@@ -11,7 +11,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.urdf.packages import package_of
+from robodyn.robot.urdf.packages import package_of
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 

@@ -8,7 +8,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mesh_units import mesh_slips
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import value_span
-from robodyn.wording import shown_path
+from robodyn.support.wording import shown_path
 
 
 def check(context: Context) -> Iterator[Fault]:

@@ -11,8 +11,8 @@ from robodyn.checks.reading import unexpanded
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.srdf import Named, names_in_srdf, srdf_of
 from robodyn.checks.view import Subject, value_span
-from robodyn.urdf.elements import Element
-from robodyn.wording import alternatives, shown
+from robodyn.robot.urdf.elements import Element
+from robodyn.support.wording import alternatives, shown
 
 _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})
 

@@ -10,7 +10,7 @@ from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.static_torque import StaticTorque, static_torques
 from robodyn.checks.view import value_span
-from robodyn.model import Model
+from robodyn.robot.model import Model
 
 _HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
 _MOST_JOINTS = 8

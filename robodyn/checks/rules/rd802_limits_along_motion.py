@@ -14,8 +14,8 @@ def check(context: Context) -> Iterator[Fault]:
     """Silent unless a motion is asked for."""
     if context.asked.trajectory is None:
         return
-    from robodyn.loads import torques
-    from robodyn.motion_input import read_motion
+    from robodyn.loads.torques import torques
+    from robodyn.trajectory.robot_motion import read_motion
 
     with read_motion(context.asked.trajectory, context.model, **context.asked.reading) as motion:
         result = torques(context.model, motion)

@@ -9,7 +9,7 @@ from robodyn.checks.examples import arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.static_torque import gravity_bounds
 from robodyn.checks.view import value_span
-from robodyn.wording import figure
+from robodyn.support.wording import figure
 
 FACTOR = 1000.0
 """An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""

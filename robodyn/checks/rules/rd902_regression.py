@@ -10,7 +10,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.view import Subject
-from robodyn.urdf.places import Span
+from robodyn.robot.urdf.source_positions import Span
 
 if TYPE_CHECKING:
     from robodyn.checks.regression import Change

@@ -1,0 +1,1 @@
+"""Many trajectories at a time: by processes of this machine, or by Dask."""

@@ -1,0 +1,204 @@
+"""What a description holds, at a glance: its tree, masses, freedoms, meshes, and how many findings a check has."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import fsum, inf
+
+import numpy as np
+
+from robodyn.checks.project import check_description, tasks_for
+from robodyn.checks.run import Checked, Options
+from robodyn.programs.vectors import Array, narrowed, product
+from robodyn.robot.assemble import assemble
+from robodyn.robot.configuration import beyond_limits, body_poses, configuration
+from robodyn.robot.model import Joint as ModelJoint
+from robodyn.robot.model import Model
+from robodyn.robot.urdf.description import Description, Geometry, Joint, load_description
+
+_PACKAGE = re.compile("(package|model)://[^/]")
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A link in the tree: how many joints are between it and the root, its mass, and the joint that carries it.
+
+    Attributes:
+        mass: declared [kg]; None without <inertial>.
+        joint: None for the root.
+    """
+
+    name: str
+    line: int
+    depth: int
+    mass: float | None
+    joint: Joint | None
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """How often meshes are named, how many names there are, and the first place of each that has no file."""
+
+    references: int
+    names: int
+    missing: tuple[tuple[str, Geometry], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Overview:
+    """A description at a glance.
+
+    Attributes:
+        base: the link in whose frame the centre of mass is.
+        branches: the links, depth first and in the order of the file; massive: how many of them have mass.
+        types: how many joints there are of each type, the most frequent first.
+        freedoms: degrees of freedom; `base_freedoms` of them are those of a base that floats.
+        mass: of all links [kg]; inf beyond the range of numbers.
+        com: [m], or None without mass.
+        at: the coordinates at which it is taken, each zero or the limit nearest to zero [rad or m].
+        notes: why there is no centre of mass, and which joints are beyond their limits all the same.
+    """
+
+    name: str
+    file: str
+    base: str
+    branches: tuple[Branch, ...]
+    massive: int
+    types: Mapping[str, int]
+    mimics: int
+    freedoms: int
+    base_freedoms: int
+    mass: float
+    com: Array | None
+    at: Mapping[str, float]
+    notes: tuple[str, ...]
+    meshes: Meshes
+    checked: Checked
+    next: tuple[str, ...]
+
+    @property
+    def moved(self) -> dict[str, float]:
+        """The coordinates that cannot be zero."""
+        return {name: value for name, value in self.at.items() if value}
+
+
+def overview(
+    source: str | os.PathLike[str] | bytes,
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> Overview:
+    """What a URDF or xacro file holds.
+
+    The file is read once. The findings are those of `robodyn check` with the settings of the file's project.
+
+    Args:
+        source: path of the file, or its bytes.
+        package_paths: folders in which `package://` names are looked up first.
+        xacro_args: values of the arguments of a xacro file.
+
+    Raises:
+        DescriptionError: the file cannot be read, or is no robot; with the line.
+
+    Accuracy: the mass is correctly rounded; the centre of mass within 1e-14 of the robot's size for twenty joints in a
+        row.
+    """
+    path = source if isinstance(source, bytes) else os.fspath(source)
+    folders = tuple(os.fspath(folder) for folder in package_paths)
+    options = tasks_for([path], Options(package_path=folders))[0].options
+    description = load_description(path, package_paths=options.package_path, xacro_args=xacro_args)
+    file = description.file
+    model = assemble(description)
+    at = _near_zero(model)
+    mass, com, notes = _centre(description, model, at)
+    meshes = _meshes(description)
+    checked = check_description(description, Options(package_path=folders))
+    return Overview(
+        name=description.name,
+        file=file,
+        base=model.bodies[0].name,
+        branches=tuple(_branches(description)),
+        massive=len(description.massive),
+        types=dict(Counter(joint.type for joint in description.joints).most_common()),
+        mimics=sum(joint.mimic is not None for joint in description.joints),
+        freedoms=model.n,
+        base_freedoms=6 if model.floating else 0,
+        mass=mass,
+        com=com,
+        at=at,
+        notes=notes,
+        meshes=meshes,
+        checked=checked,
+        next=_next("-" if isinstance(path, bytes) else path, model, checked, meshes, description),
+    )
+
+
+def _centre(
+    description: Description, model: Model, at: Mapping[str, float]
+) -> tuple[float, Array | None, tuple[str, ...]]:
+    """Mass and centre of mass, and the joints beyond their limits; or why there is no centre.
+
+    Method: first moments of the bodies in floats, summed without rounding.
+    """
+    mass = fsum(link.inertial.mass for link in description.massive if link.inertial is not None)
+    if not mass:
+        why = "the masses of the parts add up to zero" if description.massive else "the robot has no mass"
+        return mass, None, (f"no centre of mass: {why}",)
+    q = configuration(model, at)
+    moments = [
+        narrowed(body.inertia.m * pose.p + product(pose.R, body.inertia.mc))
+        for body, pose in zip(model.bodies, body_poses(model, q), strict=True)
+    ]
+    com = np.array([fsum(column) / mass for column in np.array(moments, dtype=float).T.tolist()])
+    return mass, com, beyond_limits(model, q)
+
+
+def _near_zero(model: Model) -> dict[str, float]:
+    """Every coordinate of a joint at zero, or at the limit nearest to it where its range does not hold zero."""
+    return {joint.name: _clamped(joint) for joint in model.independent if joint.kind != "floating"}
+
+
+def _clamped(joint: ModelJoint) -> float:
+    lower = -inf if joint.lower is None else joint.lower
+    upper = inf if joint.upper is None else joint.upper
+    return min(max(0.0, lower), upper) if lower <= upper else 0.0
+
+
+def _branches(description: Description) -> Iterator[Branch]:
+    links = {link.name: link for link in description.links}
+    carried: dict[str, list[Joint]] = {}
+    for joint in description.joints:
+        carried.setdefault(joint.parent, []).append(joint)
+    waiting: list[tuple[int, str, Joint | None]] = [(0, description.root, None)]
+    while waiting:
+        depth, name, carrier = waiting.pop()
+        link = links[name]
+        yield Branch(name, link.line, depth, link.inertial.mass if link.inertial else None, carrier)
+        waiting += [(depth + 1, joint.child, joint) for joint in reversed(carried.get(name, []))]
+
+
+def _meshes(description: Description) -> Meshes:
+    named = [(link.name, each, each.filename) for link in description.links for each in link.geometries]
+    meshes = [(link, each, name) for link, each, name in named if name is not None]
+    first: dict[str, tuple[str, Geometry]] = {}
+    for link, each, name in meshes:
+        first.setdefault(name, (link, each))
+    missing = tuple(place for name, place in first.items() if description.search.find(name) is None)
+    return Meshes(len(meshes), len(first), missing)
+
+
+def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:
+    """Commands that are worth running now, the most urgent first."""
+    file = shlex.quote(source)
+    commands = [f"robodyn check {file}"] if checked.findings else []
+    if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):
+        commands.append(f"robodyn info {file} --package-path DIR")
+    if description.massive and model.n:
+        commands += [f"robodyn fbd {file}", f"robodyn torques {file} motion.csv --example --report report.html"]
+    elif meshes.names:
+        commands.append(f"robodyn inertia {file} --link NAME --geometry visual")
+    return tuple(commands)

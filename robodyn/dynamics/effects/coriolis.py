@@ -1,0 +1,23 @@
+"""Coriolis and centrifugal forces: joints and base move."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    moving = sum(("qd", i) not in still for i in range(model.n))
+    if not moving:
+        return Verdict(False, "nothing moves")
+    return Verdict(True, f"{moving} of {model.n} velocities are not zero")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return replace(terms, qd=sample.qd)
+
+
+EFFECT = Effect("coriolis", "c(q, qd): Coriolis and centrifugal forces, those of a turning base included", why, add)

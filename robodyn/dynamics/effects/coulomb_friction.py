@@ -1,0 +1,71 @@
+"""Coulomb friction: a torque that opposes motion whatever its speed; none at rest, as sign(0) = 0."""
+
+from __future__ import annotations
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.friction import rubbing
+from robodyn.programs.vectors import Scalar, exp, sign, sqrt
+from robodyn.robot.model import Model
+from robodyn.robot.motion_types import Motion
+from robodyn.scene.scene import Friction, Scene
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    dry = [joint for _, joint, friction in rubbing(model, scene) if _any(friction)]
+    if not dry:
+        return Verdict(False, "no joint has Coulomb friction")
+    if all(("qd", joint.rate) in still for joint in dry):
+        return Verdict(False, "no joint with Coulomb friction moves")
+    return Verdict(True, f"{len(dry)} joints with Coulomb friction")
+
+
+def _any(friction: Friction) -> bool:
+    return bool(friction.forward or friction.backward or friction.stribeck)
+
+
+def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
+    """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed.
+
+    With s = sign(qd): `(forward - backward) / 2 s + (forward + backward) / 2 s^2`, and
+    `(stribeck - Coulomb) exp(-(qd / v_s)^2)` with the same sign.
+
+    Args:
+        qd: the joint's speed [rad/s].
+        slip_speed: if not 0, s is `qd / sqrt(qd^2 + slip_speed^2)`, which leaves rest without a jump [rad/s].
+
+    Returns:
+        N m, along the motion: what the actuator must supply.
+    """
+    s = qd / sqrt(qd * qd + slip_speed * slip_speed) if slip_speed else sign(qd)
+    coulomb = (0.5 * (friction.forward - friction.backward)) * s + (0.5 * (friction.forward + friction.backward)) * (
+        s * s
+    )
+    if friction.stribeck is None:
+        return coulomb
+    ratio = qd / friction.stribeck_velocity
+    return coulomb + (friction.stribeck * s - coulomb) * exp(-(ratio * ratio))
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms.with_torques(
+        (i, torque(friction, sample.speed(joint), scene.slip_speed))
+        for i, joint, friction in rubbing(sample.model, scene)
+    )
+
+
+def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum of torque times speed [W]."""
+    power: Scalar = 0.0
+    for _, joint, friction in rubbing(sample.model, scene):
+        speed = sample.speed(joint)
+        power = power + torque(friction, speed, scene.slip_speed) * speed
+    return power
+
+
+EFFECT = Effect(
+    "coulomb friction",
+    "f sign(qd), sign(0) = 0; different forwards and backwards, and Stribeck's excess, if given",
+    why,
+    add,
+    lost=lost,
+)

@@ -1,0 +1,115 @@
+"""What an effect is, and what effects add up to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from robodyn.programs.vectors import ZERO, Array, Scalar
+from robodyn.robot.kinematics import motions
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Motion, Wrench
+from robodyn.scene.scene import Scene
+from robodyn.solids.inertia.moments import Inertia
+
+Still = frozenset[tuple[str, int]]
+"""The (source, column) pairs of q, qd and qdd that are zero in every sample."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One sample of a motion, in any scalar.
+
+    Attributes:
+        q, qd, qdd: in the model's order.
+        columns: further columns of the trajectory that the scene names.
+    """
+
+    model: Model
+    q: tuple[Scalar, ...]
+    qd: tuple[Scalar, ...]
+    qdd: tuple[Scalar, ...]
+    columns: Mapping[str, Scalar] = field(default_factory=dict)
+
+    def motions(self) -> list[Motion]:
+        """How every joint moves in this sample."""
+        return motions(self.model, self.q, self.qd, self.qdd)
+
+    def position(self, joint: Joint) -> Scalar:
+        """The joint's own position, which for a mimic joint is `multiplier q + offset` [rad or m]."""
+        return joint.multiplier * self.q[joint.coordinate] + joint.offset
+
+    def speed(self, joint: Joint) -> Scalar:
+        return joint.multiplier * self.qd[joint.rate]
+
+    def acceleration(self, joint: Joint) -> Scalar:
+        return joint.multiplier * self.qdd[joint.rate]
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What the recursion is given for one sample; each effect returns it with something added.
+
+    Attributes:
+        qd, qdd: rates that the recursion sees.
+        gravity: in the ground's axes.
+        inertias: of each body.
+        wrenches: (i, wrench) acting ON body i, about its origin and in its axes.
+        at_joint: added to the torque at each body's joint.
+    """
+
+    qd: tuple[Scalar, ...]
+    qdd: tuple[Scalar, ...]
+    inertias: tuple[Inertia, ...]
+    gravity: Array = field(default_factory=lambda: ZERO)
+    wrenches: tuple[tuple[int, Wrench], ...] = ()
+    at_joint: Mapping[int, Scalar] = field(default_factory=dict)
+
+    def with_torques(self, torques: Iterable[tuple[int, Scalar]]) -> Terms:
+        """These terms with more torque at the joints of some bodies, given as (body, torque)."""
+        at_joint = dict(self.at_joint)
+        for body, torque in torques:
+            at_joint[body] = at_joint.get(body, 0.0) + torque
+        return replace(self, at_joint=at_joint)
+
+
+class Verdict(NamedTuple):
+    """Whether an effect is on, and why."""
+
+    active: bool
+    reason: str
+
+
+EnergyOf = Callable[[Sample, Terms, Scene, list[Motion]], Scalar]
+
+
+def _no_energy(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    return 0.0
+
+
+def _itself(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect.
+
+    Attributes:
+        name: as reports print it.
+        adds: what it adds to tau, in a few words.
+        why: whether it is on.
+        add: the terms with this effect added.
+        background: what must be on for the effect to show itself when it stands alone; for most, nothing.
+        stored: the energy it stores [J].
+        lost: the power that it takes from the joints [W].
+    """
+
+    name: str
+    adds: str
+    why: Callable[[Model, Scene, Still], Verdict]
+    add: Callable[[Terms, Sample, Scene], Terms]
+    background: Callable[[Terms, Sample, Scene], Terms] = _itself
+    stored: EnergyOf = _no_energy
+    lost: EnergyOf = _no_energy

@@ -1,0 +1,29 @@
+"""Inertia: the joints accelerate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+
+
+def joint_rates(model: Model) -> range:
+    """The entries of qd and qdd that belong to joints, not to a moving base."""
+    return range(6 if model.floating else 0, model.n)
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    moving = sum(("qdd", i) not in still for i in joint_rates(model))
+    if not moving:
+        return Verdict(False, "no joint accelerates")
+    return Verdict(True, f"{moving} of {len(joint_rates(model))} coordinates accelerate")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    first = joint_rates(sample.model).start
+    return replace(terms, qdd=terms.qdd[:first] + sample.qdd[first:])
+
+
+EFFECT = Effect("inertia", "M(q) qdd", why, add)

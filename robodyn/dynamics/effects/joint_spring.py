@@ -1,0 +1,42 @@
+"""Joint springs: a torque k (q - q0) that the actuator must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.programs.vectors import Scalar
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Motion
+from robodyn.scene.scene import Scene, Spring
+
+
+def _sprung(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Spring]]:
+    for i, body in enumerate(model.bodies):
+        spring = scene.spring.get(body.joint.name)
+        if spring is not None and spring.stiffness:
+            yield i, body.joint, spring
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    names = [joint.name for _, joint, _ in _sprung(model, scene)]
+    return Verdict(bool(names), f"springs at {', '.join(names)}" if names else "the scene has no spring")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms.with_torques(
+        (i, spring.stiffness * (sample.position(joint) - spring.rest))
+        for i, joint, spring in _sprung(sample.model, scene)
+    )
+
+
+def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum k (q - q0)^2 / 2 [J]."""
+    energy: Scalar = 0.0
+    for _, joint, spring in _sprung(sample.model, scene):
+        stretch = sample.position(joint) - spring.rest
+        energy = energy + (0.5 * spring.stiffness) * (stretch * stretch)
+    return energy
+
+
+EFFECT = Effect("joint spring", "k (q - q0)", why, add, stored=stored)

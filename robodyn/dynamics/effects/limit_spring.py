@@ -1,0 +1,79 @@
+"""Springs at joint limits: a torque that pushes a joint back which is beyond a limit, and never pulls it there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.programs.vectors import Scalar, sign
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Motion
+from robodyn.scene.scene import LimitSpring, Scene
+
+
+class Stop(NamedTuple):
+    """A limit with its spring: the body that the joint carries, the joint, -1 or 1, and the joint's position."""
+
+    body: int
+    joint: Joint
+    side: float
+    value: float
+    spring: LimitSpring
+
+    def beyond(self, sample: Sample) -> tuple[Scalar, Scalar]:
+        """How far the joint is beyond the limit, negative within, and the rate of that."""
+        return self.side * (sample.position(self.joint) - self.value), self.side * sample.speed(self.joint)
+
+    def torque(self, x: Scalar, xd: Scalar) -> Scalar:
+        """`max(stiffness x + damping xd, 0)` for x > 0, else 0 [N m], without a branch."""
+        push = self.spring.stiffness * x + self.spring.damping * xd
+        return _positive(push) * (0.5 * (sign(x) * sign(x) + sign(x)))
+
+
+def _positive(x: Scalar) -> Scalar:
+    """max(x, 0)."""
+    return 0.5 * (x + x * sign(x))
+
+
+def _stops(model: Model, scene: Scene) -> Iterator[Stop]:
+    for i, body in enumerate(model.bodies):
+        for side, value in ((-1.0, body.joint.lower), (1.0, body.joint.upper)):
+            if scene.limit_spring is not None and value is not None:
+                yield Stop(i, body.joint, side, value, scene.limit_spring)
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    if scene.limit_spring is None:
+        return Verdict(False, "the scene has no springs at joint limits")
+    count = len(list(_stops(model, scene)))
+    return Verdict(bool(count), f"springs at {count} joint limits" if count else "no joint has a limit")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms.with_torques(
+        (stop.body, stop.side * stop.torque(*stop.beyond(sample))) for stop in _stops(sample.model, scene)
+    )
+
+
+def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum k x^2 / 2 over the limits that are passed by x > 0 [J]."""
+    energy: Scalar = 0.0
+    for stop in _stops(sample.model, scene):
+        stretch = _positive(stop.beyond(sample)[0])
+        energy = energy + (0.5 * stop.spring.stiffness) * (stretch * stretch)
+    return energy
+
+
+def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum of xd times what damping adds to the push of the springs [W]."""
+    power: Scalar = 0.0
+    for stop in _stops(sample.model, scene):
+        x, xd = stop.beyond(sample)
+        power = power + (stop.torque(x, xd) - stop.spring.stiffness * _positive(x)) * xd
+    return power
+
+
+EFFECT = Effect(
+    "limit spring", "max(k x + d xd, 0) where a joint is beyond a limit by x", why, add, stored=stored, lost=lost
+)

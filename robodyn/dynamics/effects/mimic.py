@@ -1,0 +1,24 @@
+"""Mimic joints: they follow their master's coordinate, and their torques are reflected onto it."""
+
+from __future__ import annotations
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    names = [body.joint.name for body in model.bodies if body.joint.mimics is not None]
+    if not names:
+        return Verdict(False, "no joint mimics another")
+    return Verdict(True, f"{len(names)} joints follow others ({', '.join(names[:4])}{', ...' * (len(names) > 4)})")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    """Nothing: that a joint follows another is part of the model, so every other effect already sees it."""
+    return terms
+
+
+EFFECT = Effect(
+    "mimic", "nothing by itself: torques of a follower, times its multiplier, are part of its master's", why, add
+)

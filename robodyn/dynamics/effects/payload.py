@@ -1,0 +1,46 @@
+"""Payload: a mass fixed to a link, added to its body by the parallel axis theorem."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.effects import gravity
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.solids.inertia.moments import MASSLESS, combined, inertia_of
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    loads = [load for load in scene.payloads if load.mass or any(load.inertia)]
+    if not loads:
+        return Verdict(False, "the scene has no payload")
+    return Verdict(True, ", ".join(f"{load.mass:g} kg on {load.link}" for load in loads))
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    inertias = list(terms.inertias)
+    for load in scene.payloads:
+        body, R, p = sample.model.links[load.link]
+        xx, xy, xz, yy, yz, zz = load.inertia
+        I_c = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+        mass = inertia_of(load.mass, np.array(load.com), I_c, R, p)
+        inertias[body] = combined((inertias[body], mass))
+    return replace(terms, inertias=tuple(inertias))
+
+
+def background(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    """The whole motion and gravity, on a robot without mass: what a payload needs to be felt."""
+    massless = tuple(MASSLESS for _ in terms.inertias)
+    return gravity.add(replace(terms, inertias=massless, qd=sample.qd, qdd=sample.qdd), sample, scene)
+
+
+EFFECT = Effect(
+    "payload",
+    "mass, centre of mass and inertia to a link, by the parallel axis theorem",
+    why,
+    add,
+    background=background,
+)

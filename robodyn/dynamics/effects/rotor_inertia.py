@@ -1,0 +1,65 @@
+"""Rotor inertia: the motors' rotors turn G times as fast as their joints and add G^2 J qdd.
+
+The rotors' own gyroscopic moments on the links are not part of this model, as in MuJoCo's armature and the Robotics
+Toolbox.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.programs.vectors import Scalar
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Motion
+from robodyn.scene.scene import Scene
+
+
+def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
+    """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
+    rotor = scene.rotor.get(joint.name)
+    inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.gear)
+    return joint.rotor_inertia if inertia is None else inertia, joint.reduction if gear is None else gear
+
+
+def armatures(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, float]]:
+    """The body, joint and reflected inertia G^2 J [kg m^2] of every joint that has a rotor."""
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        inertia, gear = rotor_of(joint, scene)
+        if inertia and gear:
+            yield i, joint, gear * gear * inertia
+
+
+def reflected(model: Model, scene: Scene) -> list[float]:
+    """By coordinate, what rotors add to the diagonal of M: the sum of multiplier^2 G^2 J [kg m^2]."""
+    total = [0.0] * model.n
+    for _, joint, inertia in armatures(model, scene):
+        total[joint.rate] += joint.multiplier**2 * inertia
+    return total
+
+
+def why(model: Model, scene: Scene, still: Still) -> Verdict:
+    joints = [joint for _, joint, _ in armatures(model, scene)]
+    if not joints:
+        return Verdict(False, "neither the scene nor a transmission has a rotor inertia")
+    if all(("qdd", joint.rate) in still for joint in joints):
+        return Verdict(False, "no joint with a rotor accelerates")
+    return Verdict(True, f"{len(joints)} joints with rotors")
+
+
+def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+    return terms.with_torques(
+        (i, armature * sample.acceleration(joint)) for i, joint, armature in armatures(sample.model, scene)
+    )
+
+
+def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
+    """sum G^2 J qd^2 / 2 [J]."""
+    energy: Scalar = 0.0
+    for _, joint, armature in armatures(sample.model, scene):
+        energy = energy + (0.5 * armature) * (sample.speed(joint) * sample.speed(joint))
+    return energy
+
+
+EFFECT = Effect("rotor inertia", "G^2 J qdd", why, add, stored=stored)

@@ -1,0 +1,204 @@
+"""Where the motion of a closed chain begins: positions and speeds that its loops allow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import atan2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.find import NOTHING, closed_chain, jacobian
+from robodyn.dynamics.loops.turning import moved, unit
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
+from robodyn.programs.linear import shortest
+from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+
+Floats = NDArray[np.float64]
+CLOSED = 1e-13
+"""m or rad that a loop may be open at the start, for links of up to a metre."""
+MISFIT = 1e-6
+"""The same for an equation that was dropped, which no motion of the robot can mend."""
+TRIES = 60
+LONGEST = 0.3
+"""rad or m, of a correction."""
+
+
+def closed_start(plan: Plan, state: Floats) -> Floats:
+    """A state (width,) with positions and speeds on the loops, by Newton's steps, each the shortest that there is.
+
+    Coordinates that the scene gives stay as they are if the others alone can close the loops; else as many as can be,
+    those before the others that the scene gives first. Likewise speeds.
+
+    Raises:
+        InputError: the loops do not close.
+
+    Accuracy: 1e-13 m or rad, for links of up to a metre.
+    """
+    closing = Closing(plan, closed_chain(plan))
+    model, scene = plan.model, plan.scene
+    q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
+    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(closing, q, _others(model.n, kept)))
+    if closed is None:
+        raise _open(closing, q)
+    _check_dropped(closing, closed)
+    given = [model.rates.index(name) for name in scene.initial_qd]
+    rolling = _keeping(given, lambda kept: _rolling(closing, closed, qd, _others(model.n, kept)))
+    if rolling is None:
+        raise InputError("the loops allow no speeds near those given", remedy="give [initial] qd of fewer joints")
+    return np.array([*closed, *rolling, *state[model.nq + model.n :]])
+
+
+def _keeping(given: Sequence[int], found: Callable[[Sequence[int]], Floats | None]) -> Floats | None:
+    """What is found with as many of the given kept as can be, the first before the others; None if nothing is."""
+    best, low, high = found(given), 0, len(given)
+    if best is not None or not given:
+        return best
+    while low < high:
+        middle = (low + high) // 2
+        one = found(given[:middle])
+        best, low, high = (best, low, middle) if one is None else (one, middle + 1, high)
+    return best
+
+
+def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> list[str]:
+    """Which of the positions and speeds that a scene gives had to change for the loops to close."""
+    names = [*model.coordinates, *model.rates]
+    given = [name in scene.initial_q for name in model.coordinates] + [name in scene.initial_qd for name in model.rates]
+    changed = [k for k, mine in enumerate(given) if mine and scene.loops and abs(begun[k] - asked[k]) > MISFIT]
+    kinds = ["q" if k < model.nq else "qd" for k in changed]
+    moved = [f"{kind} {names[k]} {asked[k]:.6g} -> {begun[k]:.6g}" for kind, k in zip(kinds, changed, strict=True)]
+    return [f"the loops close only with other values than given: {', '.join(moved)}"] if moved else []
+
+
+def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
+    """The rates of the joints that these coordinates belong to, in this order."""
+    owner = {}
+    for joint in model.independent:
+        numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
+        for name in model.coordinates[joint.coordinate : joint.coordinate + numbers]:
+            owner[name] = range(joint.rate, joint.rate + rates)
+    return list(dict.fromkeys(rate for name in coordinates for rate in owner[name]))
+
+
+def _others(n: int, given: Sequence[int]) -> list[int]:
+    return [rate for rate in range(n) if rate not in given]
+
+
+def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
+    """q with the loops closed by moving the free coordinates alone; None if that fails."""
+    model, still = closing.model, (0.0,) * closing.model.n
+    reach = _reach(closing)
+    for _ in range(TRIES):
+        sample = closing.sample(q.tolist(), still)
+        error, J = _left(closing, sample)
+        if np.abs(error).max(initial=0.0) <= CLOSED * reach:
+            return q
+        moving = _moving(J, free)
+        step = np.zeros(model.n)
+        step[moving] = _shortest(J[:, moving], -error)
+        step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
+        moves = closing.chain.along_parents(sample, step.tolist())
+        q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
+    return None
+
+
+def closed_near(closing: Closing, q: Floats, moves: Floats) -> Floats | None:
+    """The closed place nearest to q after some moves; None if there is none."""
+    sample = closing.sample(q.tolist(), (0.0,) * closing.model.n)
+    there = unit(closing.model, moved(closing.model, q.tolist(), closing.chain.along_parents(sample, moves.tolist())))
+    return _closed(closing, np.array(there, dtype=float), range(closing.model.n))
+
+
+def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:
+    """phi and J; of a weld the rotation vector of the turn that is left, as its equations hold at half a turn too."""
+    here, J = closing.chain.equations(sample), jacobian(closing.chain, sample)
+    error = np.array(here.error, dtype=float)
+    at = 0
+    for closure, place in zip(closing.chain.closures, here.places, strict=True):
+        turn = rotation_from_rpy(*closure.loop.rpy)
+        for k, equation in enumerate(closure.equations, at):
+            if closure.loop.kind == "weld" and equation.unit == "rad":
+                axis = equation.moment(turn)
+                error[k] = product(axis, _rotation_vector(product(place.B, turn.T)))
+                for rate, twist in place.columns.items():
+                    J[k, rate] = product(axis, twist.w)
+        at += len(closure.equations)
+    return error, J
+
+
+def _rotation_vector(R: Floats) -> Floats:
+    """The vector t with exp([t]) = R, |t| <= pi."""
+    R = np.asarray(R, dtype=float)
+    v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
+    sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
+    if cosine > 0.0:
+        return v * (atan2(sine, cosine) / sine if sine else 1.0)
+    across = R + R.T + (1.0 - float(np.trace(R))) * np.eye(3)
+    axis = across[:, int(np.argmax(np.diag(across)))]
+    axis = axis / np.sqrt(product(axis, axis))
+    return np.asarray(axis * atan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
+
+
+def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
+    """qd with J qd = 0, the free speeds changed as little as possible; None if they cannot do it alone."""
+    chain = closing.chain
+    sample = closing.sample(q.tolist(), qd.tolist())
+    J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate, dtype=float)
+    moving = _moving(J, free)
+    change = np.zeros(closing.model.n)
+    change[moving] = _shortest(J[:, moving], -rate)
+    left = np.abs(product(J, change) + rate).max(initial=0.0)
+    if left > CLOSED * _reach(closing) * max(1.0, np.abs(qd).max(initial=0.0)):
+        return None
+    rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
+    return rolling
+
+
+def _moving(J: Floats, free: Sequence[int]) -> list[int]:
+    """Those of the free rates that move a loop's point or axes."""
+    each = np.abs(J).max(axis=0, initial=0.0)
+    return [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
+
+
+def _shortest(J: Floats, right: Floats) -> Floats:
+    """The shortest x with J x as near to the right side as it can be."""
+    return shortest(J, right, NOTHING)
+
+
+def _reach(closing: Closing) -> float:
+    """m; the longest offset between joints, at least 1."""
+    lengths = [body.joint.p for body in closing.model.bodies]
+    lengths += [np.array(point) for c in closing.chain.closures for point in (c.loop.point, c.loop.to_point)]
+    return float(np.abs(lengths).max(initial=1.0))
+
+
+def _open(closing: Closing, q: Floats) -> InputError:
+    """Which loop is open by how much where the scene begins."""
+    errors = closing.chain.equations(closing.sample(q.tolist(), (0.0,) * closing.model.n)).error
+    rows = [(closure.loop.name, equation) for closure in closing.chain.closures for equation in closure.equations]
+    worst = int(np.argmax(np.abs(errors)))
+    name, equation = rows[worst]
+    return InputError(
+        f'loop "{name}" does not close: it is open by {abs(errors[worst]):.3g} {equation.unit} at the start',
+        remedy="give [initial] q nearer to where it closes, or leave out coordinates that are to be found",
+    )
+
+
+def _check_dropped(closing: Closing, q: Floats) -> None:
+    """Raise if an equation that was dropped does not hold."""
+    motions = closing.sample(q.tolist(), (0.0,) * closing.model.n).motions()
+    for closure, equation in closing.dropped:
+        place = closure.relative(closing.model, motions)
+        error = float(equation.of(place.d, place.B))
+        if abs(error) > MISFIT * _reach(closing):
+            raise InputError(
+                f'loop "{closure.loop.name}" cannot close: it misses by {abs(error):.3g} {equation.unit} '
+                f"{equation.about} of {closure.loop.to}, wherever the joints stand",
+                remedy='correct "point" and "to_point", or name the "directions" along which it is held',
+            )

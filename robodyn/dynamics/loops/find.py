@@ -1,0 +1,139 @@
+"""The loops of a scene found in a model: their ends, and which of their equations say something."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.loops.closed_chain import EXACT, ClosedChain
+from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
+from robodyn.dynamics.loops.equation import Equation, equations_of
+from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Model
+from robodyn.scene.scene import GROUND, Loop
+
+Floats = NDArray[np.float64]
+TRIALS = 6
+"""Configurations at which equations are looked at."""
+RANGE = 1.0
+"""rad or m, by which these lie around q = 0."""
+NOTHING = 1e-8
+"""A smaller part of the largest is what rounding leaves of nothing, or a hinge that is meant to be parallel."""
+
+
+class Dropped(NamedTuple):
+    """An equation that others of its loop imply wherever the robot stands."""
+
+    closure: Closure
+    equation: Equation
+
+
+class Found(NamedTuple):
+    """A closed chain, and the equations that were dropped."""
+
+    chain: ClosedChain
+    dropped: tuple[Dropped, ...]
+
+
+@lru_cache(maxsize=16)
+def closed_chain(plan: Plan) -> Found:
+    """The closed chain of a model in a scene.
+
+    Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
+    configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
+    another, each without what it has in common with those before it, until nothing is left.
+    """
+    model, scene = aligned(plan.model), plan.scene
+    every = [closure_of(model, loop) for loop in scene.loops]
+    whole = ClosedChain(model, tuple(every), tuple(reflected(model, scene)), (1.0,) * sum(map(_size, every)))
+    samples = [Sample(model, q, (0.0,) * model.n, (0.0,) * model.n) for q in _trials(model)]
+    rows = np.array([jacobian(whole, sample) for sample in samples])
+    kept, dropped, at = [], [], 0
+    for closure in every:
+        own = rows[:, at : at + _size(closure)]
+        stay = independent(own.transpose(1, 0, 2).reshape(_size(closure), -1))
+        kept.append(replace(closure, equations=tuple(closure.equations[k] for k in stay)))
+        left = [k for k in range(_size(closure)) if k not in stay]
+        dropped += [Dropped(closure, closure.equations[k]) for k in left]
+        at += _size(closure)
+    chain = replace(whole, closures=tuple(kept), sizes=(1.0,) * sum(map(_size, kept)), baumgarte=scene.baumgarte)
+    largest = np.max([_sizes(chain, sample, plan) for sample in samples], axis=0)
+    return Found(replace(chain, sizes=tuple(largest.tolist())), tuple(dropped))
+
+
+def closure_of(model: Model, loop: Loop) -> Closure:
+    """The loop with all its equations, its chains from the nearest body that carries both links."""
+    ends = (
+        model.links[loop.link],
+        GROUND_FRAME if loop.to == GROUND and GROUND not in model.links else model.links[loop.to],
+    )
+    a, b = (_outward(model, end.body) for end in ends)
+    common = sum(1 for i, j in zip(a, b, strict=False) if i == j)
+    return Closure(loop, ends, (a[common:], b[common:]), equations_of(loop))
+
+
+def _outward(model: Model, i: int) -> tuple[int, ...]:
+    """Bodies from the base to body i; none for the ground."""
+    path = []
+    while i >= 0:
+        path.append(i)
+        i = model.parents[i]
+    return tuple(reversed(path))
+
+
+def jacobian(chain: ClosedChain, sample: Sample) -> Floats:
+    """(equations, n) J at a sample of floats."""
+    J = np.zeros((len(chain.sizes), chain.model.n))
+    for row, values in zip(J, chain.equations(sample).J, strict=True):
+        for rate, value in values.items():
+            row[rate] = value
+    return J
+
+
+def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
+    """The places of rows that span all but a part `nothing` of them, by elimination with the largest row first."""
+    left, found = rows.copy(), []
+    smallest = nothing * np.sqrt((rows * rows).sum(axis=1).max(initial=0.0))
+    for _ in rows:
+        sizes = np.sqrt((left * left).sum(axis=1))
+        k = int(np.argmax(sizes * (1.0 - NOTHING * np.arange(len(rows)))))
+        if sizes[k] <= smallest:
+            break
+        found.append(k)
+        one = left[k] / sizes[k]
+        left -= np.outer(product(left, one), one)
+        left[k] = 0.0
+    return sorted(found)
+
+
+def _sizes(chain: ClosedChain, sample: Sample, plan: Plan) -> Floats:
+    """(equations,) lengths of the columns of C^-1 J^T, M being C C^T."""
+    terms = applied([payload.EFFECT], sample, plan.scene)
+    rows = chain.solver(sample, terms, chain.equations(sample).J, EXACT).least.A
+    squares = np.zeros(len(chain.sizes))
+    for row in rows:
+        for k, value in row.items():
+            squares[k] += value * value
+    return np.sqrt(squares)
+
+
+def _trials(model: Model) -> list[tuple[float, ...]]:
+    drawn = np.random.default_rng(0).uniform(-RANGE, RANGE, (TRIALS, model.nq))
+    for joint in model.independent:
+        if joint.kind == "floating":
+            part = drawn[:, joint.coordinate + 3 : joint.coordinate + 7]
+            part /= np.sqrt((part * part).sum(axis=1))[:, None]
+    return [tuple(row.tolist()) for row in drawn]
+
+
+def _size(closure: Closure) -> int:
+    return len(closure.equations)

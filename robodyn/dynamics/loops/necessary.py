@@ -1,0 +1,83 @@
+"""Equations of loops that others imply wherever the loops are closed, if not elsewhere, as in Bennett's linkage."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.initial_state import initial_state
+from robodyn.dynamics.loops.closed_start import closed_near, closed_start
+from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.find import Dropped, Found, closed_chain, independent, jacobian
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
+from robodyn.programs.linear import across
+from robodyn.programs.vectors import product
+
+Floats = NDArray[np.float64]
+AWAY = 0.1
+"""rad or m, to where the rank of J is looked at again."""
+LOOKS = 3
+FEW = 1e-6
+"""Singular values of J that are a smaller part of the largest count as none: loops are closed to rounding there."""
+
+
+def closing(plan: Plan) -> Closing:
+    """Return what closes the loops of a plan, by the equations that are necessary."""
+    return Closing(plan, necessary(plan))
+
+
+@lru_cache(maxsize=16)
+def necessary(plan: Plan) -> Found:
+    """The closed chain without equations that depend on others where the motion begins and at closed places nearby.
+
+    Steps leave the loops by a little, and there such equations contradict each other. Where the rank is less at the
+    start alone, as for four-bars that lie flat, all are kept.
+    """
+    found = closed_chain(plan)
+    closing = Closing(plan, found)
+    begun = _begun(closing)
+    if begun is None:
+        return found
+    J = _jacobian(closing, begun)
+    rank = _rank(J)
+    if rank == found.chain.count or any(_rank(_jacobian(closing, q)) > rank for q in _nearby(closing, begun, J)):
+        return found
+    kept = set(independent(J, FEW))
+    closures, dropped, at = [], list(found.dropped), 0
+    for closure in found.chain.closures:
+        rows = range(at, at + len(closure.equations))
+        closures.append(replace(closure, equations=tuple(closure.equations[k - at] for k in rows if k in kept)))
+        dropped += [Dropped(closure, closure.equations[k - at]) for k in rows if k not in kept]
+        at += len(closure.equations)
+    sizes = tuple(found.chain.sizes[k] for k in sorted(kept))
+    return Found(replace(found.chain, closures=tuple(closures), sizes=sizes), tuple(dropped))
+
+
+def _begun(closing: Closing) -> Floats | None:
+    """q where the motion begins; None where it cannot."""
+    model, scene = closing.plan.model, closing.plan.scene
+    try:
+        return closed_start(closing.plan, initial_state(model, scene))[: model.nq]
+    except InputError:
+        return None
+
+
+def _nearby(closing: Closing, q: Floats, J: Floats) -> list[Floats]:
+    """Closed places that motions which the loops allow lead to."""
+    free = across(J, FEW)
+    drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
+    places = [closed_near(closing, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
+    return [place for place in places if place is not None]
+
+
+def _jacobian(closing: Closing, q: Floats) -> Floats:
+    return jacobian(closing.chain, closing.sample(q.tolist(), (0.0,) * closing.model.n))
+
+
+def _rank(J: Floats) -> int:
+    values = np.linalg.svd(J, compute_uv=False)
+    return int((values > FEW * values.max(initial=0.0)).sum())

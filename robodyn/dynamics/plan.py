@@ -1,0 +1,147 @@
+"""The plan: which effects a scene calls for, why, and the programs that compute them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.recursions.newton_euler import newton_euler
+from robodyn.dynamics.recursions.projection import joint_torques
+from robodyn.programs.program import Program, trace
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
+from robodyn.robot.kinematics import motions
+from robodyn.robot.model import Frame, Model
+from robodyn.robot.motion_types import Motion, Wrench
+from robodyn.scene.fit import check_scene, refuse_loops
+from robodyn.scene.scene import Scene
+from robodyn.solids.inertia.moments import Inertia
+
+SOURCES = ("q", "qd", "qdd")
+
+
+class Loads(NamedTuple):
+    """What the recursion yields for one sample: torques, and the wrench at every joint."""
+
+    tau: list[Scalar]
+    reactions: list[Wrench]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is computed for one model and scene, for motions that are zero where `still` says so.
+
+    Attributes:
+        still: the (source, column) pairs of q, qd and qdd that are zero throughout; they are folded away.
+        verdicts: for every effect of the catalogue, whether it is on and why.
+    """
+
+    model: Model
+    scene: Scene
+    still: Still = frozenset()
+
+    @cached_property
+    def verdicts(self) -> tuple[tuple[Effect, Verdict], ...]:
+        return tuple((effect, effect.why(self.model, self.scene, self.still)) for effect in EFFECTS)
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects that are on."""
+        return tuple(effect for effect, verdict in self.verdicts if verdict.active)
+
+    @cached_property
+    def _scalars(self) -> Model:
+        """The model with its numbers as Python's floats, which NumPy multiplies and adds in order as traced scalars."""
+        bodies = []
+        for body in self.model.bodies:
+            joint, (m, mc, I) = body.joint, body.inertia
+            joint = replace(joint, R=joint.R.astype(object), p=joint.p.astype(object), axis=joint.axis.astype(object))
+            bodies.append(replace(body, joint=joint, inertia=Inertia(m, mc.astype(object), I.astype(object))))
+        links = {
+            name: Frame(body, R.astype(object), p.astype(object)) for name, (body, R, p) in self.model.links.items()
+        }
+        return replace(self.model, bodies=tuple(bodies), links=links)
+
+    def sample(self, tape: Tape) -> Sample:
+        """A sample whose scalars are the inputs of `tape`, or 0.0 where the motion is still."""
+
+        def of(source: str, count: int) -> tuple[Scalar, ...]:
+            return tuple(0.0 if (source, i) in self.still else tape.input(source, i) for i in range(count))
+
+        columns = {name: tape.input("columns", i) for i, name in enumerate(self.scene.columns)}
+        return Sample(self._scalars, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
+
+    def torques(self) -> Program:
+        """The program of tau alone, all effects together."""
+        refuse_loops(self.scene)
+        return trace(lambda tape: loads(*self._with(tape, self.effects)).tau, self.model.tips_first)
+
+    def wrenches(self, joints: bool = False) -> Program:
+        """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
+        refuse_loops(self.scene)
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            result = loads(*self._with(tape, self.effects))
+            return [*result.tau, *_flat(result.reactions if joints else result.reactions[:1])]
+
+        return trace(outputs, self.model.tips_first)
+
+    def share(self, effect: Effect) -> Program:
+        """The program of the part of tau that one effect makes: the same recursion with nothing else on."""
+
+        def outputs(tape: Tape) -> Iterable[Scalar]:
+            sample = self.sample(tape)
+            terms = effect.add(effect.background(at_rest(sample), sample, self.scene), sample, self.scene)
+            return loads(sample, terms).tau
+
+        return trace(outputs, self.model.tips_first)
+
+    def without(self, effect: Effect) -> Program:
+        """The program of tau with one effect left out: what the others cost."""
+        others = [e for e in self.effects if e is not effect]
+        return trace(lambda tape: loads(*self._with(tape, others)).tau, self.model.tips_first)
+
+    def _with(self, tape: Tape, effects: Iterable[Effect]) -> tuple[Sample, Terms]:
+        sample = self.sample(tape)
+        return sample, applied(effects, sample, self.scene)
+
+
+def at_rest(sample: Sample) -> Terms:
+    """The robot standing still without gravity: the terms to which effects add."""
+    nothing = (0.0,) * sample.model.n
+    return Terms(nothing, nothing, tuple(body.inertia for body in sample.model.bodies))
+
+
+def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
+    """The terms that some effects add up to."""
+    terms = at_rest(sample)
+    for effect in effects:
+        terms = effect.add(terms, sample, scene)
+    return terms
+
+
+def loads(sample: Sample, terms: Terms) -> Loads:
+    """Torques and joint wrenches of one sample, in whatever scalar it is made of."""
+    model = sample.model
+    joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
+    reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
+    return Loads(joint_torques(model, joints, reactions, terms.at_joint), reactions)
+
+
+def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
+    return [x for wrench in wrenches for part in wrench for x in part]
+
+
+@lru_cache(maxsize=16)
+def plan(model: Model, scene: Scene, still: Still = frozenset()) -> Plan:
+    """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
+
+    Raises:
+        SceneError: the scene does not fit the model.
+    """
+    check_scene(scene, model)
+    return Plan(model, scene, still)

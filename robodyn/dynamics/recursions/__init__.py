@@ -1,0 +1,1 @@
+"""Each recursion once, as a textbook writes it, over any scalar: RNEA, CRBA, ABA, momenta."""

@@ -1,0 +1,118 @@
+"""The articulated-body algorithm, once, for any scalar."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+
+import numpy as np
+
+from robodyn.dynamics.recursions.articulated_inertia import (
+    Turn,
+    acceleration_from_parent,
+    articulated,
+    at_parent,
+    wrench_at_parent,
+)
+from robodyn.dynamics.recursions.elimination import Elimination
+from robodyn.programs.vectors import Array, Scalar
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Motion, Wrench
+from robodyn.solids.inertia.moments import Inertia
+
+AXES = {"fixed": (), "revolute": (2,), "prismatic": (5,), "floating": (0, 1, 2, 3, 4, 5)}
+"""The entries of a body's acceleration (wd, a) that each kind of joint adds to, where its axis is z."""
+
+
+def articulated_body(
+    model: Model,
+    motions: Sequence[Motion],
+    inertias: Sequence[Inertia],
+    biases: Sequence[Wrench],
+    forces: Sequence[Scalar],
+    rotors: Sequence[float],
+) -> list[Scalar]:
+    """How much faster than in `motions` the coordinates accelerate: M^-1 (forces - J^T biases).
+
+    Inward, from the tips to the base, a body answers to an acceleration x = (wd, a) with the wrench `A x + b`. Its
+    joint, S being its axis, moves freely: with `U = A S`, `D = S . U + rotor` and `u = force - S . b` its parent feels
+    `A - U U^T / D` and `b + U u / D`. Outward, `qdd = (u - U . x) / D`. A coordinate that moves several joints is
+    carried inward as a column of its own until a body carries them all.
+
+    Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1. Bodies accelerate here from what they do
+    in `motions`, so that velocities are in `biases` alone; shared coordinates as in Jain, *Robot and Multibody
+    Dynamics* (2011), ch. 11.
+
+    Args:
+        model: of `aligned`.
+        motions: of each body relative to its parent.
+        inertias: of each body.
+        biases: the wrench on each body, in its axes, that `motions` calls for and nothing else supplies.
+        forces: n scalars, along the coordinates, those of a floating joint in the body's axes [N m or N].
+        rotors: n reflected rotor inertias [kg m^2 or kg].
+
+    Returns:
+        n scalars, those of a floating joint in the body's axes [rad/s^2 or m/s^2].
+
+    Raises:
+        InputError: nothing resists a joint.
+    """
+    A, b = [articulated(body) for body in inertias], [np.concatenate((bias.n, bias.f)) for bias in biases]
+    work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model)
+    for i, body in reversed(list(enumerate(model.bodies))):
+        joint, (R, p, *_) = body.joint, motions[i]
+        own = dict(enumerate(AXES[joint.kind], joint.rate))
+        for rate in (rate for rate in ends[i] if rate not in own):
+            work.coordinate(i, rate, model.rates[rate])
+        for rate, axis in own.items():
+            if joints_of[rate] == 1:
+                work.axis(i, axis, rate, joint.name)
+            else:
+                work.join(i, axis, rate, joint.multiplier)
+                if rate in ends[i]:
+                    work.coordinate(i, rate, model.rates[rate])
+        if (j := body.parent) >= 0:
+            work.A[j] = work.A[j] + at_parent(work.A[i], turns_of(joint, R), p)
+            work.b[j] = work.b[j] + wrench_at_parent(work.b[i], R, p)
+            for rate, column in work.G[i].items():
+                work.G[j][rate] = work.G[j].get(rate, 0.0) + wrench_at_parent(column, R, p)
+    x: list[Array] = []
+    y: list[Scalar] = [0.0] * model.n
+    for i, (body, (R, p, *_)) in enumerate(zip(model.bodies, motions, strict=True)):
+        x.append(acceleration_from_parent(x[body.parent] if i else np.zeros(6), R, p).astype(object))
+        for step in reversed(work.steps[i]):
+            step.back(x[i], y)
+    return y
+
+
+def _coordinates(model: Model) -> tuple[list[int], list[list[int]]]:
+    """How many joints each coordinate moves, and for each body the shared coordinates that end there.
+
+    A shared coordinate ends at the outermost body that carries all the joints that it moves.
+    """
+    bodies: dict[int, list[int]] = {}
+    for i, body in enumerate(model.bodies):
+        for rate, _ in enumerate(AXES[body.joint.kind], body.joint.rate):
+            bodies.setdefault(rate, []).append(i)
+    ends: list[list[int]] = [[] for _ in model.bodies]
+    for rate, moved in bodies.items():
+        if len(moved) > 1:
+            ends[_common(model.parents, moved)].append(rate)
+    return [len(bodies[rate]) for rate in range(model.n)], ends
+
+
+def _common(parents: Sequence[int], bodies: Sequence[int]) -> int:
+    """The outermost body that carries all these, itself counted."""
+    above = set(bodies)
+    while len(above) > 1:
+        last = max(above)
+        above = above - {last} | {parents[last]}
+    return above.pop()
+
+
+def turns_of(joint: Joint, R: Array) -> tuple[Turn, Turn, Turn]:
+    """Turns about z, x and z that make R; the first two are constants, being those that bring z to the joint's axis."""
+    sx, cx, z = float(joint.R[0, 2]), -float(joint.R[1, 2]), float(joint.R[2, 2])
+    sine = hypot(sx, cx)
+    c, s = (cx / sine, sx / sine) if sine else (1.0, 0.0)
+    return (c, s), (z, sine), (c * R[0, 0] + s * R[1, 0], -(c * R[0, 1] + s * R[1, 1]))

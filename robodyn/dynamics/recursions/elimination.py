@@ -1,0 +1,149 @@
+"""Eliminating the accelerations of a tree of bodies, one unknown at a time, for any scalar."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.errors import InputError
+from robodyn.programs.vectors import Array, Scalar
+
+ROUNDING = 2.0**-48
+"""A smaller share of a body's inertia is what rounding leaves of none."""
+
+
+class Solved(NamedTuple):
+    """A coordinate as elimination leaves it: `y = value - V . x - sum coupling y`, x being a body's (wd, a)."""
+
+    rate: int
+    value: Scalar
+    V: Array
+    coupling: Mapping[int, Scalar]
+
+    def back(self, x: Array, y: list[Scalar]) -> None:
+        """Finds the coordinate."""
+        y[self.rate] = self.rest(x, y)
+
+    def rest(self, x: Array, y: list[Scalar]) -> Scalar:
+        return self.value - self.V @ x - sum(share * y[other] for other, share in self.coupling.items())
+
+
+class Freed(NamedTuple):
+    """A joint of its own coordinate: where `solved` says how the body accelerates along its axis."""
+
+    axis: int
+    solved: Solved
+
+    def back(self, x: Array, y: list[Scalar]) -> None:
+        """Finds the coordinate and moves the body."""
+        total = self.solved.rest(x, y)
+        y[self.solved.rate] = total - x[self.axis]
+        x[self.axis] = total
+
+
+class Moved(NamedTuple):
+    """A joint that moves its body by `ratio` times a coordinate."""
+
+    axis: int
+    rate: int
+    ratio: float
+
+    def back(self, x: Array, y: list[Scalar]) -> None:
+        """Moves the body."""
+        x[self.axis] = x[self.axis] + self.ratio * y[self.rate]
+
+
+class Elimination:
+    """What is left of the equations while unknowns are eliminated from the tips of a tree to its base.
+
+    Body i answers to its acceleration x = (wd, a) by `(n, f) = A x + sum G y + b`, where y are the coordinates that are
+    known there only further inward; such a coordinate has the equation `sum G . x + sum D y = u`.
+
+    Attributes:
+        A: (6, 6) symmetric, b: (6,), G: (6,) by coordinate; of each body with all that it carries.
+        D: by pairs of coordinates, at first the rotors on the diagonal.
+        u: by coordinate, at first the forces on it.
+        steps: of each body, how its unknowns are found once x and what was eliminated later is known.
+    """
+
+    def __init__(
+        self, A: Sequence[Array], b: Sequence[Array], rotors: Sequence[float], forces: Sequence[Scalar]
+    ) -> None:
+        self.A, self.b, self.u = list(A), list(b), list(forces)
+        self.G: list[dict[int, Array]] = [{} for _ in A]
+        self.D: defaultdict[tuple[int, int], Scalar] = defaultdict(float)
+        self.D.update({(k, k): rotor for k, rotor in enumerate(rotors)})
+        self.steps: list[list[Solved | Freed | Moved]] = [[] for _ in A]
+
+    def join(self, i: int, axis: int, rate: int, ratio: float) -> None:
+        """Lets body i move along an axis by `ratio` times a coordinate y: there x becomes x + ratio y."""
+        A, columns = self.A[i], self.G[i]
+        known = columns.get(rate, np.zeros(6))
+        self.D[rate, rate] = self.D[rate, rate] + ratio * (ratio * A[axis, axis] + 2.0 * known[axis])
+        for other in columns.keys() - {rate}:
+            pair = _pair(rate, other)
+            self.D[pair] = self.D[pair] + ratio * columns[other][axis]
+        self.u[rate] = self.u[rate] - ratio * self.b[i][axis]
+        columns[rate] = known + ratio * A[axis]
+        self.steps[i].append(Moved(axis, rate, ratio))
+
+    def coordinate(self, i: int, rate: int, name: str) -> None:
+        """Eliminates a coordinate, all of whose joints body i carries."""
+        self.steps[i].append(self._solved(i, rate, name))
+
+    def _solved(self, i: int, rate: int, name: str) -> Solved:
+        """Takes the coordinate out of all equations: `A - G G^T / D` and the like."""
+        G, D, u = self.G[i].pop(rate), self.D[rate, rate], self.u[rate]
+        _check(D, self.A[i], name)
+        inverse = 1.0 / D
+        V = G * inverse
+        coupling = {other: self.D[_pair(rate, other)] * inverse for other in sorted(self.G[i])}
+        self.A[i], self.b[i] = _reduced(self.A[i], G, V), self.b[i] + V * u
+        for other, share in coupling.items():
+            self.G[i][other] = self.G[i][other] - G * share
+            self.u[other] = self.u[other] - share * u
+            for last in (last for last in coupling if last >= other):
+                self.D[other, last] = self.D[other, last] - share * self.D[_pair(rate, last)]
+        return Solved(rate, inverse * u, V, coupling)
+
+    def axis(self, i: int, axis: int, rate: int, name: str) -> None:
+        """Eliminates the motion of body i along an axis by a coordinate of its own.
+
+        The row and the column of the axis become what a rotor leaves of them. Without one that is exactly 0, so nothing
+        cancels there, and six axes in turn are the factorisation L D L^T of a free body.
+        """
+        U, columns, force, rotor = self.A[i][axis], self.G[i], self.u[rate], self.D[rate, rate]
+        crossing = {other: column[axis] for other, column in columns.items()}
+        self.join(i, axis, rate, 1.0)
+        self.steps[i].pop()
+        solved = self._solved(i, rate, name)
+        share = rotor / self.D[rate, rate]
+        self.A[i][axis] = self.A[i][:, axis] = U * share
+        self.b[i][axis] = force - share * self.u[rate]
+        for other, entry in crossing.items():
+            columns[other][axis] = share * entry
+        solved.V[axis] = -share
+        self.steps[i].append(Freed(axis, solved))
+
+
+def _pair(k: int, other: int) -> tuple[int, int]:
+    return min(k, other), max(k, other)
+
+
+def _reduced(A: Array, G: Array, V: Array) -> Array:
+    """A - G V^T, which is symmetric."""
+    upper = {(i, j): A[i, j] - G[i] * V[j] for i in range(6) for j in range(i, 6)}
+    return np.array([[upper[_pair(i, j)] for j in range(6)] for i in range(6)])
+
+
+def _check(D: Scalar, A: Array, name: str) -> None:
+    """Refuses a joint that nothing resists, where that is known beforehand."""
+    known = [abs(x) for x in np.diag(A) if isinstance(x, float)]
+    if D == 0 or (isinstance(D, float) and abs(D) <= ROUNDING * max(known, default=0.0)):
+        raise InputError(
+            f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined',
+            remedy="give a link that it carries mass and inertia, or the joint a rotor",
+        )

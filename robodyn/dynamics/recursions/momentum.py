@@ -1,0 +1,65 @@
+"""Momenta and energies of a tree of bodies, for any scalar: what the self-checks and Euler's laws stand on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from robodyn.programs.vectors import Array, Scalar, cross
+from robodyn.robot.motion_types import Motion
+from robodyn.robot.poses import velocities
+from robodyn.solids.inertia.moments import Inertia
+
+
+class Momenta(NamedTuple):
+    """Of the whole tree, about the base's origin and in the base's axes.
+
+    Attributes:
+        P: linear momentum [kg m/s].
+        H: angular momentum about the base's origin [kg m^2/s].
+        T: kinetic energy [J].
+        m: total mass [kg].
+        mc: first moment about the base's origin [kg m].
+    """
+
+    P: Array
+    H: Array
+    T: Scalar
+    m: Scalar
+    mc: Array
+
+
+def momentum_of_bodies(
+    parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]
+) -> list[tuple[Array, Array]]:
+    """Each body's `P = m v + w x m c` and `H = m c x v + I w`, about its origin and in its axes."""
+    return [
+        (body.m * v + cross(w, body.mc), cross(body.mc, v) + body.I @ w)
+        for (w, v), body in zip(velocities(parents, motions), inertias, strict=True)
+    ]
+
+
+def momenta(parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]) -> Momenta:
+    """Linear and angular momentum, kinetic energy, mass and first moment of the tree, from velocities alone.
+
+    `T = sum (P . v + H . w) / 2` over the bodies; inward `P_j += R P`, `H_j += R H + p x R P`, and the same for mass
+    and first moment. No force and no acceleration enters.
+
+    Args:
+        parents, motions, inertias: as for `newton_euler`; the motions' `wd` and `a` are not used. Body 0 is the base.
+
+    Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
+    """
+    each = momentum_of_bodies(parents, motions, inertias)
+    P, H = [body[0] for body in each], [body[1] for body in each]
+    m, mc = [body.m for body in inertias], [body.mc for body in inertias]
+    twice_T: Scalar = 0.0
+    for i, (w, v) in enumerate(velocities(parents, motions)):
+        twice_T = twice_T + P[i] @ v + H[i] @ w
+    for i in reversed(range(len(parents))):
+        if (j := parents[i]) >= 0:
+            R, p = motions[i].R, motions[i].p
+            P_in = R @ P[i]
+            P[j], H[j] = P[j] + P_in, H[j] + R @ H[i] + cross(p, P_in)
+            m[j], mc[j] = m[j] + m[i], mc[j] + R @ mc[i] + m[i] * p
+    return Momenta(P[0], H[0], 0.5 * twice_T, m[0], mc[0])

@@ -1,0 +1,192 @@
+"""Single equations between two bodies, each with its row of G and its drift, for any scalar.
+
+A row says how fast the equation's value changes with the speeds of bodies: six numbers for (w, v) of each. The drift is
+what remains of the value's second derivative where nothing accelerates, so that `row . a + drift` is all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, remainder, tau
+from typing import Protocol
+
+import numpy as np
+
+from robodyn.equations.dae.state import State
+from robodyn.programs.vectors import Array, Scalar, cross, narrowed, product
+
+Row = list[tuple[int, Array]]
+"""(body, its six entries) pairs; -1 is the ground, and entries of the same body add up."""
+
+
+class Equation(Protocol):
+    """A scalar function of the places of some bodies."""
+
+    def value(self, at: State) -> Scalar:
+        """The function [m, rad, or the cosine of an angle]."""
+
+    def row(self, at: State) -> Row:
+        """Its rate, as a linear function of speeds."""
+
+    def drift(self, at: State) -> Scalar:
+        """Its second derivative where nothing accelerates."""
+
+
+@dataclass(frozen=True, eq=False)
+class Along:
+    """How far a body's point x lies from the other body's point y along a direction n of the other: n . (x - y).
+
+    Its rate is n . (v_x - v_o - w_o x s) with s = x - c_o. A multiplier is a force at x along n on the body, and the
+    opposite force, at the same point, on the other.
+
+    Attributes:
+        point: x from the body's mass centre, in its axes [m].
+        to: y from the other's mass centre, in its axes [m].
+        direction: n, in the other's axes.
+    """
+
+    body: int
+    other: int
+    point: Array
+    to: Array
+    direction: Array
+
+    def _arms(self, at: State) -> tuple[Array, Array, Array]:
+        """x from the mass centres of both bodies, and n, in the ground's axes."""
+        own, other = at.places[self.body], at.places[self.other]
+        r = own.R @ self.point
+        return r, own.c + r - other.c, other.R @ self.direction
+
+    def value(self, at: State) -> Scalar:
+        _, s, n = self._arms(at)
+        return n @ (s - at.places[self.other].R @ self.to)
+
+    def row(self, at: State) -> Row:
+        _, s, n = self._arms(at)
+        R, R_o = at.places[self.body].R, at.places[self.other].R
+        own = np.concatenate((cross(self.point, R.T @ n), n))
+        return [(self.body, own), (self.other, np.concatenate((cross(self.direction, R_o.T @ s), -n)))]
+
+    def drift(self, at: State) -> Scalar:
+        """n . (w x (w x r) - w_o x (w_o x s) - 2 w_o x u): centripetal terms, and Coriolis' of the speed u seen."""
+        r, s, n = self._arms(at)
+        (w, v), (w_o, v_o) = at.speeds[self.body], at.speeds[self.other]
+        w, w_o = at.places[self.body].R @ w, at.places[self.other].R @ w_o
+        u = v + cross(w, r) - v_o - cross(w_o, s)
+        return n @ (cross(w, cross(w, r)) - cross(w_o, cross(w_o, s)) - 2.0 * cross(w_o, u))
+
+
+@dataclass(frozen=True, eq=False)
+class Across:
+    """The cosine of the angle between a direction a of a body and b of the other: a . b, which is to be zero.
+
+    Its rate is (a x b) . (w - w_o). A multiplier is a moment about a x b on the body, and its opposite on the other.
+
+    Attributes:
+        first: a, in the body's axes.
+        second: b, in the other's axes.
+    """
+
+    body: int
+    other: int
+    first: Array
+    second: Array
+
+    def value(self, at: State) -> Scalar:
+        return (at.places[self.body].R @ self.first) @ (at.places[self.other].R @ self.second)
+
+    def row(self, at: State) -> Row:
+        R, R_o = at.places[self.body].R, at.places[self.other].R
+        own, other = cross(self.first, R.T @ (R_o @ self.second)), cross(self.second, R_o.T @ (R @ self.first))
+        return [(self.body, _turning(own)), (self.other, _turning(other))]
+
+    def drift(self, at: State) -> Scalar:
+        """((w x a) x b + a x (w_o x b)) . (w - w_o)."""
+        R, R_o = at.places[self.body].R, at.places[self.other].R
+        a, b, w, w_o = R @ self.first, R_o @ self.second, R @ at.speeds[self.body].w, R_o @ at.speeds[self.other].w
+        return (cross(cross(w, a), b) + cross(a, cross(w_o, b))) @ (w - w_o)
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """How far a body has turned about its axis e against the other: the coordinate of a hinge.
+
+    Its rate is e . (w - w_o). A multiplier is a moment about e on the body, and its opposite on the other.
+
+    Attributes:
+        axis: e, in the body's axes.
+        placed: rotation of the body's axes in the other's where the coordinate is zero.
+        near: the angle is that which differs from this one by less than half a turn [rad].
+    """
+
+    body: int
+    other: int
+    axis: Array
+    placed: Array
+    near: float = 0.0
+
+    def _seen(self, at: State) -> Array:
+        """Rotation from the other's axes to the body's."""
+        turned: Array = at.places[self.body].R.T @ at.places[self.other].R
+        return turned
+
+    def value(self, at: State) -> float:
+        """For floats: sin and cos of the angle are the skew part of the turn along e, and half of its trace less 1."""
+        Q = np.asarray(self.placed.T @ self._seen(at).T, dtype=float)
+        sine = 0.5 * product(self.axis, np.array((Q[2, 1] - Q[1, 2], Q[0, 2] - Q[2, 0], Q[1, 0] - Q[0, 1])))
+        angle = atan2(sine, 0.5 * (np.trace(Q) - 1.0))
+        return float(self.near + remainder(angle - self.near, tau))
+
+    def row(self, at: State) -> Row:
+        other = self._seen(at).T @ self.axis
+        return [(self.body, _turning(self.axis)), (self.other, _turning(-other))]
+
+    def drift(self, at: State) -> Scalar:
+        """e . (w x w_o), which vanishes where the bodies only turn about e against each other."""
+        return self.axis @ cross(at.speeds[self.body].w, self._seen(at) @ at.speeds[self.other].w)
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """A constant plus a weighted sum of other equations: how a mimic joint follows its master.
+
+    A multiplier acts through each of them, times its weight.
+    """
+
+    terms: tuple[tuple[float, Equation], ...]
+    constant: float = 0.0
+
+    def value(self, at: State) -> Scalar:
+        return self.constant + sum(weight * term.value(at) for weight, term in self.terms)
+
+    def row(self, at: State) -> Row:
+        return [(body, weight * entries) for weight, term in self.terms for body, entries in term.row(at)]
+
+    def drift(self, at: State) -> Scalar:
+        return sum(weight * term.drift(at) for weight, term in self.terms)
+
+
+def _turning(w: Array) -> Array:
+    return np.concatenate((w, np.zeros(3)))
+
+
+def stacked(equations: Sequence[Equation], at: State) -> Array:
+    """The rows of equations, one below the other, with six columns (w, v) for each body; the ground's are left out."""
+    count = len(at.places) - 1
+    G = np.zeros((len(equations), 6 * count), dtype=np.result_type(*(place.R for place in at.places)))
+    for k, equation in enumerate(equations):
+        for body, entries in equation.row(at):
+            if body >= 0:
+                G[k, 6 * body : 6 * body + 6] = G[k, 6 * body : 6 * body + 6] + entries
+    return narrowed(G)
+
+
+def drifts(equations: Sequence[Equation], at: State) -> Array:
+    """The drift of each."""
+    return np.array([equation.drift(at) for equation in equations])
+
+
+def values(equations: Sequence[Equation], at: State) -> Array:
+    """The value of each, of floats."""
+    return np.array([equation.value(at) for equation in equations], dtype=float)

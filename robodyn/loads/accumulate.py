@@ -1,0 +1,262 @@
+"""One pass over a trajectory: blocks in, their loads out, figures gathered on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import astuple
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.arrays import still, still_sources
+from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
+from robodyn.dynamics.effects.effect import Still
+from robodyn.dynamics.inverse import mass_matrix, runner_of
+from robodyn.dynamics.plan import Plan, plan
+from robodyn.loads.energy import EnergyLedger
+from robodyn.loads.figures import (
+    base_loads,
+    effect_reports,
+    joint_load,
+    joint_of_rates,
+    position_of_rates,
+    shares_at_peaks,
+)
+from robodyn.loads.held_base import carried
+from robodyn.loads.overflow import check_figures, check_loads
+from robodyn.loads.result import Checks, Result
+from robodyn.loads.sampling_doubts import Openness
+from robodyn.loads.statistics import Statistics
+from robodyn.programs.run.choice import Choice
+from robodyn.programs.run.runner import Run, Runner
+from robodyn.programs.vectors import length
+from robodyn.robot.limits import binding, coverage
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.trajectory.columns import COMPONENTS
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.robot_motion import sources_of
+
+if TYPE_CHECKING:
+    from robodyn.dynamics.momenta import View
+    from robodyn.loads.history import Recorder
+    from robodyn.loads.momenta import MomentumPass
+    from robodyn.loads.sizing import SizingPass
+
+Floats = NDArray[np.float64]
+
+CHECKED_PER_BLOCK = 64
+"""Samples of each block at which the laws are checked, evenly spread."""
+
+
+def output_names(model: Model, reactions: bool, momentum: bool = False) -> list[str]:
+    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy."""
+    names = [f"tau_{name}" for name in model.rates]
+    if reactions:
+        names += [f"base_{part}" for part in COMPONENTS]
+        names += [f"{part}_{body.joint.name}" for body in model.bodies[1:] for part in COMPONENTS]
+    if momentum:
+        from robodyn.loads.momenta import NAMES
+
+        names += NAMES
+    return names
+
+
+class Options(NamedTuple):
+    """What is computed, and by what."""
+
+    reactions: bool
+    executor: str
+    threads: int | None
+    momentum: View | None = None
+    sizing: bool = False
+    history: bool = False
+
+
+class _Checks(NamedTuple):
+    """What runs beside the loads."""
+
+    losses: Runner
+    energy: Runner
+    laws: Runner
+
+
+@lru_cache(maxsize=16)
+def _loads(a_plan: Plan, reactions: bool) -> Runner:
+    return runner_of(a_plan.wrenches(reactions), a_plan)
+
+
+@lru_cache(maxsize=16)
+def _checks(a_plan: Plan) -> _Checks:
+    return _Checks(*(runner_of(check(a_plan), a_plan) for check in (losses, energy, laws)))
+
+
+class Pass:
+    """Figures gathered over the blocks of a trajectory, one after another.
+
+    Attributes:
+        still: what has been zero in every block so far, which the program of the loads leaves out; sources: of this,
+            whole sources alone, for programs beside it, which motions of other joints share.
+        whole, checked: how many samples there are in all, by the largest estimate so far, and those of the laws.
+    """
+
+    def __init__(self, model: Model, scene: Scene, options: Options, file: str | None) -> None:
+        self.model, self.scene, self.options, self.file = model, scene, options, file
+        self.names = output_names(model, reactions=True)
+        self.rates = slice(6 if model.floating else 0, model.n)
+        self.joints = joint_of_rates(model)[self.rates]
+        self.positions = position_of_rates(model)[self.rates]
+        self.statistics = Statistics(
+            np.array([binding(joint.effort) or np.inf for joint in self.joints]),
+            np.array([binding(joint.velocity) or np.inf for joint in self.joints]),
+        )
+        self.still: Still | None = None
+        self.sources: Still = frozenset()
+        self.choice: Choice | None = None
+        self.whole = self.checked = 0
+        self.ledger = EnergyLedger()
+        self.openness = Openness(model.n)
+        self._inertia: Floats | None = None
+        self.laws = LawResiduals()
+        self.history: Recorder | None = None
+        if options.history:
+            from robodyn.loads.history import Recorder
+
+            self.history = Recorder(model.rates[self.rates], COMPONENTS)
+        self.momentum: MomentumPass | None = None
+        if options.momentum is not None:
+            from robodyn.loads.momenta import MomentumPass
+
+            self.momentum = MomentumPass(model, scene, options.momentum, file)
+        self.sizing: SizingPass | None = None
+        if options.sizing:
+            from robodyn.loads.sizing import SizingPass
+
+            self.sizing = SizingPass(model, scene, self.joints, self.rates)
+
+    @np.errstate(all="ignore")
+    def take(self, block: Trajectory, left: int) -> Floats:
+        """The output columns of one block, whose statistics are gathered; `left` samples may come, with these."""
+        sources = sources_of(block, self.scene)
+        found, whole = still(sources), still_sources(sources)
+        self.sources = whole if self.still is None else self.sources & whole
+        self.still = found if self.still is None else self.still & found
+        reactions = self.options.reactions or self.sizing is not None
+        checks = _checks(plan(self.model, self.scene, self.sources))
+        samples, n = len(block), self.model.n
+
+        rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
+        self.whole = max(self.whole, self.statistics.samples + left)
+        self.checked = self.checked or -(-self.whole * len(rows) // samples)
+
+        def run(runner: Runner, given: dict[str, Floats], expected: int) -> Run:
+            how = self.options
+            return runner.run(given, len(given["q"]), executor=how.executor, threads=how.threads, expected=expected)
+
+        def over_block(runner: Runner) -> Floats:
+            return run(runner, sources, self.whole).values
+
+        loads, self.choice = run(_loads(plan(self.model, self.scene, self.still), reactions), sources, self.whole)
+        check_loads(loads, self.names, block.first_row, self.file)
+        tau, base = loads[:, :n], loads[:, n : n + 6]
+        net = np.einsum("ij,ij->i", tau, block.qd) - over_block(checks.losses)[:, 0]
+        checked = {name: values[rows] for name, values in sources.items()}
+        expected = run(checks.laws, checked, self.checked).values
+        self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
+        energies = self.ledger.update(block.time, net, rows, run(checks.energy, checked, self.checked).values[:, 0])
+        q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
+        noise, off = self.openness.update(block)
+        state = {**sources, "noise": noise, "off": off}
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self._open(block, off))
+        if self.history is not None:
+            motion = qd, block.qdd[:, self.rates].T
+            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
+        if self.sizing is not None:
+            self.sizing.take(block, loads, over_block)
+        columns = loads if self.options.reactions else tau
+        if self.momentum is None:
+            return columns
+        return np.hstack(
+            (
+                columns,
+                self.momentum.take(block, tau, self.sources, over_block),
+            )
+        )
+
+    @np.errstate(all="ignore")
+    def result(self, last: Trajectory, explain: bool) -> Result:
+        """Everything gathered, with shares and uncertainty at the peaks."""
+        assert self.choice is not None
+        whole = plan(self.model, self.scene, self.still or frozenset())
+        gathered = self.statistics
+        peaks = np.concatenate((gathered.torque.value, gathered.base.value))
+        more = self.sizing.figures if self.sizing else ()
+        check_figures(
+            (*gathered.integrals.totals.values(), astuple(self.ledger.balance), self.laws.relative, *more),
+            peaks,
+            self.file,
+        )
+        shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
+        bars = [self._uncertainty(k, shares[k]) for k in range(len(self.joints))]
+        joints = tuple(
+            joint_load(gathered, k, joint, name, self.scene, shares[k], bars[k])
+            for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
+        )
+        balance, (force, moment) = self.ledger.balance, self.laws.largest
+        moment = max(moment, force * self.model.reach)
+        base = base_loads(gathered)
+        left = np.maximum([bar for _, bar in bars], gathered.torque.most - np.abs(gathered.torque.value)).tolist()
+        doubts = (
+            *last.doubts,
+            *carried(self.model, self.scene, base, joints, force, moment),
+            *self.openness.doubts(joints, left, balance, gathered.samples, gathered.duration),
+        )
+        warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
+        return Result(
+            robot=self.model.name,
+            samples=gathered.samples,
+            duration=gathered.duration,
+            gravity=self.scene.gravity,
+            joints=joints,
+            base_wrench=base,
+            effects=effect_reports(whole, explain),
+            checks=Checks(balance, *self.laws.relative, self.laws.samples, force, moment),
+            operations=whole.torques().size,
+            executor=self.choice.executor,
+            reason=self.choice.reason,
+            derivation=last.derivation,
+            warnings=tuple(warnings),
+            momentum=self.momentum.report() if self.momentum else None,
+            history=self.history.history(gathered.at_peak) if self.history else None,
+            sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
+            limits=coverage(self.joints),
+            doubts=doubts,
+            origin=last.origin,
+            held=last.held,
+        )
+
+    def _open(self, block: Trajectory, off: Floats) -> Floats | float:
+        """Return (joints, N) by how much torques may be off, with the inertia of the first pose; 0 for guesses."""
+        if self.openness.guessed or not off.any():
+            return 0.0
+        if self._inertia is None:
+            first = np.ascontiguousarray(block.q[0])
+            self._inertia = mass_matrix(self.model, first, scene=self.scene, executor="numpy")[self.rates]
+        found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._inertia**2, off**2))
+        return found
+
+    def _poses(self) -> dict[int, Floats]:
+        """q at the peak of each joint."""
+        return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
+
+    def _uncertainty(self, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
+        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
+        if k not in self.statistics.at_peak:
+            return 0.0, 0.0
+        state = self.statistics.at_peak[k][1]
+        if not state["off"].any():
+            return 0.0, 0.0
+        M = mass_matrix(self.model, state["q"], scene=self.scene, executor="numpy")[k + self.rates.start]
+        return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)

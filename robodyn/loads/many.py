@@ -1,0 +1,149 @@
+"""What becomes of many trajectories: frozen data that reports turn into text and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from robodyn.robot.limits import Coverage, within
+from robodyn.support.doubts import Doubt
+from robodyn.support.ties import ranked
+
+Status = Literal["computed", "finished before", "failed"]
+
+
+@dataclass(frozen=True)
+class JointPeak:
+    """What one joint carries along one motion, as `robodyn.loads.result.JointLoad` has it.
+
+    Attributes:
+        level: the verdict of `robodyn.loads.sizing_result.JointSizing`; None where nothing was sized.
+    """
+
+    name: str
+    unit: str
+    peak: float
+    peak_time: float
+    peak_row: int
+    rms: float
+    max_speed: float
+    effort_limit: float | None
+    velocity_limit: float | None
+    level: str | None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one trajectory.
+
+    Attributes:
+        trajectory: its name as it was given.
+        table, document: the files of its torques and of its report, empty if it failed.
+        samples, duration: of the motion [s].
+        exceeded: joints and what of them is beyond a limit, such as "elbow velocity"; see `loads.result.Result`.
+        limits, doubts: what was checked, and what else is not sure, as `loads.result.Result` has it.
+        joints: empty if it failed.
+        error: one line that says why it failed, else empty.
+    """
+
+    trajectory: str
+    status: Status
+    table: str = ""
+    document: str = ""
+    samples: int = 0
+    duration: float = 0.0
+    exceeded: tuple[str, ...] = ()
+    limits: tuple[Coverage, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
+    joints: tuple[JointPeak, ...] = ()
+    error: str = ""
+
+    @property
+    def within_limits(self) -> bool | None:
+        """Return whether the motion exceeds no limit; None if that cannot be said, as for a motion that failed."""
+        return None if self.status == "failed" else within(bool(self.exceeded), self.limits, self.doubts)
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The worst of one joint over all trajectories, each figure with the name of the trajectory that it is from.
+
+    Attributes:
+        peak: the torque of largest magnitude with its sign [N m or N], when [s] and in which row.
+        rms, max_speed: the largest; of the speed the magnitude [rad/s or m/s].
+        level: the worst verdict; None where nothing was sized.
+    """
+
+    name: str
+    unit: str
+    peak: float
+    peak_time: float
+    peak_row: int
+    peak_in: str
+    rms: float
+    rms_in: str
+    max_speed: float
+    max_speed_in: str
+    effort_limit: float | None
+    velocity_limit: float | None
+    level: str | None
+    level_in: str
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Many trajectories of one robot.
+
+    Attributes:
+        outcomes: in the order of the trajectories.
+    """
+
+    robot: str
+    outcomes: tuple[Outcome, ...]
+
+    def count(self, status: Status) -> int:
+        """How many trajectories ended so."""
+        return sum(outcome.status == status for outcome in self.outcomes)
+
+    @property
+    def within_limits(self) -> bool | None:
+        """Return False if a motion exceeds a limit; None if it cannot be said of one that it does not; else True."""
+        found = {outcome.within_limits for outcome in self.outcomes}
+        return False if False in found else None if None in found else True
+
+    @property
+    def worst(self) -> tuple[Worst, ...]:
+        """For every joint the worst over all trajectories; of equal ones the first counts."""
+        done = [outcome for outcome in self.outcomes if outcome.joints]
+        return (
+            tuple(_worst([(x.trajectory, x.joints[k]) for x in done]) for k in range(len(done[0].joints)))
+            if done
+            else ()
+        )
+
+
+_LEVELS = (None, "no limits", "OK", "over continuous", "over peak")
+
+
+def _worst(found: Sequence[tuple[str, JointPeak]]) -> Worst:
+    peak_in, peak = ranked(found, key=lambda pair: abs(pair[1].peak))[0]
+    rms_in, rms = ranked(found, key=lambda pair: pair[1].rms)[0]
+    speed_in, speed = ranked(found, key=lambda pair: abs(pair[1].max_speed))[0]
+    level_in, level = max(found, key=lambda pair: _LEVELS.index(pair[1].level))
+    return Worst(
+        name=peak.name,
+        unit=peak.unit,
+        peak=peak.peak,
+        peak_time=peak.peak_time,
+        peak_row=peak.peak_row,
+        peak_in=peak_in,
+        rms=rms.rms,
+        rms_in=rms_in,
+        max_speed=abs(speed.max_speed),
+        max_speed_in=speed_in,
+        effort_limit=peak.effort_limit,
+        velocity_limit=peak.velocity_limit,
+        level=level.level,
+        level_in=level_in,
+    )

@@ -1,0 +1,141 @@
+"""What motors do along a motion, gathered block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.loads.extremes import Greatest
+from robodyn.loads.gear_trains import Train, allowed, load_torque, motor_torque, points
+from robodyn.loads.sizing_result import MotorLoad, Nearest
+from robodyn.loads.statistics import Integrals
+from robodyn.support.ties import BEYOND
+
+Floats = NDArray[np.float64]
+
+
+LEAST = 1e-9
+"""Of a peak curve's largest torque: what its use is measured by where it allows less, beyond its last speed."""
+
+
+class MotorPass:
+    """Peaks and integrals at the shafts of motors.
+
+    Attributes:
+        gear: the torque that each gear bears where it is largest, in magnitude.
+    """
+
+    def __init__(self, trains: Sequence[Train]) -> None:
+        k = len(trains)
+        self.trains = tuple(trains)
+        self.torque, self.speed, self.gear = Greatest(k), Greatest(k), Greatest(k)
+        self.power, self.braking, self.near = Greatest(k), Greatest(k), Greatest(k)
+        self.integrals = Integrals()
+        tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
+        self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
+
+    def update(self, time: Floats, first_row: int, before: float, tau: Floats, qd: Floats, qdd: Floats) -> None:
+        """Take in a block.
+
+        Args:
+            time: (N,) s; first_row: of the data, from 1; before: time since the last sample of the previous block [s].
+            tau, qd, qdd: (k, N) of the joints.
+        """
+        trains = self.trains
+        load = np.array([load_torque(train, *x) for train, *x in zip(trains, tau, qdd, strict=True)])
+        torque = np.array([motor_torque(train, *x) for train, *x in zip(trains, load, qd, qdd, strict=True)])
+        speed = qd * np.array([[train.gear] for train in trains])
+        size, pace, carried, power = np.abs(torque), np.abs(speed), np.abs(load), torque * speed
+        continuous, peak = (
+            np.array([_allowed(train, name, v) for train, v in zip(trains, pace, strict=True)])
+            for name in ("continuous", "peak")
+        )
+        fastest = np.array([[np.inf if train.speed_limit is None else train.speed_limit] for train in trains])
+        most = np.array([[train.motor.gear_peak or np.inf] for train in trains])
+        self.torque.update(time, first_row, size, torque=torque, speed=speed)
+        self.speed.update(time, first_row, pace, torque=torque, speed=speed)
+        self.gear.update(time, first_row, carried)
+        self.power.update(time, first_row, power)
+        self.braking.update(time, first_row, -power)
+        use = size / np.maximum(peak, self.least)
+        self.near.update(time, first_row, use, torque=size, speed=pace, limit=peak)
+        quantities = {
+            "square": torque * torque,
+            "travel": pace,
+            "positive": np.maximum(power, 0.0),
+            "negative": np.minimum(power, 0.0),
+            "wear": carried * carried * carried * np.abs(qd),
+            "joint travel": np.abs(qd),
+            "above continuous": (size > BEYOND * continuous).astype(float),
+            "over peak": (size > BEYOND * peak).astype(float),
+            "over speed": (pace > BEYOND * fastest).astype(float),
+            "over gear": (carried > BEYOND * most).astype(float),
+        }
+        self.integrals.update(before, np.diff(time), quantities)
+
+    def mean_gear_torque(self, i: int) -> float:
+        """The cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
+        travel = self.integrals.totals["joint travel"][i]
+        return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
+
+    def load(self, i: int, duration: float, load_inertia: float) -> MotorLoad:
+        """The figures of motor i.
+
+        Args:
+            duration: of the motion [s]; a motion without any has its torque as RMS.
+            load_inertia: what the motor accelerates beyond its rotor, at the joint [kg m^2].
+        """
+        train, totals = self.trains[i], {name: values[i] for name, values in self.integrals.totals.items()}
+        motor, torque, fast = train.motor, self.torque, self.speed
+        still = duration <= 0
+        mean_speed = float(fast.score[i] if still else totals["travel"] / duration)
+        rotor = train.gear * train.gear * train.inertia
+        return MotorLoad(
+            unit="N m" if train.rotary else "N",
+            speed_unit="rad/s" if train.rotary else "m/s",
+            gear=train.gear,
+            efficiency=motor.efficiency,
+            inertia=train.inertia,
+            inertia_ratio=load_inertia / rotor if rotor else None,
+            peak=float(torque.kept["torque"][i]),
+            peak_time=float(torque.time[i]),
+            peak_row=int(torque.row[i]),
+            peak_speed=float(torque.kept["speed"][i]),
+            rms=float(torque.score[i] if still else np.sqrt(totals["square"] / duration)),
+            mean_speed=mean_speed,
+            max_speed=float(fast.kept["speed"][i]),
+            max_speed_time=float(fast.time[i]),
+            max_speed_row=int(fast.row[i]),
+            torque_at_max_speed=float(fast.kept["torque"][i]),
+            peak_power=float(self.power.score[i]),
+            least_power=float(-self.braking.score[i]),
+            work_positive=float(totals["positive"]),
+            work_negative=float(totals["negative"]),
+            continuous=None if motor.continuous is None else points(motor.continuous),
+            peak_curve=None if motor.peak is None else points(motor.peak),
+            continuous_limit=_at(train, "continuous", mean_speed),
+            seconds_above_continuous=float(totals["above continuous"]),
+            nearest=self._nearest(i),
+            seconds_over_peak=float(totals["over peak"]),
+            speed_limit=train.speed_limit,
+            seconds_over_speed=float(totals["over speed"]),
+        )
+
+    def _nearest(self, i: int) -> Nearest | None:
+        if self.trains[i].motor.peak is None:
+            return None
+        torque, limit, speed = (float(self.near.kept[name][i]) for name in ("torque", "limit", "speed"))
+        return Nearest(torque, limit, speed, float(self.near.time[i]), int(self.near.row[i]))
+
+
+def _allowed(train: Train, name: str, speed: Floats) -> Floats:
+    """What a curve of the motor allows; infinite where it has none."""
+    curve = getattr(train.motor, name)
+    return np.full(speed.shape, np.inf) if curve is None else allowed(curve, speed)
+
+
+def _at(train: Train, name: str, speed: float) -> float | None:
+    curve = getattr(train.motor, name)
+    return None if curve is None else float(allowed(curve, np.array([speed]))[0])

@@ -1,0 +1,202 @@
+"""How joints, motors, bearings and the foundation are used along a motion, gathered block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.inverse import mass_matrix, torque_runner
+from robodyn.dynamics.plan import plan
+from robodyn.loads.bearings import BearingPass
+from robodyn.loads.extremes import Extremes, Greatest
+from robodyn.loads.gear_trains import train_of
+from robodyn.loads.motor_use import MotorPass
+from robodyn.loads.result import JointLoad
+from robodyn.loads.sizing_result import Exceeded, FoundationLoad, JointSizing, Level, MotorLoad, Sizing
+from robodyn.loads.statistics import Integrals, resultant
+from robodyn.programs.run.runner import Runner
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import Scene
+from robodyn.support.ties import BEYOND, steady
+from robodyn.trajectory.motion import Trajectory
+
+Floats = NDArray[np.float64]
+
+STANDSTILL = 1e-3
+"""Speed [rad/s, m/s] up to which a joint counts as standing still."""
+PIECE = 8192
+"""Samples worked on at a time, so that what belongs to them stays in the cache."""
+FOUNDATION = ("fxy", "fz", "mxy", "mz")
+
+
+class SizingPass:
+    """Gathers what `Sizing` tells, block by block."""
+
+    def __init__(self, model: Model, scene: Scene, joints: Sequence[Joint], rates: slice) -> None:
+        """Args: joints: those whose loads are reported; rates: their entries of tau."""
+        self.model, self.scene, self.rates = model, scene, rates
+        found = [(k, train_of(joint, scene)) for k, joint in enumerate(joints)]
+        self.driven = [k for k, train in found if train is not None]
+        self.motors = MotorPass([train for _, train in found if train is not None])
+        self.bearings = BearingPass(model)
+        self.static = Greatest(len(joints))
+        self.base = Extremes(FOUNDATION)
+        self.integrals = Integrals()
+        self.start = self.end = 0.0
+        self.samples = 0
+
+    def take(
+        self,
+        block: Trajectory,
+        loads: Floats,
+        run: Callable[[Runner], Floats],
+    ) -> None:
+        """Take in a block.
+
+        Args:
+            loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
+            run: runs a program over the block.
+        """
+        static = run(self._static_runner())
+        for start in range(0, len(block), PIECE):
+            k = slice(start, start + PIECE)
+            motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
+            self._update(block.time[k], block.first_row + start, loads[k], *motion)
+
+    def _update(self, time: Floats, row: int, loads: Floats, *motion: Floats) -> None:
+        """Take in a few samples: their loads, and qd, qdd and static torques (N, joints)."""
+        n = self.model.n
+        before = float(time[0] - self.end) if self.samples else 0.0
+        self.start = self.start if self.samples else float(time[0])
+        tau, qd, qdd, static = (np.ascontiguousarray(x.T) for x in (loads[:, :n][:, self.rates], *motion))
+        self.static.update(time, row, np.abs(static), value=static)
+        f, m = loads[:, n : n + 3], loads[:, n + 3 : n + 6]
+        base = np.column_stack((resultant(f[:, 0], f[:, 1]), f[:, 2], resultant(m[:, 0], m[:, 1]), m[:, 2]))
+        self.base.update(time, base)
+        pace = np.abs(qd)
+        quantities = {
+            "moving": (pace > STANDSTILL).astype(float),
+            "travel": pace,
+            "static square": static * static,
+            "base": base.T,
+        }
+        self.integrals.update(before, np.diff(time), quantities)
+        self.bearings.update(time, row, before, loads[:, n + 6 :])
+        if self.driven:
+            k = self.driven
+            self.motors.update(time, row, before, tau[k], qd[k], qdd[k])
+        self.samples += len(time)
+        self.end = float(time[-1])
+
+    def _static_runner(self) -> Runner:
+        """The torques of standing still in each pose."""
+        rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
+        return torque_runner(plan(self.model, self.scene, rates))
+
+    @property
+    def figures(self) -> Iterator[Floats]:
+        """All integrals, which are finite unless something overflows."""
+        for integrals in (self.integrals, self.motors.integrals, self.bearings.integrals):
+            yield from integrals.totals.values()
+
+    def report(self, loads: Sequence[JointLoad], poses: Mapping[int, Floats]) -> Sizing:
+        """Everything gathered.
+
+        Args:
+            loads: of the joints; poses: q at the peak of each.
+        """
+        duration = self.end - self.start
+        motors = {k: self._motor(i, k, duration, poses) for i, k in enumerate(self.driven)}
+        joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
+        return Sizing(joints, self.bearings.report(duration), self._foundation(duration))
+
+    def _motor(self, i: int, k: int, duration: float, poses: Mapping[int, Floats]) -> MotorLoad:
+        train, rate = self.motors.trains[i], self.rates.start + k
+        M = mass_matrix(self.model, poses[k], scene=self.scene, executor="numpy")
+        return self.motors.load(i, duration, float(M[rate, rate]) - train.gear * train.gear * train.inertia)
+
+    def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:
+        totals = self.integrals.totals
+        still = duration <= 0
+        peak = float(self.static.kept["value"][k])
+        rms = abs(peak) if still else float(np.sqrt(totals["static square"][k] / duration))
+        exceeded = sorted(self._exceeded(k, load, motor), key=_severity)
+        known = _limited(load, motor) or (k in self.driven and self._gear_limited(k))
+        level: Level = exceeded[0].level if exceeded else "OK" if known else "no limits"
+        moving = abs(load.max_speed) > STANDSTILL
+        return JointSizing(
+            name=load.name,
+            unit=load.unit,
+            duty_cycle=float(moving) if still else min(float(totals["moving"][k]) / duration, 1.0),
+            standstill=STANDSTILL,
+            mean_speed=abs(load.max_speed) if still else float(totals["travel"][k]) / duration,
+            static_peak=peak,
+            static_peak_time=float(self.static.time[k]),
+            static_rms=rms,
+            static_share=rms / load.rms if load.rms else 0.0,
+            motor=motor,
+            level=level,
+            exceeded=tuple(exceeded),
+        )
+
+    def _exceeded(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
+        if motor is not None:
+            yield from _motor_exceeded(motor)
+            yield from self._gear_exceeded(self.driven.index(k), load.unit)
+        if load.effort_limit is not None and abs(load.peak) > BEYOND * load.effort_limit:
+            when = (load.peak_time, load.peak_row, None, load.seconds_over_effort)
+            yield Exceeded("effort", abs(load.peak), load.effort_limit, load.unit, *when)
+        if load.velocity_limit is not None and abs(load.max_speed) > BEYOND * load.velocity_limit:
+            when = (load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity)
+            unit = "rad/s" if load.unit == "N m" else "m/s"
+            yield Exceeded("velocity", abs(load.max_speed), load.velocity_limit, unit, *when)
+
+    def _gear_limited(self, k: int) -> bool:
+        motor = self.motors.trains[self.driven.index(k)].motor
+        return motor.gear_peak is not None or motor.gear_average is not None
+
+    def _gear_exceeded(self, i: int, unit: str) -> Iterator[Exceeded]:
+        motor, gear = self.motors.trains[i].motor, self.motors.gear
+        most, mean = float(gear.score[i]), self.motors.mean_gear_torque(i)
+        if motor.gear_peak is not None and most > BEYOND * motor.gear_peak:
+            seconds = float(self.motors.integrals.totals["over gear"][i])
+            when = (float(gear.time[i]), int(gear.row[i]), None, seconds)
+            yield Exceeded("gear torque", most, motor.gear_peak, unit, *when)
+        if motor.gear_average is not None and mean > BEYOND * motor.gear_average:
+            yield Exceeded("mean gear torque", mean, motor.gear_average, unit)
+
+    def _foundation(self, duration: float) -> tuple[FoundationLoad, ...]:
+        found = self.base
+        means = found.greatest if duration <= 0 else self.integrals.totals["base"] / duration
+        figures = (found.least, found.least_time, found.greatest, found.greatest_time, means)
+        rows = zip(*(values.tolist() for values in figures), strict=True)
+        return tuple(
+            FoundationLoad(name, "N" if name[0] == "f" else "N m", *row)
+            for name, row in zip(FOUNDATION, rows, strict=True)
+        )
+
+
+def _motor_exceeded(motor: MotorLoad) -> Iterator[Exceeded]:
+    near, most, limit = motor.nearest, motor.speed_limit, motor.continuous_limit
+    if near is not None and near.torque > BEYOND * near.limit:
+        at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
+        yield Exceeded("motor torque", near.torque, near.limit, motor.unit, *at_speed)
+    if most is not None and abs(motor.max_speed) > BEYOND * most:
+        when = (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
+        yield Exceeded("motor speed", abs(motor.max_speed), most, motor.speed_unit, *when)
+    if limit is not None and motor.rms > BEYOND * limit:
+        yield Exceeded("RMS motor torque", motor.rms, limit, motor.unit, speed=motor.mean_speed)
+
+
+def _severity(exceeded: Exceeded) -> tuple[bool, float]:
+    """What breaks before what wears, then by how far in relation to the limit."""
+    return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf
+
+
+def _limited(load: JointLoad, motor: MotorLoad | None) -> bool:
+    limits = [load.effort_limit, load.velocity_limit]
+    if motor is not None:
+        limits += [motor.continuous_limit, motor.speed_limit, motor.nearest.limit if motor.nearest else None]
+    return any(limit is not None for limit in limits)

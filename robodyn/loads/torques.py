@@ -1,0 +1,105 @@
+"""The main job: what every joint carries along a motion."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError
+from robodyn.loads.accumulate import Options, Pass
+from robodyn.loads.result import Result
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.read_ahead import ahead
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.robot_motion import read_motion
+
+if TYPE_CHECKING:
+    from robodyn.dynamics.momenta import View
+
+Floats = NDArray[np.float64]
+Sink = Callable[[Floats, Floats], None]
+
+
+def torques(
+    model: Model,
+    trajectory: Trajectory | TrajectoryReader | str | os.PathLike[str],
+    scene: Scene = DEFAULT,
+    *,
+    reactions: bool = False,
+    explain: bool = False,
+    sinks: Iterable[Sink] = (),
+    executor: str = "auto",
+    threads: int | None = None,
+    momentum: View | None = None,
+    sizing: bool | None = None,
+    history: bool = False,
+) -> Result:
+    """What every joint of a robot carries along a motion, with self-checks.
+
+    Blocks of the trajectory go through the traced recursion one after another, in memory that does not depend on their
+    number. Integrals over time use the trapezoidal rule.
+
+    Args:
+        model: of `robodyn.load`.
+        trajectory: of `robodyn.motion`, or a file, or a reader of `robodyn.read_motion`, which is read to its end.
+        scene: what surrounds the robot.
+        reactions: compute the six components of every joint's wrench for the sinks.
+        explain: count the operations that the absence of each effect would save.
+        sinks: each is called after every block with time (N,), as the trajectory's table gives it, and the columns of
+            `output_names` (N, k).
+        executor, threads: as for `inverse_dynamics`.
+        sizing: also compute what motors, gears, bearings and the foundation bear; None: where the scene has motors.
+        history: keep the course of the motion for plots, in memory that does not depend on its length.
+        momentum: also compute mass centre, momenta, energies and power, seen in this way, for sinks and the result.
+
+    Raises:
+        InputError: the scene does not fit the robot, the trajectory is wrong, or the executor cannot run.
+
+    Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
+    """
+    with _opened(trajectory, model, scene) as motion:
+        sized = bool(scene.motor) if sizing is None else sizing
+        options = Options(reactions, executor, threads, momentum, sized, history)
+        run = Pass(model, scene, options, getattr(motion, "file", None))
+        last: Trajectory | None = None
+        for block, left in ahead(_blocks(motion)):
+            if len(block):
+                columns, last = run.take(block, left), block
+                for sink in sinks:
+                    sink(block.given_time, columns)
+    if last is None:
+        raise InputError("the trajectory has no samples")
+    return run.result(last, explain)
+
+
+def _opened(
+    trajectory: Trajectory | TrajectoryReader | str | os.PathLike[str], model: Model, scene: Scene
+) -> AbstractContextManager[Trajectory | TrajectoryReader]:
+    """The motion to run over; a file named here is closed afterwards."""
+    if isinstance(trajectory, (str, os.PathLike)):
+        return read_motion(trajectory, model, scene)
+    return nullcontext(trajectory)
+
+
+def _blocks(motion: Trajectory | TrajectoryReader) -> Iterator[tuple[Trajectory, int]]:
+    """Yield the blocks, and about how many samples there are from each on: by where the reader is after that one."""
+    if isinstance(motion, Trajectory):
+        yield motion, len(motion)
+        return
+    for block in motion.blocks():
+        yield block, _samples_left(motion, block)
+
+
+def _samples_left(trajectory: TrajectoryReader, block: Trajectory) -> int:
+    if not trajectory.position_bytes:
+        return len(block)
+    before = block.first_row - 1
+    whole = (before + len(block)) * trajectory.size_bytes // trajectory.position_bytes
+    return max(whole - before, len(block))

@@ -1,0 +1,1 @@
+"""Ladders of methods, from the cheapest to a reference in more digits."""

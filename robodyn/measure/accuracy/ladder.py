@@ -1,0 +1,125 @@
+"""Methods in order of what they cost: errors, times, and which of them are worth their time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from robodyn.measure.accuracy.timing import Spread
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One method.
+
+    Attributes:
+        errors: true relative errors, one for each of the ladder's `measures`.
+        time: seconds.
+        operations: floating-point operations, None where they cannot be counted.
+        evaluations: of the equations of motion, None where there are none.
+        drift: of the energy along a motion, relative to the largest kinetic energy; None where there is none.
+    """
+
+    name: str
+    errors: tuple[float, ...]
+    time: Spread
+    operations: float | None = None
+    evaluations: int | None = None
+    drift: float | None = None
+
+    @property
+    def error(self) -> float:
+        """The largest."""
+        return max(self.errors)
+
+
+@dataclass(frozen=True)
+class Price:
+    """What something costs that changes no digit of the result.
+
+    Attributes:
+        time: seconds.
+    """
+
+    name: str
+    time: Spread
+
+
+@dataclass(frozen=True)
+class EffectPrice:
+    """What leaving an effect out costs, and what it saves.
+
+    Attributes:
+        torque: the largest at any joint, in its unit: N m, or N.
+        saved: operations per sample.
+    """
+
+    name: str
+    torque: float
+    unit: str
+    joint: str
+    saved: int
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """Methods for one task.
+
+    Attributes:
+        measures: what the errors of its rungs are of.
+        reference: what the errors were measured against.
+        per: what times and operations are for.
+    """
+
+    title: str
+    measures: tuple[str, ...]
+    reference: str
+    per: str
+    rungs: tuple[Rung, ...]
+
+    @property
+    def front(self) -> tuple[Rung, ...]:
+        """The rungs that no other dominates, by time; the error falls from each to the next."""
+        return front(self.rungs)
+
+    def dominator(self, rung: Rung) -> Rung | None:
+        """The cheapest rung of the front that is neither slower nor less accurate; None if the rung is on the front."""
+        best = self.front
+        if rung in best:
+            return None
+        return next(other for other in best if _takes(other) <= _takes(rung) and other.error <= rung.error)
+
+    def cheapest(self, target: float) -> Rung | None:
+        """The quickest rung whose errors are all within the target; None if there is none."""
+        return next((rung for rung in self.front if rung.error <= target), None)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What accuracy costs in time.
+
+    Attributes:
+        name: of the mesh or the robot.
+        prices: of what makes a result trustworthy, or ready.
+        effects: of a robot, those that are on.
+        notes: what was left out, and why.
+    """
+
+    name: str
+    ladders: tuple[Ladder, ...]
+    prices: tuple[Price, ...]
+    effects: tuple[EffectPrice, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def front(rungs: Iterable[Rung]) -> tuple[Rung, ...]:
+    """Those that are more accurate than all that take no longer, by median time."""
+    found: list[Rung] = []
+    for rung in sorted(rungs, key=lambda rung: (_takes(rung), rung.error)):
+        if not found or rung.error < found[-1].error:
+            found.append(rung)
+    return tuple(found)
+
+
+def _takes(rung: Rung) -> float:
+    return rung.time.median

@@ -1,0 +1,178 @@
+"""What the digits of a mesh's volume and inertia cost, and what proof costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from math import isfinite, sqrt
+
+import numpy as np
+
+from robodyn.errors import InputError, MeshError
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
+from robodyn.measure.accuracy.mesh_methods import (
+    by_box,
+    by_chance,
+    by_columns,
+    by_triangles,
+    by_voxels,
+    by_winding_numbers,
+    inertia,
+)
+from robodyn.measure.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
+from robodyn.measure.accuracy.operations import counted, integral_operations
+from robodyn.measure.accuracy.timing import timed
+from robodyn.solids.inertia.exact import exact, fraction
+from robodyn.solids.mesh.asymmetry import CentredBody
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.exact import Moments
+from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.measured import Measured, measured
+from robodyn.solids.mesh.one_shell import is_one_shell
+from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.shape import SYMMETRY_TRIANGLES
+from robodyn.solids.mesh.symmetry import symmetry
+from robodyn.solids.mesh.tessellation import tessellation
+from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+
+COLUMNS = 256, 4096, 65536
+VOXELS = 256, 4096
+POINTS = 100, 1000, 10000
+TOLERANCES = 3e-2, 3e-3
+"""Of decimated surfaces, shares of the diagonal of the box."""
+MOST_TESTS = 20_000_000
+"""Of random points against triangles: a second or two."""
+MEASURES = "volume", "inertia"
+
+Act = Callable[[], Moments]
+
+
+def mesh_accuracy(triangles: Triangles) -> Accuracy:
+    """Errors of volume and inertia by every method against the integral in exact rationals, and their times.
+
+    The error of the inertia is that of the matrix about the centre of mass, in the Frobenius norm.
+
+    Raises:
+        MeshError: the surface encloses no definite volume, or overlaps itself, so that there is no exact reference.
+
+    Accuracy: of errors, 1e-15 of themselves; those of exact rationals are 2^-53 or less.
+    """
+    found = _measured(triangles)
+    if not found.defined:
+        raise MeshError(
+            "what the surface encloses is not the sum over its triangles: there is no exact reference",
+            remedy="robodyn inertia gives it with an error bar",
+            file=triangles.name,
+        )
+    whole = found.integrals
+    corners = np.ascontiguousarray(found.triangles.array() - whole.reference)
+    crude, notes = _crude(corners)
+    notes += triangles.warnings
+    surface = MemoryTriangles(triangles.name, found.triangles.array())
+    acts, counts = _acts(surface, whole, corners, crude)
+    rungs = []
+    for name, (moments, time) in timed(acts).items():
+        errors = _errors(moments, whole)
+        if all(map(isfinite, errors)):
+            rungs.append(Rung(name, errors, time, counts.get(name)))
+        else:
+            notes.append(f"{name}: finds no volume")
+    ladder = Ladder("volume and inertia", MEASURES, "exact rationals", "mesh", tuple(rungs))
+    return Accuracy(triangles.name, (ladder,), _prices(triangles, surface, whole, corners), notes=tuple(notes))
+
+
+def _measured(triangles: Triangles) -> Measured:
+    try:
+        return measured(triangles, exact=True)
+    except MeshError as error:
+        elsewhere = error.remedy and error.remedy.startswith("--")
+        remedy = f"robodyn inertia: {error.remedy}" if elsewhere else error.remedy
+        raise MeshError(error.what, remedy=remedy, file=error.file) from None
+
+
+def _crude(corners: Floats) -> tuple[dict[str, Callable[[Floats], Moments]], list[str]]:
+    """Methods on an array of corners, and why some are missing."""
+    ways: dict[str, Callable[[Floats], Moments]] = {"bounding box": by_box, "convex hull": by_hull}
+    notes = []
+    for count in VOXELS:
+        ways[f"voxels on {count} columns"] = partial(by_voxels, count=count)
+    for count in COLUMNS:
+        ways[f"{count} columns"] = partial(by_columns, count=count)
+    for count in POINTS:
+        if count * len(corners) <= MOST_TESTS:
+            ways[f"Monte Carlo, {count} points"] = partial(by_chance, count=count)
+            ways[f"winding numbers at {count} points"] = partial(by_winding_numbers, count=count)
+        else:
+            notes.append(f"{count} random points: left out, {count * len(corners):.0e} tests")
+    try:
+        for share in TOLERANCES:
+            way = partial(by_decimation, tolerance=share)
+            way(corners)
+            ways[f"decimated within {100 * share:g} % of its size"] = way
+    except MeshError as error:
+        notes.append(f"decimated: left out, {error.what}")
+    return ways, notes
+
+
+def _acts(
+    triangles: Triangles, whole: Integrals, corners: Floats, crude: dict[str, Callable[[Floats], Moments]]
+) -> tuple[dict[str, Act], dict[str, float]]:
+    """Methods ready to be called, and operations of those whose operations can be counted."""
+    acts: dict[str, Act] = {name: partial(way, corners) for name, way in crude.items()}
+    counts: dict[str, float] = {name: counted(way, corners) for name, way in crude.items() if _countable(way)}
+    floats: dict[str, type] = {"float32": np.float32, "float64": np.float64}
+    if np.finfo(np.longdouble).nmant > np.finfo(np.float64).nmant:
+        floats["long double"] = np.longdouble
+    for name, dtype in floats.items():
+        acts[f"integral, {name}"] = partial(by_triangles, triangles, dtype, whole.reference)
+        counts[f"integral, {name}"] = integral_operations(triangles.count)
+    acts[f"integral, escalated to {integrate(triangles).method}"] = lambda: integrate(triangles).moments
+    acts["integral, exact rationals"] = lambda: integrate(triangles, exact=True).moments
+    return acts, counts
+
+
+def _countable(way: Callable[[Floats], Moments]) -> bool:
+    """Whether all its arithmetic is NumPy's."""
+    whole = getattr(way, "func", way)
+    return whole not in (by_hull, by_decimation, by_winding_numbers)
+
+
+def _errors(moments: Moments, whole: Integrals) -> tuple[float, float]:
+    """Relative errors of volume and inertia, rounded to floats; infinite where there is no volume."""
+    expected = whole.moments
+    try:
+        volume, matrix = fraction(float(moments.volume)), exact(inertia(moments).astype(float))
+    except (ZeroDivisionError, InputError):
+        return np.inf, np.inf
+    I = inertia(expected)
+    off = float(abs((volume - expected.volume) / expected.volume))
+    scale = max(abs(I).ravel())
+    return off, _norm((matrix - I) / scale) / _norm(I / scale)
+
+
+def _norm(matrix: Floats) -> float:
+    """Frobenius."""
+    return sqrt(sum(float(x) ** 2 for x in matrix.ravel()))
+
+
+def _prices(given: Triangles, triangles: Triangles, whole: Integrals, corners: Floats) -> tuple[Price, ...]:
+    """Of what makes the numbers trustworthy; the repair is that of the mesh as it was given."""
+
+    def facets() -> object:
+        body = CentredBody.of(triangles, whole)
+        return tessellation(body.line_masses, whole, body.centre)
+
+    acts: dict[str, Callable[[], object]] = {
+        "proof that it is closed": partial(fingerprint, triangles),
+        "proof that it is one shell": partial(is_one_shell, triangles),
+        "repair ladder": partial(repair, given),
+        "tessellation error": facets,
+    }
+    with suppress(MeshError):
+        union_with_a_copy(corners)
+        acts["union with a copy of it"] = partial(union_with_a_copy, corners)
+    if triangles.count <= SYMMETRY_TRIANGLES:
+        acts["symmetry"] = lambda: symmetry(CentredBody.of(triangles, whole))
+    return tuple(Price(name, time) for name, (_, time) in timed(acts).items())

@@ -1,0 +1,124 @@
+"""Ways to find the moments of a solid, from the crudest to the exact one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.programs.vectors import Array, product
+from robodyn.solids.inertia.exact import exact
+from robodyn.solids.mesh.columns import Lattice
+from robodyn.solids.mesh.exact import Moments
+from robodyn.solids.mesh.excess import directions
+from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.kernel import symmetric, volume_kernel
+from robodyn.solids.mesh.pieces import Pieces, pieces
+from robodyn.solids.mesh.sweep import swept
+from robodyn.solids.mesh.triangles import Floats, Triangles
+from robodyn.solids.mesh.winding_tree import WindingTree
+
+_TESTS = 1 << 18
+"""Tests of a point against a triangle that are made at once."""
+
+
+def by_box(corners: Floats) -> Moments:
+    """Of the box around the corners (m, 3, 3)."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    size, middle = hi - lo, lo / 2 + hi / 2
+    volume = size[0] * size[1] * size[2]
+    return Moments(volume, volume * middle, volume * (np.outer(middle, middle) + np.diag(size * size / 12)))
+
+
+def by_columns(corners: Floats, count: int) -> Moments:
+    """By about so many columns along one direction, exact in depth."""
+    lattice = Lattice.over(corners, directions()[0], count=count)
+    return _of_matrix(_inside(corners, lattice).moments(lattice))
+
+
+def by_voxels(corners: Floats, count: int) -> Moments:
+    """By cubes on about so many columns; a cube counts where its centre is inside."""
+    lattice = Lattice.over(corners, directions()[0], count=count)
+    inside, step = _inside(corners, lattice), lattice.step
+    first = np.ceil(inside.start / step - 0.5).astype(np.int64)
+    counts = np.maximum(np.ceil(inside.stop / step - 0.5).astype(np.int64) - first, 0)
+    which = np.repeat(np.arange(len(counts)), counts)
+    height = first[which] + np.arange(len(which)) - (np.cumsum(counts) - counts)[which] + 0.5
+    places = lattice.places(inside.column[which])
+    points = np.stack([*places, height * step, np.ones(len(which))])
+    frame = np.eye(4)
+    frame[:3, :3] = lattice.frame
+    return _of_matrix(step**3 * product(frame.T, product(points, points.T), frame))
+
+
+def by_chance(corners: Floats, count: int) -> Moments:
+    """By so many random points in the box; one counts where a ray from it leaves the body once more than it enters."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
+    rows = max(_TESTS // len(corners), 1)
+    within = np.concatenate([_winding(points[k : k + rows], corners) > 0 for k in range(0, count, rows)])
+    return _of_points(points[within], hi - lo, count)
+
+
+def by_winding_numbers(corners: Floats, count: int) -> Moments:
+    """By so many random points in the box; one counts where the surface goes around it, by its solid angle."""
+    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
+    return _of_points(points[WindingTree.of(merged(corners)).numbers(points) > 0.5], hi - lo, count)
+
+
+def by_triangles(triangles: Triangles, dtype: type, reference: Floats) -> Moments:
+    """The integral over the surface in floats of this type, about a point of reference; nan where it overflows."""
+    sweep = swept(triangles, volume_kernel, dtype=dtype, reference=reference.astype(dtype))
+    if not np.isfinite(sweep.sums[:, :10]).all():
+        return Moments(np.nan, np.full(3, np.nan), np.full((3, 3), np.nan))
+    sums = sweep.totals(slice(10))
+    return Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
+
+
+def inertia(moments: Moments) -> Array:
+    """(3, 3) fractions, about the centre of mass at density 1, without any rounding of their own."""
+    V, first, S = (exact(part) if isinstance(part, np.ndarray) else exact(part).item() for part in moments)
+    about = S - np.outer(first, first) / V
+    turned: Array = np.eye(3, dtype=int) * about.trace() - about
+    return turned
+
+
+def _inside(corners: Floats, lattice: Lattice) -> Pieces:
+    every = pieces(lattice.hits(corners))
+    found = every.of(every.weight > 0)
+    return Pieces(found.column, found.start, found.stop, np.ones(len(found.column)))
+
+
+def _of_points(inside: Floats, size: Floats, count: int) -> Moments:
+    """By the points inside of so many in a box."""
+    Y = np.concatenate([inside, np.ones((len(inside), 1))], axis=1)
+    return _of_matrix(product(Y.T, Y) * (size[0] * size[1] * size[2] / count))
+
+
+def _of_matrix(matrix: Floats) -> Moments:
+    """Of the integral (4, 4) of y y^T with y = (x, 1)."""
+    return Moments(matrix[3, 3], matrix[:3, 3], matrix[:3, :3])
+
+
+def _winding(points: Floats, corners: Floats) -> Floats:
+    """How often the surface goes around each point: crossings of a ray along z, with their signs."""
+    X = corners - 0.0
+    a, b, c = X[:, 0], X[:, 1], X[:, 2]
+    p = points[:, None]
+    left = [_turn(p, start, end) for start, end in ((a, b), (b, c), (c, a))]
+    area = left[0] + left[1] + left[2]
+    up = (left[0] >= 0) & (left[1] >= 0) & (left[2] >= 0) & (area > 0)
+    down = (left[0] < 0) & (left[1] < 0) & (left[2] < 0)
+    met = up | down
+    with np.errstate(all="ignore"):
+        height = (left[1] * a[:, 2] + left[2] * b[:, 2] + left[0] * c[:, 2]) / area
+    above = met & (height > p[..., 2])
+    found: Floats = (above & up).sum(axis=1) - (above & down).sum(axis=1)
+    return found
+
+
+def _turn(p: Floats, start: Floats, end: Floats) -> Floats:
+    """Twice the area that a point makes with an edge, seen along z."""
+    turned: Floats = (end[:, 0] - start[:, 0]) * (p[..., 1] - start[:, 1]) - (end[:, 1] - start[:, 1]) * (
+        p[..., 0] - start[:, 0]
+    )
+    return turned

@@ -1,0 +1,104 @@
+"""A motion by one method, its steps halved or its tolerance tightened until that changes little."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+from typing import NamedTuple
+
+from robodyn.errors import InputError
+from robodyn.measure.accuracy.apart import apart, seen
+from robodyn.measure.accuracy.effort import Effort
+from robodyn.simulation.method_options import LEAST_RTOL, TooMuchError
+from robodyn.simulation.methods import method_named
+from robodyn.simulation.result import Simulation
+
+FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8
+"""s: the steps that are halved, from the first to the last."""
+SLOWEST = 1.5
+"""A step half as long has to leave no more than 1 / 1.5 of the difference, or the error has reached its floor."""
+GROWN = 1.5
+"""Twice as many whole steps have to make at least so many times as many in all."""
+TINY = 1e-300
+FLOOR = 8.0
+"""What a difference at the floor of rounding is multiplied with."""
+
+
+class Settled(NamedTuple):
+    """A motion by one method, and its expected error, relative to the largest of the kind (see `MotionError`)."""
+
+    motion: Simulation
+    error: float
+
+
+class UnsettledError(InputError):
+    """A method that does not get there.
+
+    Attributes:
+        reached: the change that its last two motions leave; inf if there are no two.
+    """
+
+    def __init__(self, what: str, reached: float = inf) -> None:
+        super().__init__(what)
+        self.reached = reached
+
+
+def refined(effort: Effort, name: str, target: float) -> Settled:
+    """The motion by a method, refined until that changes it by less than the target.
+
+    Raises:
+        UnsettledError: the changes stop falling above the target, or the work is done.
+    """
+    before, change, problem = None, inf, "one motion alone tells no error"
+    effort.next_way(effort.share)
+    finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
+    while finer:
+        how, motion = finer, None
+        try:
+            motion = effort.run(name, also=seen(before), **how)
+        except TooMuchError:
+            left = f"finer steps change it by {change:.0e} yet" if change < inf else problem
+            raise UnsettledError(f"{left}, and going to {shown(how)} is more work than is allowed", change) from None
+        except InputError as error:
+            problem = error.what
+        finer = _finer(how, motion)
+        if motion is not None and before is not None:
+            if not _is_finer(motion, before):
+                continue
+            last, change = change, apart(before, motion)
+            expected = _expected(name, last, change, target)
+            if expected <= 2.0 * target:
+                return Settled(motion, expected)
+            if change * SLOWEST > last and last < 1e-6:
+                raise UnsettledError(f"going to {shown(how)} changes the motion by {change:.0e} yet", change)
+        before = motion or before
+    raise UnsettledError(
+        f"going to {shown(how)} changes the motion by {change:.0e} yet" if change < inf else problem, change
+    )
+
+
+def _is_finer(motion: Simulation, before: Simulation) -> bool:
+    """Whether steps are shorter indeed: where rows of a table or an early end make them short, half of one is none."""
+    return motion.step is None or motion.steps >= GROWN * before.steps
+
+
+def _finer(how: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:
+    """Half the step that a motion had, whose records these are too, or a smaller tolerance; None at the end."""
+    if "rtol" in how:
+        return {"rtol": max(how["rtol"] / 100.0, LEAST_RTOL)} if how["rtol"] > LEAST_RTOL else None
+    step = 0.5 * (how["step"] if motion is None or motion.step is None else motion.step)
+    return {"step": step} if step >= LAST_STEP else None
+
+
+def _expected(name: str, last: float, change: float, target: float) -> float:
+    """The error that is left after a change which followed another one; inf if that cannot be told."""
+    if method_named(name).adaptive:
+        return change if change <= target else inf
+    if change * SLOWEST > last:
+        return FLOOR * change if FLOOR * change <= 2.0 * target else inf
+    rest = max(change, change / (last / max(change, TINY) - 1.0))
+    return rest if last < inf and rest <= target else inf
+
+
+def shown(how: Mapping[str, float | None]) -> str:
+    return f"steps of {how['step']:.3g} s" if "step" in how else f"rtol {how['rtol']:.1g}"

@@ -1,0 +1,204 @@
+"""What the digits of a simulated motion cost: integrators and their steps, errors against a proven motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from math import inf
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from robodyn.dynamics.plan import Plan, plan
+from robodyn.errors import InputError
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
+from robodyn.measure.accuracy.motion_reference import Reference, Run, motion_reference
+from robodyn.measure.accuracy.timing import Spread, timed
+from robodyn.programs.run.llvm.machine import compiler
+from robodyn.robot.model import Model
+from robodyn.scene.fit import check_moves
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.simulation.equations import Equations
+from robodyn.simulation.method_options import How
+from robodyn.simulation.methods import METHODS, Method
+from robodyn.simulation.result import Simulation
+from robodyn.simulation.run import integrated, simulate, start_of
+from robodyn.simulation.slip import with_friction
+from robodyn.simulation.steps import Steps
+from robodyn.simulation.table import Signal, Source, read_table
+
+DURATION = 2.0
+"""s of a motion, where none is given."""
+STEPS = 1.6e-2, 4e-3, 1e-3, 2.5e-4, 6.25e-5
+"""s, of methods with a fixed step, while they gain digits."""
+TOLERANCES = 1e-4, 1e-7, 1e-10, 1e-13
+MOST = 1e5
+"""Evaluations of an adaptive method: stiff motions are not for every one."""
+LONGEST = 2.0
+"""Seconds that one run may take."""
+GAIN = 0.5
+"""A shorter step is tried if the one before left less than this share of the error."""
+SEEN = 64
+"""Recorded times at which errors are measured, at most."""
+BEFORE_LIMIT = 0.99
+"""Share of the motion up to a joint's limit that is compared."""
+
+
+def simulation_accuracy(
+    model: Model, scene: Scene = DEFAULT, duration: float | None = None, table: Source | None = None
+) -> Accuracy:
+    """True errors of a motion by every integrator at several steps, its drift of energy, and what they cost.
+
+    Errors are those of positions and speeds, at the end and the largest along the way, relative to the largest angle,
+    length, rate or speed of the motion; each has the bound of the reference added, so none is below the truth. Times
+    are those of the loop, without machine code being made and without the figures that `simulate` reports.
+
+    Args:
+        duration: s; by default 2, or that of the table if it is shorter. A motion that reaches a joint's limit is
+            compared up to shortly before.
+        table: as for `simulate`.
+
+    Raises:
+        InputError: the scene does not fit the robot or the table, or no method gets through.
+    """
+    check_moves(model)
+    signal = Signal(scene, model, None if table is None else read_table(table, scene))
+    scene, said = with_friction(model, signal.scene)
+    if duration is None:
+        duration = DURATION if signal.table is None else min(DURATION, signal.table.duration)
+    followed = partial(simulate, model, table=signal.source)
+    duration, notes = _until_limit(partial(followed, scene), duration)
+    a_plan = plan(model, replace(scene, joint_limits="ignore"))
+    run = partial(followed, a_plan.scene)
+    reference = motion_reference(a_plan, duration, run)
+    tries, start, executor = [], start_of(a_plan), "auto" if compiler().problem else "compiled"
+    for method in METHODS:
+        found, lost = _tries(a_plan, run, method, duration, reference, executor)
+        tries += found
+        notes += lost
+    acts = {each.name: partial(integrated, a_plan, each.how, duration, each.executor, signal, start) for each in tries}
+    times = timed(acts)
+    rungs = tuple(each.rung(times[each.name][1]) for each in tries)
+    ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
+    name = f"{model.name}, {duration:g} s"
+    return Accuracy(name, (ladder,), _prices(a_plan), notes=(*said, *notes))
+
+
+@dataclass(frozen=True, eq=False)
+class _Try:
+    name: str
+    how: How
+    executor: str
+    errors: tuple[float, float]
+    drift: float
+    evaluations: int
+    operations: float
+
+    def rung(self, time: Spread) -> Rung:
+        return Rung(self.name, self.errors, time, self.operations, self.evaluations, self.drift)
+
+
+def _tries(
+    a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference, executor: str
+) -> tuple[list[_Try], list[str]]:
+    """A method at ever shorter steps or tolerances as long as that helps, and what failed."""
+    found: list[_Try] = []
+    failed: list[str] = []
+    why = ""
+    executor = "auto" if method.adaptive else executor
+    run = partial(run, method=method.name, executor=executor)
+    for name, how, given in _settings(method, duration):
+        try:
+            if not found:
+                run(duration / 1024, **given)  # so that machine code is ready
+            begin = perf_counter()
+            motion = run(duration, most=MOST if method.adaptive else inf, **given)
+        except InputError as error:
+            failed, why = [*failed, name], error.what
+            continue
+        took = perf_counter() - begin
+        end, way = state_errors(motion, reference)
+        if not np.isfinite(way):
+            failed, why = [*failed, name], "a number overflows"
+            continue
+        work = _operations(a_plan, method, motion)
+        found.append(_Try(name, how, executor, (end, way), drift_of(motion), motion.evaluations, work))
+        if took > LONGEST / 4 or (len(found) > 1 and way > GAIN * found[-2].errors[1]):
+            break
+    lost = "; ".join(failed) if found else method.name
+    return found, [f"left out: {lost}: {why}"] if failed else []
+
+
+def _settings(method: Method, duration: float) -> Iterator[tuple[str, How, dict[str, Any]]]:
+    """Names, and steps or tolerances, of the rungs of a method."""
+    if method.adaptive:
+        for rtol in TOLERANCES:
+            yield f"{method.name}, rtol {rtol:g}", How(method, 0.0, rtol), {"rtol": rtol}
+    else:
+        for step in STEPS:
+            if step < duration:
+                yield f"{method.name}, {1e3 * step:g} ms", How(method, step, 0.0), {"step": step}
+
+
+def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float]:
+    """Of a motion's state at the end, and the largest at up to 64 of its recorded times, the reference's bound added.
+
+    Accuracy: never below the true error where the bound holds.
+    """
+    some = np.unique(np.linspace(0, len(motion.time) - 1, SEEN).astype(int))
+    states = np.hstack((motion.q, motion.qd))[some]
+    errors = reference.error(states, reference.at(motion.time[some]))
+    return float(errors[-1]) + reference.bound_at_end, float(errors.max()) + reference.bound
+
+
+def drift_of(motion: Simulation) -> float:
+    """max |E - E_0 - work| over the largest kinetic energy."""
+    kinetic = float(motion.figures.kinetic.max())
+    return motion.energy_drift / kinetic if kinetic else motion.energy_drift
+
+
+@lru_cache(maxsize=32)
+def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
+    """Of all steps of a motion, with the sweeps of implicit ones, or of all evaluations of an adaptive method."""
+    equations = Equations(a_plan)
+    if method.adaptive:
+        return float(motion.evaluations * equations.derivatives().size)
+    steps = Steps(equations, method)
+    sweep = steps.sweep()
+    swept = sweep.size * motion.evaluations // len(method.b) if sweep else 0
+    return float(motion.steps * steps.step().size + swept)
+
+
+def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
+    """How long the motion is, and what is to be said about it."""
+    motion = settled(run, duration)
+    if not motion.ended:
+        return duration, []
+    until = float(f"{BEFORE_LIMIT * motion.time[-1]:.6g}")
+    if until <= 0.0:
+        remedy = 'write joint_limits = "ignore" in the scene'
+        raise InputError(f"the motion is over at once: {motion.ended}", remedy=remedy)
+    return until, [f"compared up to {until:g} s: {motion.ended}"]
+
+
+def settled(run: Run, duration: float) -> Simulation:
+    """The motion by the first method that gets through.
+
+    Raises:
+        InputError: none does.
+    """
+    try:
+        return run(duration)
+    except InputError:
+        return run(duration, method="radau", rtol=1e-8)
+
+
+def _prices(a_plan: Plan) -> tuple[Price, ...]:
+    rk4 = next(method for method in METHODS if method.name == "rk4")
+    acts: dict[str, Callable[[], object]] = {
+        "tracing the equations": Equations(a_plan).derivatives,
+        "tracing a step, rk4": Steps(Equations(a_plan), rk4).step,
+    }
+    return tuple(Price(name, time) for name, (_, time) in timed(acts).items())

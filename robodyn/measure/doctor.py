@@ -1,0 +1,198 @@
+"""Whether robodyn can work here, line by line: libraries, processor, executors, cache, environment."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from robodyn.programs.run.llvm.machine import compiler, host
+from robodyn.programs.run.trial import Trial, trial
+from robodyn.robot.urdf.packages import VARIABLES, listed
+from robodyn.support.cache import Key, ObjectCache, cache_folder
+from robodyn.support.libraries import Installed, Library, installed, version_of
+
+Verdict = Literal["ok", "note", "missing", "broken"]
+NEEDED = (
+    Library("numpy", "numpy", "everything"),
+    Library("click", "click", "the command line"),
+    Library("scipy", "scipy.interpolate", "splines of reference tables and simulation with steps of its own choice"),
+    Library("polars", "polars", "reading and writing of large CSV tables"),
+    Library("pyarrow", "pyarrow", "Parquet"),
+    Library("trimesh", "trimesh", "meshes other than STL, OBJ, PLY and OFF"),
+    Library("manifold3d", "manifold3d", "union of meshes that overlap"),
+    Library("platformdirs", "platformdirs", "the cache of machine code"),
+    Library("rich", "rich", "progress bars"),
+    Library("matplotlib", "matplotlib.figure", "plots and HTML reports"),
+    Library("jinja2", "jinja2", "HTML reports"),
+)
+COMPILER = Library("llvmlite", "llvmlite.binding", "machine code: long trajectories take ten times longer")
+SCENES = Library("yourdfpy", "yourdfpy", "pictures of robots with meshes: reports draw a skeleton in their place")
+OPTIONAL = (
+    Library("mpmath", "mpmath", "reference values with many digits", "'robodyn[exact]'"),
+    Library("sympy", "sympy", "equations in closed form", "'robodyn[symbolic]'"),
+    Library("xacrodoc", "xacrodoc", "xacro files", "'robodyn[xacro]'"),
+    Library("distributed", "distributed", "`torques --dask`", "'robodyn[dask]'"),
+    Library("pin", "pinocchio", "Pinocchio in `bench --peers`"),
+    Library("mujoco", "mujoco", "MuJoCo in `bench --peers`"),
+    Library("drake", "pydrake", "Drake in `bench --peers`"),
+)
+_FEATURES = ("avx512f", "avx2", "fma", "sve", "neon")
+_PROBE = Key("doctor", "doctor")
+
+
+@dataclass(frozen=True)
+class Line:
+    """One thing that was looked at.
+
+    Attributes:
+        group, name: what it is.
+        found: its version or state, in words.
+        verdict: "note" is worth knowing, "missing" costs something, "broken" is to be repaired.
+        remark: what that costs, and what to do; empty where all is well.
+        figures: measured, seconds, bytes or a ratio.
+    """
+
+    group: str
+    name: str
+    found: str
+    verdict: Verdict = "ok"
+    remark: str = ""
+    figures: Mapping[str, float] = field(default_factory=dict)
+
+
+def doctor() -> tuple[Line, ...]:
+    """Everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
+    libraries = installed((*NEEDED, COMPILER, SCENES, *OPTIONAL))
+    return (
+        *_versions(libraries),
+        *_processor(not libraries[COMPILER.name].problem),
+        *_executors(tried_apart()),
+        *_cache(),
+        *_environment(os.environ),
+    )
+
+
+def healthy(lines: tuple[Line, ...]) -> bool:
+    """Whether nothing is broken."""
+    return all(line.verdict != "broken" for line in lines)
+
+
+def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
+    yield Line("versions", "robodyn", version_of("robodyn") or "not installed, run from its sources")
+    yield Line("versions", "Python", platform.python_version())
+    for library in NEEDED:
+        yield _library("versions", library, found[library.name], "broken")
+    here = found[COMPILER.name]
+    line = _library("versions", COMPILER, here, "missing")
+    if line.verdict == "ok" and compiler().problem is None:
+        line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
+    yield line
+    yield _library("versions", SCENES, found[SCENES.name], "missing")
+    for library in OPTIONAL:
+        yield _library("optional", library, found[library.name], "missing")
+
+
+def _library(group: str, library: Library, here: Installed, absent: Verdict) -> Line:
+    install = library.install or library.name
+    if here.version is None:
+        return Line(group, library.name, "", absent, f"without it no {library.cost}; pip install {install}")
+    if here.problem:
+        remark = f"does not load ({here.problem}): no {library.cost}; pip install --force-reinstall {install}"
+        return Line(group, library.name, here.version, "broken", remark)
+    return Line(group, library.name, here.version)
+
+
+def _processor(loads: bool) -> Iterator[Line]:
+    """Args: loads: whether the compiler can be asked; it might end this process."""
+    name = _model_name() or platform.processor() or platform.machine()
+    yield Line("machine", "processor", f"{name} ({platform.machine()}, {platform.system()})")
+    with suppress(ImportError, OSError, RuntimeError):
+        if loads:
+            here = host()
+            features = [name for name in _FEATURES if f"+{name}," in here.features + ","]
+            text = f"{here.cpu} to LLVM: {', '.join(features) or 'no vector instructions known'}"
+            yield Line("machine", "instructions", text)
+    cores, usable = os.cpu_count() or 1, _usable_cores()
+    limited = usable < cores
+    remark = "this process is bound to fewer cores than there are" if limited else ""
+    yield Line("machine", "cores", f"{usable} of {cores}", "note" if limited else "ok", remark)
+
+
+def _model_name() -> str:
+    try:
+        text = Path("/proc/cpuinfo").read_text(errors="replace")
+    except OSError:
+        return ""
+    return next((line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")), "")
+
+
+def _usable_cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def tried_apart() -> Trial:
+    """The trial in a process of its own, which machine code that does not suit the processor would end."""
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    try:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            return pool.submit(trial).result()
+    except BrokenProcessPool:
+        return Trial("machine code ends the process", True, 0.0)
+
+
+def _executors(tried: Trial) -> Iterator[Line]:
+    yield Line("executors", "numpy", f"runs in {1e3 * tried.numpy:.3g} ms", figures={"run": tried.numpy})
+    if tried.problem is not None:
+        verdict: Verdict = "broken" if tried.broken else "missing"
+        cost = "results may be wrong: --executor numpy" if tried.difference else "long trajectories take longer"
+        yield Line("executors", "compiled", "", verdict, f"{tried.problem}; {cost}")
+        return
+    figures = {name: getattr(tried, name) for name in ("build", "load", "run", "difference")}
+    times = f"built in {1e3 * tried.build:.3g} ms, loaded in {1e3 * tried.load:.3g} ms"
+    agreement = f"within {tried.difference:.0e} of NumPy" if tried.difference else "as NumPy to the last bit"
+    yield Line("executors", "compiled", f"{times}, {agreement}", figures=figures)
+
+
+def _cache() -> Iterator[Line]:
+    folder = cache_folder()
+    slow = "machine code is compiled anew by every process"
+    if folder is None:
+        yield Line(
+            "cache", "cache folder", "", "note", f"switched off or without a place: {slow}; ROBODYN_CACHE names one"
+        )
+        return
+    objects = ObjectCache(folder)
+    content = os.urandom(8)
+    objects.put(_PROBE, content)
+    if objects.get(_PROBE) != content:
+        remark = f"nothing can be kept there: {slow}; let only this user write to it (chmod 700), or set ROBODYN_CACHE"
+        yield Line("cache", "cache folder", str(folder), "broken", remark)
+        return
+    files, size = objects.held()
+    text = f"{folder}, writable, {size / 1e6:.3g} MB in {files} file{'' if files == 1 else 's'}"
+    yield Line("cache", "cache folder", text, figures={"bytes": size, "files": files})
+
+
+def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
+    unset = {
+        "ROBODYN_CACHE": "not set: the user's cache folder",
+        "ROBODYN_CPU": "not set: machine code is for this processor",
+        **dict.fromkeys(VARIABLES, "not set: package:// by --package-path, or above the file"),
+        "NO_COLOR": "not set: bold headers on terminals",
+    }
+    for name, meaning in unset.items():
+        value = variables.get(name)
+        lost = []
+        if name in VARIABLES:
+            lost = [entry for entry in listed(name) if not os.path.isdir(entry)]
+        verdict: Verdict = "note" if lost else "ok"
+        remark = f"no such folder: {', '.join(lost)}" if lost else ""
+        yield Line("environment", name, meaning if value is None else value or "empty", verdict, remark)

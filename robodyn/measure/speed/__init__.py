@@ -1,0 +1,1 @@
+"""Executors timed beside other libraries in one run."""

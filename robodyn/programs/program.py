@@ -1,0 +1,76 @@
+"""Straight-line programs: what is left of a recursion once it has been traced."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from robodyn.programs.scalar import CONSTANT, INPUT, Tape, Traced
+
+
+@dataclass(frozen=True)
+class Program:
+    """A list of operations, each on the results of earlier ones.
+
+    Attributes:
+        operations: (op, a, b) with a, b positions in this list; (INPUT, source, column) and (CONSTANT, value, None)
+            stand among them. Every operation is needed by some output, and none is written twice.
+        outputs: the position of each output.
+    """
+
+    operations: tuple[tuple[str, Any, Any], ...]
+    outputs: tuple[int, ...]
+
+    @cached_property
+    def counts(self) -> dict[str, int]:
+        """How many operations of each kind one sample costs; inputs and constants cost none."""
+        return dict(Counter(op for op, _, _ in self.operations if op is not INPUT and op is not CONSTANT))
+
+    @property
+    def size(self) -> int:
+        """Operations per sample."""
+        return sum(self.counts.values())
+
+    @property
+    def inputs(self) -> set[tuple[str, int]]:
+        """The (source, column) pairs that the outputs depend on."""
+        return {(a, b) for op, a, b in self.operations if op is INPUT}
+
+
+def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) -> Program:
+    """The program that computes the scalars which `function` returns when given inputs of a new tape.
+
+    Only operations that some output needs are kept (dead-code pruning). One output is finished before the next is begun
+    and so is each operand, so that few values are alive at a time.
+
+    Args:
+        function: from a tape to scalars, traced or plain.
+        first: outputs to finish first, in this order; for torques from the tips of a tree to its base, one branch after
+            another, this leaves a third of the values alive at a time that any order across branches does.
+    """
+    tape = Tape()
+    outputs = [x if isinstance(x, Traced) else tape.constant(x) for x in function(tape)]
+    early = [outputs[i] for i in first]
+    return _linearised(outputs, [*early, *outputs])
+
+
+def _linearised(outputs: Sequence[Traced], visits: Sequence[Traced]) -> Program:
+    position: dict[Traced, int] = {}
+    operations: list[tuple[str, Any, Any]] = []
+    stack = list(reversed(visits))
+    while stack:
+        node = stack[-1]
+        if node in position:
+            stack.pop()
+            continue
+        waiting = [child for child in (node.b, node.a) if isinstance(child, Traced) and child not in position]
+        if waiting:
+            stack.extend(waiting)
+            continue
+        stack.pop()
+        position[node] = len(operations)
+        operations.append((node.op, position.get(node.a, node.a), position.get(node.b, node.b)))
+    return Program(tuple(operations), tuple(position[node] for node in outputs))

@@ -1,0 +1,234 @@
+"""The LLVM function that feeds a kernel: block after block of samples, from and to arrays of any layout."""
+
+from __future__ import annotations
+
+from robodyn.programs.run.llvm.code import BYTES, SUFFIXES
+
+FIELDS = ("address", "sample_stride", "column_stride", "columns", "direct")
+"""What the driver is told of an array, in 64 bits each: strides in bytes, `direct` 1 where columns are contiguous."""
+
+POINTERS = ("share", "kernel", "arrays", "rooms", "flags", "common")
+NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "samples", "each", "parts")
+JOB = (*POINTERS, *NUMBERS)
+"""What a job is, in 64 bits each, in this order."""
+
+TEXT = """\
+declare {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr, i32, {mask}, {vector})
+declare void @llvm.masked.store.v{lanes}{suffix}.p0({vector}, ptr, i32, {mask})
+declare {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers}, i32, {mask}, {vector})
+declare void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector}, {pointers}, i32, {mask})
+
+define internal void @move(ptr %far, i64 %stride, ptr %near, i64 %count, i1 %out) #0 {{
+entry:
+  %one = insertelement {integers} poison, i64 %stride, i64 0
+  %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
+  %offsets = mul {integers} %strides, {numbers}
+  %dense = icmp eq i64 %stride, {bytes}
+  br label %loop
+loop:
+  %i = phi i64 [ 0, %entry ], [ %next, %more ]
+  %left = sub i64 %count, %i
+  %left1 = insertelement {integers} poison, i64 %left, i64 0
+  %lefts = shufflevector {integers} %left1, {integers} poison, <{lanes} x i32> zeroinitializer
+  %valid = icmp sgt {integers} %lefts, {numbers}
+  %first = mul i64 %i, %stride
+  %from = getelementptr i8, ptr %far, i64 %first
+  %each = getelementptr i8, ptr %from, {integers} %offsets
+  %here = getelementptr {scalar}, ptr %near, i64 %i
+  br i1 %out, label %write, label %read
+read:
+  br i1 %dense, label %load, label %gather
+load:
+  %near_values = call {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr %from, i32 {bytes}, {mask} %valid,
+    {vector} zeroinitializer)
+  store {vector} %near_values, ptr %here, align {bytes}
+  br label %more
+gather:
+  %values = call {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers} %each, i32 {bytes}, {mask} %valid,
+    {vector} zeroinitializer)
+  store {vector} %values, ptr %here, align {bytes}
+  br label %more
+write:
+  %results = load {vector}, ptr %here, align {bytes}
+  br i1 %dense, label %store, label %scatter
+store:
+  call void @llvm.masked.store.v{lanes}{suffix}.p0({vector} %results, ptr %from, i32 {bytes}, {mask} %valid)
+  br label %more
+scatter:
+  call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
+    {mask} %valid)
+  br label %more
+more:
+  %next = add i64 %i, {lanes}
+  %again = icmp slt i64 %next, %count
+  br i1 %again, label %loop, label %done
+done:
+  ret void
+}}
+
+define internal i64 @array(ptr %array, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %count, i1 %out,
+    i1 %after) #0 {{
+entry:
+  %address = load ptr, ptr %array
+  %a1 = getelementptr i64, ptr %array, i64 1
+  %sample_stride = load i64, ptr %a1
+  %a2 = getelementptr i64, ptr %array, i64 2
+  %column_stride = load i64, ptr %a2
+  %a3 = getelementptr i64, ptr %array, i64 3
+  %columns = load i64, ptr %a3
+  %a4 = getelementptr i64, ptr %array, i64 4
+  %contiguous = load i64, ptr %a4
+  %partial = urem i64 %count, {lanes}
+  %full = icmp eq i64 %partial, 0
+  %allowed = icmp ne i64 %contiguous, 0
+  %direct = and i1 %full, %allowed
+  %before = icmp eq i1 %out, %after
+  %moving = xor i1 %direct, true
+  %move = and i1 %before, %moving
+  %skip = mul i64 %start, %sample_stride
+  %block = getelementptr i8, ptr %address, i64 %skip
+  %some = icmp sgt i64 %columns, 0
+  br i1 %some, label %loop, label %done
+loop:
+  %c = phi i64 [ 0, %entry ], [ %next, %more ]
+  %place = add i64 %row, %c
+  %far = mul i64 %c, %column_stride
+  %column = getelementptr i8, ptr %block, i64 %far
+  %down = mul i64 %place, %pitch
+  %near = getelementptr i8, ptr %work, i64 %down
+  %chosen = select i1 %direct, ptr %column, ptr %near
+  %entry_place = getelementptr ptr, ptr %table, i64 %place
+  store ptr %chosen, ptr %entry_place
+  br i1 %move, label %copy, label %more
+copy:
+  call void @move(ptr %column, i64 %sample_stride, ptr %near, i64 %count, i1 %out)
+  br label %more
+more:
+  %next = add i64 %c, 1
+  %again = icmp slt i64 %next, %columns
+  br i1 %again, label %loop, label %done
+done:
+  %end = add i64 %row, %columns
+  ret i64 %end
+}}
+
+define internal void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags,
+    ptr %flagged, ptr %taken, i64 %share, i64 %stop, i64 %size) #0 {{
+entry:
+  %last = sub i64 %count, 1
+  %last_at = mul i64 %last, {array_bytes}
+  %result = getelementptr i8, ptr %arrays, i64 %last_at
+  br label %take
+take:
+  %first = atomicrmw add ptr %taken, i64 %share monotonic, align 8
+  %stop0 = add i64 %first, %share
+  %until = call i64 @llvm.smin.i64(i64 %stop0, i64 %stop)
+  %work_left = icmp slt i64 %first, %stop
+  br i1 %work_left, label %shared, label %done
+shared:
+  br label %block
+block:
+  %start = phi i64 [ %first, %shared ], [ %end, %used ]
+  %any = phi i64 [ 0, %shared ], [ %total, %used ]
+  %left = sub i64 %until, %start
+  %filled = call i64 @llvm.smin.i64(i64 %left, i64 %size)
+  br label %array
+array:
+  %k = phi i64 [ 0, %block ], [ %k1, %array ]
+  %row = phi i64 [ 0, %block ], [ %row1, %array ]
+  %at = mul i64 %k, {array_bytes}
+  %spec = getelementptr i8, ptr %arrays, i64 %at
+  %is_result = icmp eq i64 %k, %last
+  %row1 = call i64 @array(ptr %spec, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
+    i1 %is_result, i1 false)
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %count
+  br i1 %more, label %array, label %ready
+ready:
+  %up = add i64 %filled, {lanes_less_one}
+  %groups = udiv i64 %up, {lanes}
+  %byte = udiv i64 %start, 8
+  %marks = getelementptr i8, ptr %flags, i64 %byte
+  %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
+  %total = or i64 %any, %some
+  %unused = call i64 @array(ptr %result, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
+    i1 true, i1 true)
+  br label %used
+used:
+  %end = add i64 %start, %size
+  %again = icmp slt i64 %end, %until
+  br i1 %again, label %block, label %finished
+finished:
+  %was_flagged = atomicrmw or ptr %flagged, i64 %total monotonic, align 8
+  br label %take
+done:
+  ret void
+}}
+
+define i64 @share(ptr %job, i64 %me) #0 {{
+entry:
+{job}
+  %known = icmp slt i64 %me, %parts
+  br i1 %known, label %begin, label %done
+begin:
+  %room_at = mul i64 %me, %room_bytes
+  %table = getelementptr i8, ptr %rooms, i64 %room_at
+  %work = getelementptr i8, ptr %table, i64 %table_bytes
+  %taken = getelementptr i64, ptr %common, i64 1
+  br label %part
+part:
+  %k = phi i64 [ 0, %begin ], [ %k1, %part ]
+  %turn = add i64 %me, %k
+  %this = urem i64 %turn, %parts
+  %next = add i64 %this, 1
+  %end = mul i64 %next, %each
+  %stop = call i64 @llvm.smin.i64(i64 %end, i64 %samples)
+  %taken_here = getelementptr i64, ptr %taken, i64 %this
+  call void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags, ptr %common,
+    ptr %taken_here, i64 %step, i64 %stop, i64 %size)
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %parts
+  br i1 %more, label %part, label %done
+done:
+  ret i64 0
+}}
+declare i64 @llvm.smin.i64(i64, i64)
+attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+"""
+
+
+def driver(scalar: str, lanes: int) -> str:
+    """The LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job of `robodyn.programs.run.llvm.team`.
+
+    Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over samples in blocks of `size`, a
+    multiple of 16. The `samples` are in `parts` of `each`. A thread takes the next `step` samples of its own part, a
+    multiple of `size`, until none is left, then of the others': none depends on another that began late. `common` is a
+    number that is not 0 in the end if any sample is flagged, and after it the next sample of each part.
+    Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
+    are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there.
+
+    Args:
+        scalar: "double" or "float".
+        lanes: samples in a group.
+    """
+    return TEXT.format(
+        job="\n".join(_field(k, name) for k, name in enumerate(JOB) if name != "share"),
+        scalar=scalar,
+        suffix=SUFFIXES[scalar],
+        bytes=BYTES[scalar],
+        lanes=lanes,
+        lanes_less_one=lanes - 1,
+        array_bytes=8 * len(FIELDS),
+        vector=f"<{lanes} x {scalar}>",
+        integers=f"<{lanes} x i64>",
+        pointers=f"<{lanes} x ptr>",
+        mask=f"<{lanes} x i1>",
+        numbers=f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
+    )
+
+
+def _field(k: int, name: str) -> str:
+    """Loads one of what a job is."""
+    kind = "ptr" if name in POINTERS else "i64"
+    return f"  %{name}_at = getelementptr i64, ptr %job, i64 {k}\n  %{name} = load {kind}, ptr %{name}_at"

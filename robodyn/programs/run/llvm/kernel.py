@@ -1,0 +1,158 @@
+"""A program as one LLVM function: a loop over groups of samples, the whole program in its body."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from robodyn.programs.program import Program
+from robodyn.programs.run.llvm.code import BYTES, Code
+from robodyn.programs.run.llvm.functions import LARGEST_QUARTER, exponential, reduced, sign, sine_and_cosine
+from robodyn.programs.run.llvm.fusion import fused_products
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+
+TWO = {ADD: "fadd", SUB: "fsub", MUL: "fmul", DIV: "fdiv"}
+ONE: dict[str, Callable[[Code, str], str]] = {
+    NEG: Code.neg,
+    SQRT: lambda code, x: code.call("sqrt", x),
+    EXP: exponential,
+    SIGN: sign,
+}
+
+PART = 500
+"""Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
+
+AHEAD = 512
+"""Bytes from the numbers in use to those called for: a processor follows some tens of columns, a robot has more."""
+
+FRAME = """\
+declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
+{declared}
+define i64 @kernel(ptr noalias readonly %rows, ptr noalias writeonly %flags, i64 %groups) #0 {{
+entry:
+  br label %loop
+loop:
+  %i = phi i64 [ 0, %entry ], [ %next, %end ]
+  %any = phi i64 [ 0, %entry ], [ %some, %end ]
+  %o = mul i64 %i, {lanes}
+{body}
+  br label %end
+end:
+  %next = add i64 %i, 1
+  %more = icmp ult i64 %next, %groups
+  br i1 %more, label %loop, label %done
+done:
+  ret i64 %some
+}}
+attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+!0 = !{{}}
+"""
+
+
+def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True) -> str:
+    """The LLVM IR of `i64 kernel(rows, flags, groups)`.
+
+    `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
+    `groups * lanes` numbers. No output may overlap an input. Bit k of the flags of group i is set where an angle of its
+    sample k is too large to be reduced accurately, or is not finite; the function returns 0 where no flag is set.
+
+    Args:
+        first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
+        scalar: "double" or "float".
+        lanes: samples in a group: 8 or 16.
+        fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.fusion`.
+    """
+    writer = _Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
+    return FRAME.format(
+        declared="\n".join(sorted(writer.code.declared)),
+        lanes=lanes,
+        body="\n".join(writer.code.lines),
+    )
+
+
+class _Writer:
+    """Writes the body of the loop; an operand is the register that holds it, or a constant."""
+
+    def __init__(self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int]) -> None:
+        self.program, self.first_row, self.code, self.fused = program, first_row, code, fused
+        self.values: list[str] = []
+        self.angles: dict[int, tuple[str, str]] = {}
+        self.quarters: list[str] = []
+        self.parts = 0
+        homes: dict[int, list[int]] = defaultdict(list)
+        for place, position in enumerate(program.outputs):
+            homes[position].append(first_row[""] + place)
+        products = set(self.fused.values())
+        for k, (op, a, b) in enumerate(program.operations):
+            self.values.append("" if k in products else self._value(k, op, a, b))
+            for row in homes[k]:
+                address = self._address(row, 1)
+                code.do(f"store {code.vector} {self.values[k]}, ptr {address}, align {BYTES[code.scalar]}")
+                self._divide()
+            self._divide()
+        self._flags()
+
+    def _divide(self) -> None:
+        """Begins a basic block where the last one is long enough."""
+        lines = self.code.lines
+        if len(lines) > PART * (self.parts + 1):
+            self.parts += 1
+            lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
+
+    def _address(self, row: int, writes: int) -> str:
+        """Where a column's numbers of this group lie; those that follow are called for."""
+        place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {row}")
+        column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
+        here = self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
+        ahead = self.code.new(f"getelementptr i8, ptr {here}, i64 {AHEAD}")
+        self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 3, i32 1)")
+        return here
+
+    def _value(self, k: int, op: str, a: Any, b: Any) -> str:
+        code = self.code
+        if op is INPUT:
+            address = self._address(self.first_row[a] + b, 0)
+            return code.new(f"load {code.vector}, ptr {address}, align {BYTES[code.scalar]}, !invariant.load !0")
+        if op is CONSTANT:
+            return code.constant(a)
+        if k in self.fused:
+            return self._sum(op, a, b, self.fused[k])
+        if op is SIN or op is COS:
+            return self._angle(a)[op is COS]
+        if op in TWO:
+            return code.two(TWO[op], self.values[a], self.values[b])
+        return ONE[op](code, self.values[a])
+
+    def _sum(self, op: str, a: int, b: int, product: int) -> str:
+        """x y + z, x y - z or z - x y."""
+        code = self.code
+        _, i, j = self.program.operations[product]
+        x, y = self.values[i], self.values[j]
+        if a == product:
+            z = self.values[b]
+            return code.fma(x, y, z if op is ADD else code.neg(z))
+        return code.fma(x if op is ADD else code.neg(x), y, self.values[a])
+
+    def _angle(self, argument: int) -> tuple[str, str]:
+        if argument not in self.angles:
+            angle = reduced(self.code, self.values[argument])
+            self.quarters.append(angle.quarters)
+            self.angles[argument] = sine_and_cosine(self.code, angle)
+        return self.angles[argument]
+
+    def _flags(self) -> None:
+        """A byte of flags per 8 samples: the sum of the squares of all quarter turns exceeds that of the largest."""
+        code, wide = self.code, self.code.doubles()
+        if not self.quarters:
+            code.lines.append("  %some = or i64 %any, 0")
+            return
+        total = wide.two("fmul", self.quarters[0], self.quarters[0])
+        for quarters in self.quarters[1:]:
+            total = wide.fma(quarters, quarters, total)
+        mask = wide.compare("ugt", total, wide.constant(LARGEST_QUARTER**2))
+        packed = code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
+        address = code.new(f"getelementptr i{code.lanes}, ptr %flags, i64 %i")
+        code.do(f"store i{code.lanes} {packed}, ptr {address}, align 1")
+        whole = code.new(f"zext i{code.lanes} {packed} to i64")
+        code.lines.append(f"  %some = or i64 %any, {whole}")

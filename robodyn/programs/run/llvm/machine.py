@@ -1,0 +1,147 @@
+"""The machine that code is made for, and the way from LLVM IR to machine code and to functions in memory."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from functools import cache
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from robodyn.errors import InputError
+from robodyn.support.wording import alternatives
+
+NATIVE = "native"
+_V2 = ("cx16", "popcnt", "sahf", "sse3", "sse4.1", "sse4.2", "ssse3")
+_V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
+_V4 = (*_V3, "avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl")
+LEVELS = {"x86-64-v2": _V2, "x86-64-v3": _V3, "x86-64-v4": _V4}
+"""The levels of x86-64 processors, which LLVM knows by these names, and what each can do beyond the first."""
+
+
+class Host(NamedTuple):
+    """What machine code depends on.
+
+    Attributes:
+        cpu: its name to LLVM.
+        features: "+avx2,-avx512f,..." as LLVM writes them.
+        llvmlite, llvm: the versions of the compiler and of its binding.
+    """
+
+    triple: str
+    cpu: str
+    features: str
+    llvmlite: str
+    llvm: tuple[int, ...]
+
+    @property
+    def fused(self) -> bool:
+        """Whether the processor multiplies and adds in one instruction."""
+        return "+fma," in self.features + "," or self.triple.startswith(("aarch64", "arm64"))
+
+
+@cache
+def host() -> Host:
+    """Return this machine, or what `ROBODYN_CPU` names in its place.
+
+    Raises:
+        ImportError, OSError, RuntimeError: llvmlite is not installed or does not load, or does not know the processor.
+        InputError: there is no such processor, or code for it would not run on this one.
+    """
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features()
+    versions = llvmlite.__version__, tuple(llvm.llvm_version_info)
+    here = Host(llvm.get_process_triple(), llvm.get_host_cpu_name(), features.flatten(), *versions)
+    level = _level(here.triple)
+    if level == NATIVE:
+        return here
+    missing = [name for name in LEVELS[level] if not features.get(name)]
+    if missing:
+        what = f"ROBODYN_CPU: {level} has {', '.join(missing)}, which this processor ({here.cpu}) has not"
+        raise InputError(what, remedy="choose a lower level, or leave it unset")
+    return here._replace(cpu=level, features=",".join(f"+{name}" for name in LEVELS[level]))
+
+
+def _level(triple: str) -> str:
+    """What ROBODYN_CPU names."""
+    level = os.environ.get("ROBODYN_CPU") or NATIVE
+    known = [NATIVE, *(LEVELS if triple.startswith("x86_64") else ())]
+    if level not in known:
+        remedy = alternatives(level, known, "processors")
+        raise InputError(f"ROBODYN_CPU: there is no processor {level!r}", remedy=remedy)
+    return level
+
+
+class Compiler(NamedTuple):
+    """Whether machine code can be made here.
+
+    Attributes:
+        problem: why not, with a remedy; None if it can.
+        start: seconds that the import took; None if it was imported before.
+    """
+
+    problem: str | None
+    start: float | None
+
+
+@cache
+def compiler() -> Compiler:
+    """The compiler, imported if it can be."""
+    start = None if "llvmlite.binding" in sys.modules else perf_counter()
+    try:
+        here = host()
+    except (ImportError, OSError, RuntimeError) as error:
+        missing = getattr(error, "name", None) == "llvmlite"
+        reason = "llvmlite is not installed" if missing else f"llvmlite does not load ({one_line(error)})"
+        return Compiler(f"{reason}; pip install llvmlite", None)
+    if not here.fused:
+        return Compiler(f"the processor ({here.cpu}) has no fused multiply-add", None)
+    return Compiler(None, None if start is None else perf_counter() - start)
+
+
+def one_line(error: Exception) -> str:
+    """The beginning of what an error says."""
+    return str(error).partition("\n")[0][:120] or type(error).__name__
+
+
+def _target_machine() -> Any:
+    """Code that reaches its constants by short distances: instructions take them from memory as they are."""
+    import llvmlite.binding as llvm
+
+    here = host()
+    target = llvm.Target.from_triple(here.triple)
+    return target.create_target_machine(
+        cpu=here.cpu, features=here.features, opt=1, codemodel="small", jit=True, reloc="default"
+    )
+
+
+def machine_code(ir: str) -> bytes:
+    """The object file of a module of LLVM IR."""
+    import llvmlite.binding as llvm
+
+    return bytes(_target_machine().emit_object(llvm.parse_assembly(ir)))
+
+
+class Function:
+    """A function of an object file that returns 64 bits, in memory for as long as this lives."""
+
+    def __init__(self, code: bytes, name: str, *arguments: Any) -> None:
+        """Args: arguments: ctypes types of its arguments."""
+        import llvmlite.binding as llvm
+
+        host()
+        # llvmlite's own memory manager keeps code and constants within these short distances.
+        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine(), use_lmm=True)
+        self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        self._engine.finalize_object()
+        self.address = int(self._engine.get_function_address(name))
+        self._call = ctypes.CFUNCTYPE(ctypes.c_int64, *arguments)(self.address)
+
+    def __call__(self, *arguments: int) -> int:
+        """Calls it, without Python's lock."""
+        return int(self._call(*arguments))

@@ -1,0 +1,111 @@
+"""The `multiprecision` executor: a program with as many digits as asked, for reference values."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError
+from robodyn.programs.program import Program
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+
+DOUBLE_BITS = 1024
+"""A double is less than 2 to this power."""
+
+
+class Multiprecision:
+    """A program made ready to run in mpmath's arithmetic.
+
+    What it does where a real number has no answer is what IEEE 754 does, and nothing raises: x / 0 is inf with the sign
+    of x (a zero has no sign here), 0 / 0 and the square root of a negative number are nan, and nan and inf in the
+    inputs go on as they do through doubles. A sum, product or quotient never overflows or underflows. The sine and
+    cosine of a number of 2^1024 or more are nan and its exponential is inf or 0, as of a double that has overflowed.
+
+    Attributes:
+        context: the mpmath context of every result, this object's own, so that `mpmath.mp` is neither read nor changed.
+    """
+
+    def __init__(self, program: Program, *, digits: int = 50) -> None:
+        """Args: digits: decimal digits that every operation works with, at least 1.
+
+        Raises:
+            InputError: mpmath is not installed, or `digits` is less than 1.
+        """
+        self.program = program
+        self.context = context_of(digits)
+        self._functions = _functions(self.context)
+
+    def __call__(self, sources: Mapping[str, Any], samples: int) -> NDArray[np.object_]:
+        """The outputs of the program for every sample.
+
+        Args:
+            sources: for each source an array (samples, columns) of floats or mpmath numbers, each taken as the exact
+                number that it is, however many digits that has.
+            samples: how many.
+
+        Returns:
+            (samples, outputs) of `mpmath.mpf`; `.astype(float)` rounds them to doubles.
+
+        Accuracy: each operation is right to 10^(1 - digits) of its result. These are working digits: a program that
+        cancels loses some of them. The digits that two runs with different `digits` share are those to be trusted.
+        """
+        convert, functions = self.context.convert, self._functions
+        result = np.empty((samples, len(self.program.outputs)), dtype=object)
+        for row in range(samples):
+            values: list[Any] = []
+            for op, a, b in self.program.operations:
+                if op is INPUT:
+                    values.append(convert(sources[a][row][b]))
+                elif op is CONSTANT:
+                    values.append(convert(a))
+                elif b is None:
+                    values.append(functions[op](values[a]))
+                else:
+                    values.append(functions[op](values[a], values[b]))
+            result[row] = [values[k] for k in self.program.outputs]
+        return result
+
+
+def context_of(digits: int) -> Any:
+    try:
+        import mpmath
+    except ImportError:
+        raise InputError(
+            "arithmetic with more digits than a double holds needs mpmath, which is not installed",
+            remedy='pip install "robodyn[exact]"',
+        ) from None
+    if digits < 1:
+        raise InputError(f"{digits} digits hold no number", remedy="ask for 1 or more")
+    context = mpmath.MPContext()
+    context.dps = digits
+    return context
+
+
+def _functions(context: Any) -> dict[str, Callable[..., Any]]:
+    """Each operation on numbers of `context`."""
+
+    def divided(a: Any, b: Any) -> Any:
+        return a / b if b else a * context.inf
+
+    def root(x: Any) -> Any:
+        return context.nan if x < 0 else context.sqrt(x)
+
+    def within_doubles(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        return lambda x: function(x if context.mag(x) <= DOUBLE_BITS else x * context.inf)
+
+    return {
+        ADD: operator.add,
+        SUB: operator.sub,
+        MUL: operator.mul,
+        DIV: divided,
+        NEG: operator.neg,
+        SQRT: root,
+        SIN: within_doubles(context.sin),
+        COS: within_doubles(context.cos),
+        SIGN: context.sign,
+        EXP: within_doubles(context.exp),
+    }

@@ -1,0 +1,168 @@
+"""A program ready to run on arrays, by the executor that suits the work."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from functools import cache
+from threading import Lock
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.errors import InputError, RobodynWarning
+from robodyn.programs.program import Program
+from robodyn.programs.run.choice import EXECUTORS, Choice, Work, choice
+from robodyn.programs.run.llvm.machine import compiler, one_line
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.support.wording import alternatives
+from robodyn.support.workers import cores
+
+if TYPE_CHECKING:
+    from robodyn.programs.run.compiled_blocks import CompiledBlocks
+
+PAIRS = "double-double"
+"""The name of an executor that is never chosen by itself."""
+
+
+class Run(NamedTuple):
+    """What a call of a runner yields.
+
+    Attributes:
+        values: (samples, outputs).
+        choice: the executor that computed them, and why it was chosen.
+    """
+
+    values: NDArray[Any]
+    choice: Choice
+
+
+class Runner:
+    """Runs a program on arrays of samples, for any number of threads at a time.
+
+    Results of the executors differ by rounding. `auto` takes the one that suits the samples that are `expected`, which
+    is always the same one for the same work. Where none are, it begins with NumPy and turns to machine code as soon as
+    that would have been quicker for all samples so far: name an executor where such runs must agree to the bit.
+    """
+
+    def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
+        """Args: widths: how many columns the array of each source will have."""
+        self.program, self.widths = program, dict(widths)
+        self._numpy: dict[type, NumpyBlocks] = {}
+        self._compiled: dict[type, CompiledBlocks] = {}
+        self._problem: str | None = None
+        self._samples = self._runs = self._blocks = 0
+        self._counting, self._making = Lock(), Lock()
+
+    def __call__(self, sources: Mapping[str, NDArray[Any]], samples: int, *given: Any, **options: Any) -> NDArray[Any]:
+        """Return the values of `run` with the same arguments."""
+        return self.run(sources, samples, *given, **options).values
+
+    def run(
+        self,
+        sources: Mapping[str, NDArray[Any]],
+        samples: int,
+        out: NDArray[Any] | None = None,
+        *,
+        executor: str = "auto",
+        threads: int | None = None,
+        expected: int = 0,
+        dtype: Any = np.float64,
+    ) -> Run:
+        """Return the outputs of the program for every sample, and what computed them.
+
+        Args:
+            sources: for each source an array (samples, columns), in any layout.
+            samples: how many.
+            out: (samples, outputs) of `dtype`, written to if given.
+            executor: "auto", "numpy", "compiled", or "double-double" (1e-30, some 100 times slower than "numpy").
+            threads: of the compiled executor; None is all cores.
+            expected: samples of the whole work that this run is a part of; 0 if they are not known.
+            dtype: float64 or float32: of inputs, results and all operations.
+
+        Returns:
+            Of the values each column is contiguous where `out` is not given.
+
+        Raises:
+            InputError: no such executor, or the compiled one cannot run here.
+
+        Accuracy: as `NumpyBlocks` and `CompiledBlocks`.
+        """
+        kind, workers = np.dtype(dtype).type, cores(threads)
+        if executor == PAIRS:
+            return Run(self._in_pairs(sources, samples, out), Choice(PAIRS, "as asked"))
+        chosen = self._chosen(executor, kind, samples, expected)
+        if chosen.executor == "compiled":
+            return Run(self._compiled[kind](sources, samples, out, workers), chosen)
+        by_numpy = self._by_numpy(kind)
+        with self._counting:
+            self._samples += samples
+            self._runs += 1
+            self._blocks += -(-samples // by_numpy.block)
+        return Run(by_numpy(sources, samples, out), chosen)
+
+    def _in_pairs(self, sources: Mapping[str, NDArray[Any]], samples: int, out: NDArray[Any] | None) -> NDArray[Any]:
+        """The high parts of the results, which are the results rounded once."""
+        from robodyn.programs.run.double_double import DoubleDouble
+
+        high: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high
+        if out is None:
+            return high
+        out[...] = high
+        return out
+
+    def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> Choice:
+        """The executor to use, which is ready."""
+        if executor not in EXECUTORS:
+            remedy = alternatives(str(executor), EXECUTORS, "executors")
+            raise InputError(f"there is no executor {executor!r}", remedy=remedy)
+        asked = Choice(executor, "as asked")
+        found = self._choice(kind, samples, expected) if executor == "auto" else asked
+        if found.executor == "compiled" and (problem := self._made(kind)):
+            if executor == "compiled":
+                raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
+            self._problem = problem
+            _say(f"large work goes without machine code, tens of times slower: {problem}")
+            return Choice("numpy", problem)
+        return found
+
+    def _choice(self, kind: type, samples: int, expected: int) -> Choice:
+        """The executor that suits the work: all that is expected, or all so far."""
+        if self._problem:
+            return Choice("numpy", self._problem)
+        size, block = self.program.size, self._by_numpy(kind).block
+        if expected:
+            return choice(Work(size, expected, 1, -(-expected // block)))
+        if kind in self._compiled:
+            return Choice("compiled", "its machine code is ready")
+        with self._counting:
+            work = Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block))
+        return choice(work)
+
+    def _by_numpy(self, kind: type) -> NumpyBlocks:
+        if kind not in self._numpy:
+            self._numpy[kind] = NumpyBlocks(self.program, self.widths, kind)
+        return self._numpy[kind]
+
+    def _made(self, kind: type) -> str | None:
+        """Makes the compiled executor unless it is there already; what stands against it."""
+        if kind in self._compiled:
+            return None
+        if problem := compiler().problem:
+            return problem
+        from robodyn.programs.run.compiled_blocks import CompiledBlocks
+
+        with self._making:
+            if kind not in self._compiled:
+                try:
+                    self._compiled[kind] = CompiledBlocks(self.program, self.widths, kind)
+                except (OSError, RuntimeError) as error:
+                    return f"LLVM fails on this program ({one_line(error)})"
+        return None
+
+
+@cache
+def _say(what: str) -> None:
+    """A warning, once."""
+    warnings.warn(what, RobodynWarning, stacklevel=2)

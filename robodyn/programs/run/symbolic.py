@@ -1,0 +1,79 @@
+"""The `symbolic` executor: a program as SymPy expressions, one operation after another, nothing simplified."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from decimal import Decimal
+from typing import Any
+
+from robodyn.errors import InputError
+from robodyn.programs.program import Program
+from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+
+DIGITS = 10
+"""Decimals of up to so many digits count as short."""
+
+
+def expressions(program: Program, symbols: Mapping[tuple[str, int], Any]) -> list[Any]:
+    """The outputs of a program as SymPy expressions of its inputs.
+
+    Args:
+        symbols: for each (source, column) that the program uses a symbol or any other expression.
+
+    Returns:
+        One expression per output; its constants are those of `number`.
+
+    Raises:
+        InputError: SymPy is not installed.
+    """
+    functions = operations()
+    values: list[Any] = []
+    for op, a, b in program.operations:
+        if op is INPUT:
+            values.append(symbols[a, b])
+        elif op is CONSTANT:
+            values.append(number(a))
+        else:
+            values.append(functions[op](*(values[k] for k in (a, b) if k is not None)))
+    return [values[k] for k in program.outputs]
+
+
+def number(value: float) -> Any:
+    """A SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
+    sympy = module()
+    text = repr(float(value))
+    if len(Decimal(text).normalize().as_tuple().digits) <= DIGITS:
+        return sympy.Rational(text)
+    return sympy.Float(float(value), 17)
+
+
+def operations() -> dict[str, Callable[..., Any]]:
+    """Each operation on SymPy expressions."""
+    sympy = module()
+    return {
+        ADD: sympy.Add,
+        MUL: sympy.Mul,
+        SUB: lambda a, b: a - b,
+        DIV: lambda a, b: a / b,
+        NEG: lambda a: -a,
+        SQRT: sympy.sqrt,
+        SIN: sympy.sin,
+        COS: sympy.cos,
+        SIGN: sympy.sign,
+        EXP: sympy.exp,
+    }
+
+
+def module() -> Any:
+    """SymPy.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import sympy
+    except ImportError:
+        raise InputError(
+            "closed forms need SymPy, which is not installed", remedy='pip install "robodyn[symbolic]"'
+        ) from None
+    return sympy

@@ -1,0 +1,1 @@
+"""Pictures of robots and links by their visual shapes."""

@@ -1,0 +1,133 @@
+"""A configuration of a robot: values of its coordinates, and where its links then are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robodyn.errors import InputError
+from robodyn.programs.vectors import narrowed
+from robodyn.robot.kinematics import REST, motions
+from robodyn.robot.model import Frame, Joint, Model
+from robodyn.robot.poses import Pose, poses
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.wording import alternatives, listed, shown
+
+Values = Sequence[float] | Mapping[str, float]
+
+_ATTITUDE = (0.0, 0.0, 0.0, 1.0)
+
+
+def coordinates(model: Model) -> tuple[str, ...]:
+    """Names of the coordinates that place the links in the base's frame: all but those of a base that moves."""
+    return model.coordinates[7 if model.floating else 0 :]
+
+
+def configuration(model: Model, values: Values = ()) -> Floats:
+    """The q of a configuration; coordinates that are not given are zero, a floating joint at its place.
+
+    Args:
+        values: of all `coordinates` in their order, or of some by name [rad or m].
+
+    Raises:
+        InputError: there are more or fewer values than coordinates, a name is none, or a quaternion is zero.
+    """
+    q = np.zeros(model.nq)
+    for joint in model.independent:
+        if joint.kind == "floating":
+            q[joint.coordinate + 3 : joint.coordinate + 7] = _ATTITUDE
+    place = {name: k for k, name in enumerate(model.coordinates)}
+    for name, value in named(model, values, coordinates(model)).items():
+        q[place[name]] = value
+    _check_attitudes(model, q)
+    return q
+
+
+def rates(model: Model, values: Values = ()) -> Floats:
+    """The velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
+
+    Args:
+        values: of all joints in the order of `model.rates`, or of some by name [rad or m, per s or s^2].
+
+    Raises:
+        InputError: there are more or fewer values than joints move, or a name is none.
+    """
+    given = named(model, values, model.rates[6 if model.floating else 0 :])
+    return np.array([given.get(name, 0.0) for name in model.rates])
+
+
+def named(model: Model, values: Values, names: tuple[str, ...]) -> Mapping[str, float]:
+    """Return values by name, given in the order of these names, or some by name already.
+
+    Raises:
+        InputError: there are more or fewer values than names, or a name is none.
+    """
+    if not isinstance(values, Mapping):
+        values = _by_order(model, names, values)
+    for name in values:
+        if name not in names:
+            raise InputError(f"no joint {shown(name)} to set", remedy=_instead(model, name, names), file=model.file)
+    return values
+
+
+def _by_order(model: Model, names: tuple[str, ...], values: Sequence[float]) -> dict[str, float]:
+    if not len(values):
+        return {}
+    if len(values) != len(names):
+        what = f"{len(values)} value{'' if len(values) == 1 else 's'} for {len(names)} coordinates"
+        raise InputError(what, remedy=f"in the order: {listed(names)}" if names else "no joint moves", file=model.file)
+    return dict(zip(names, values, strict=True))
+
+
+def _instead(model: Model, name: str, names: tuple[str, ...]) -> str:
+    for body in model.bodies:
+        if body.joint.name == name and body.joint.mimics is not None:
+            return f"it follows {shown(body.joint.mimics)}"
+    return alternatives(name, names, "joints")
+
+
+def _check_attitudes(model: Model, q: Floats) -> None:
+    for joint in model.independent:
+        if joint.kind == "floating" and not q[joint.coordinate + 3 : joint.coordinate + 7].any():
+            raise InputError(f"the quaternion of joint {shown(joint.name)} is zero", remedy="give four numbers, w last")
+
+
+def beyond_limits(model: Model, q: Floats) -> tuple[str, ...]:
+    """What is outside its limits, mimic joints included, in words."""
+    found = []
+    for body in model.bodies:
+        joint = body.joint
+        if joint.kind in ("revolute", "prismatic"):
+            value = joint.multiplier * float(q[joint.coordinate]) + joint.offset
+            found += _beyond(joint, value)
+    return tuple(found)
+
+
+def _beyond(joint: Joint, value: float) -> list[str]:
+    unit = "m" if joint.kind == "prismatic" else "rad"
+    out = []
+    for name, limit, outside in (("lower", joint.lower, -1), ("upper", joint.upper, 1)):
+        if limit is not None and outside * (value - limit) > 0:
+            side = "below" if outside < 0 else "above"
+            out.append(f"joint {shown(joint.name)} at {value:.6g} {unit} is {side} its {name} limit {limit:.6g}")
+    return out
+
+
+def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
+    """Rotation and origin of every link's frame in the frame of the base, wherever the base is.
+
+    Accuracy: 4 eps for each joint between, of rotations and of the robot's size.
+    """
+    bodies = body_poses(model, q)
+    return {name: _placed(bodies[frame.body], frame) for name, frame in model.links.items()}
+
+
+def body_poses(model: Model, q: Floats) -> list[Pose]:
+    """Rotation and origin of every body's frame in the frame of the base; see `link_poses`."""
+    still = [0.0] * model.n
+    return poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
+
+
+def _placed(body: Pose, frame: Frame) -> Pose:
+    return Pose(narrowed(body.R @ frame.R), narrowed(body.p + body.R @ frame.p))

@@ -1,0 +1,159 @@
+"""Limits of joints: which of them a motion can be held against, and what is beyond them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.support.doubts import Doubt
+from robodyn.support.ties import BEYOND
+
+if TYPE_CHECKING:
+    from robodyn.robot.model import Joint, Model
+
+Floats = NDArray[np.float64]
+Quantity = Literal["effort", "velocity", "position"]
+
+MOST_EFFORT, MOST_VELOCITY = 1e5, 1e4
+"""Limits of effort [N m, N] and velocity [rad/s, m/s] from which on a number stands for "none"."""
+
+
+@dataclass(frozen=True)
+class Excess:
+    """A limit of the description that the motion exceeds; effort and velocity are magnitudes.
+
+    Attributes:
+        time: when it is worst, and seconds: how long it is exceeded in all [s]; None where that is not known.
+    """
+
+    joint: str
+    quantity: Quantity
+    value: float
+    limit: float
+    unit: str
+    time: float | None = None
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Unchecked:
+    """A joint without a limit, and what the description gives instead: 0 or a huge number, which mean none; or None."""
+
+    joint: str
+    given: float | None
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Of one quantity the joints that have a limit, and those that have none."""
+
+    quantity: Quantity
+    checked: tuple[str, ...]
+    unchecked: tuple[Unchecked, ...]
+
+
+class Reached(Protocol):
+    """What a joint reaches along a motion, and its limits: the fields of `JointLoad` of these names."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def peak(self) -> float: ...
+    @property
+    def peak_time(self) -> float: ...
+    @property
+    def effort_limit(self) -> float | None: ...
+    @property
+    def seconds_over_effort(self) -> float: ...
+    @property
+    def max_speed(self) -> float: ...
+    @property
+    def max_speed_time(self) -> float: ...
+    @property
+    def velocity_limit(self) -> float | None: ...
+    @property
+    def seconds_over_velocity(self) -> float: ...
+
+
+def binding(limit: float | None) -> float | None:
+    """Return a limit of effort or velocity, None where there is none: by the practice of URDF 0 means none."""
+    return limit if limit is not None and limit > 0.0 else None
+
+
+def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
+    """Return which joints have limits of effort, velocity and position.
+
+    Limits from MOST_EFFORT and MOST_VELOCITY on limit nothing. A continuous joint needs no limit of position.
+    """
+    moving = [joint for joint in joints if joint.kind in ("revolute", "prismatic")]
+    ranged = [joint for joint in moving if not joint.continuous]
+    return (
+        _split("effort", moving, lambda joint: joint.effort, MOST_EFFORT),
+        _split("velocity", moving, lambda joint: joint.velocity, MOST_VELOCITY),
+        Coverage(
+            "position",
+            tuple(joint.name for joint in ranged if _ends(joint)),
+            tuple(Unchecked(joint.name, None) for joint in ranged if not _ends(joint)),
+        ),
+    )
+
+
+def reached_beyond(joint: Reached) -> list[Excess]:
+    """Return the limits of effort and velocity that a joint exceeds."""
+    speed, out = "rad/s" if joint.unit == "N m" else "m/s", []
+    if joint.effort_limit is not None and abs(joint.peak) > BEYOND * joint.effort_limit:
+        when = (joint.peak_time, joint.seconds_over_effort)
+        out.append(Excess(joint.name, "effort", abs(joint.peak), joint.effort_limit, joint.unit, *when))
+    if joint.velocity_limit is not None and abs(joint.max_speed) > BEYOND * joint.velocity_limit:
+        when = (joint.max_speed_time, joint.seconds_over_velocity)
+        out.append(Excess(joint.name, "velocity", abs(joint.max_speed), joint.velocity_limit, speed, *when))
+    return out
+
+
+def coordinate_ranges(model: Model) -> tuple[Floats, Floats]:
+    """Return between which values of each coordinate all joints that it moves are within their limits.
+
+    Returns:
+        (nq,) least and largest [rad or m], -inf and inf where there is no limit; least > largest where limits of a
+        joint and of one that mimics it exclude each other, or are the wrong way round.
+    """
+    least, largest = np.full(model.nq, -np.inf), np.full(model.nq, np.inf)
+    for body in model.bodies:
+        joint, k = body.joint, body.joint.coordinate
+        if joint.kind in ("revolute", "prismatic") and joint.multiplier:
+            ends = [
+                np.inf * sign if limit is None else (limit - joint.offset) / joint.multiplier
+                for limit, sign in ((joint.lower, -joint.multiplier), (joint.upper, joint.multiplier))
+            ]
+            lower, upper = ends if joint.multiplier > 0.0 else ends[::-1]
+            least[k], largest[k] = max(least[k], lower), min(largest[k], upper)
+    return least, largest
+
+
+def within(exceeded: bool, limits: Sequence[Coverage], doubts: Sequence[Doubt]) -> bool | None:
+    """Return False if a limit is exceeded; None if some could not be checked or something is in doubt; else True."""
+    if exceeded:
+        return False
+    return None if doubts or any(each.unchecked for each in limits) else True
+
+
+def _ends(joint: Joint) -> bool:
+    return joint.lower is not None and joint.upper is not None
+
+
+def _split(
+    quantity: Quantity, joints: Sequence[Joint], given: Callable[[Joint], float | None], most: float
+) -> Coverage:
+    limits = [(joint.name, given(joint)) for joint in joints]
+    checked = {name for name, limit in limits if (bound := binding(limit)) is not None and bound < most}
+    return Coverage(
+        quantity,
+        tuple(name for name, _ in limits if name in checked),
+        tuple(Unchecked(name, limit) for name, limit in limits if name not in checked),
+    )

@@ -1,0 +1,1 @@
+"""Masses of links: what a description declares against what its shapes have."""

@@ -1,0 +1,165 @@
+"""What a description declares of its links against what their shapes make of the same mass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from robodyn.errors import InputError, MeshError, RobodynError
+from robodyn.programs.vectors import length
+from robodyn.robot.masses.declared import LinkInertia, declared
+from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
+from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
+from robodyn.robot.masses.slips import relative, slip
+from robodyn.robot.urdf.description import Description, Link
+from robodyn.robot.urdf.geometry import Kind, Shape, link_shapes
+from robodyn.solids.inertia.box_bound import box_bound
+from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.validity import PRINTED
+from robodyn.support.ties import ranked
+
+UNCERTAIN = 1e-12
+"""Relative differences below this are none: rounding makes them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """How far declared properties are from those of the shapes at the same mass.
+
+    Attributes:
+        body: of the shapes, at the declared mass, in the link's frame.
+        density: that the declared mass gives the shapes [kg/m^3].
+        distance: of the centres of mass [m]; offset: (3,) from that of the shapes to the declared one.
+        ratios: (3,) of declared to shapes' principal moments, both ascending.
+        inertia: |I_declared - I_shapes| / |I_shapes| about the centres of mass, in Frobenius' norm.
+        room: the most by which the declared spread exceeds what any mass inside the box around the shapes can have;
+            above 1 no distribution of mass inside them is possible; see `box_bound`.
+        slip: what explains the difference, if anything does; see `robodyn.robot.masses.slips`.
+        shapes: with remarks on them.
+    """
+
+    body: MassProperties
+    density: float
+    offset: Floats
+    ratios: Floats
+    inertia: float
+    room: float
+    slip: tuple[str, ...]
+    shapes: ShapesInertia
+
+    @property
+    def distance(self) -> float:
+        return length(self.offset)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkComparison:
+    """One link: what it declares, and the difference to its shapes or the reason why there is none."""
+
+    name: str
+    line: int
+    shapes: tuple[Shape, ...]
+    declared: LinkInertia | None
+    difference: Difference | None
+    reason: str | None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is impossible, and what is doubtful about the meshes."""
+        found = () if self.declared is None else self.declared.faults
+        if self.difference is None:
+            return found
+        difference = self.difference
+        return found + _impossible(difference.room) + difference.slip + difference.shapes.remarks
+
+
+def _impossible(room: float) -> tuple[str, ...]:
+    if room <= 1 + PRINTED:
+        return ()
+    if room == np.inf:
+        return ("the centre of mass lies outside the box around the shapes",)
+    return (f"spread over {room:.3g} times what any mass inside the box around the shapes can be",)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The links of a robot that have mass or shapes, the most different first, those that were not compared last.
+
+    Links that differ equally, or by no more than rounding, stand in the order of the description.
+    """
+
+    name: str
+    file: str
+    kind: Kind
+    links: tuple[LinkComparison, ...]
+
+
+def compare(description: Description, kind: Kind = "visual", reading: Reading | None = None) -> Comparison:
+    """Declared against shape-derived mass properties, link by link; shapes have one density per link, by the mass.
+
+    Args:
+        kind: which shapes, "visual" or "collision".
+        reading: how the meshes are read.
+    """
+    shapes = {link.name: link_shapes(description, link.name, kind) for link in description.links}
+    wanted = [link for link in description.links if link.inertial or shapes[link.name]]
+    files = [file for link in wanted if link.inertial for shape in shapes[link.name] if (file := mesh_file(shape))]
+    meshes = (reading or Reading({})).parts(files)
+    links = [_compared(description, link, kind, shapes[link.name], meshes) for link in wanted]
+    return Comparison(description.name, description.file, kind, tuple(ranked(links, _rank, UNCERTAIN)))
+
+
+def _rank(link: LinkComparison) -> float:
+    return -1.0 if link.difference is None else link.difference.inertia
+
+
+def _compared(
+    description: Description, link: Link, kind: Kind, shapes: tuple[Shape, ...], meshes: Mapping[MeshFile, Outcome]
+) -> LinkComparison:
+    given = declared(link)
+    difference, reason = None, None
+    if given is None:
+        reason = "no <inertial>"
+    elif not shapes:
+        reason = f"no <{kind}> shape"
+    elif not given.body.mass > 0:
+        reason = f"a mass of {given.body.mass:g} kg"
+    else:
+        try:
+            difference = _difference(given.body, shapes_inertia(description, shapes, meshes))
+        except RobodynError as error:
+            reason = _reason(error)
+    return LinkComparison(link.name, link.line, shapes, given, difference, reason)
+
+
+def _reason(error: RobodynError) -> str:
+    """Without the remedy, which is for a mesh on the command line."""
+    if isinstance(error, MeshError) and error.file is not None:
+        return f"{Path(error.file).name}: {error.what}"
+    return error.what
+
+
+def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
+    body = shapes.body.scaled_to_mass(given.mass)
+    if not (body.principal.moments > 0).all():
+        raise InputError("the shapes are too small for floats")
+    with np.errstate(over="ignore", invalid="ignore"):
+        offset, ratios = given.com - body.com, given.principal.moments / body.principal.moments
+        apart, density = relative(given.inertia, body.inertia), given.mass / float(shapes.body.volume or np.inf)
+        figures = (*ratios, apart, density, length(offset))
+    if not np.isfinite(figures).all():
+        raise InputError("the declared numbers are too large for a comparison")
+    return Difference(
+        body=body,
+        density=density,
+        offset=offset,
+        ratios=ratios,
+        inertia=apart,
+        room=box_bound(given, *shapes.box).worst,
+        slip=slip(given.inertia, body),
+        shapes=shapes,
+    )

@@ -1,0 +1,145 @@
+"""The mass properties that a description declares: of a link, and of the whole robot at a configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.errors import InputError
+from robodyn.programs.vectors import IDENTITY, ZERO
+from robodyn.robot.assemble import assemble
+from robodyn.robot.configuration import Values, beyond_limits, configuration, coordinates, link_poses
+from robodyn.robot.joints import placement
+from robodyn.robot.poses import Pose
+from robodyn.robot.urdf.description import Description, Link
+from robodyn.robot.urdf.geometry import link_named
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.properties import MassProperties, composite
+from robodyn.solids.inertia.validity import Validity, validity
+from robodyn.support.wording import shown
+
+
+@dataclass(frozen=True, eq=False)
+class LinkInertia:
+    """What is declared of one link.
+
+    Attributes:
+        name, line: of the link.
+        body: in the link's frame.
+        validity: whether a body can have these properties, with the margin.
+        pose: of the link's frame in the base's, or in itself if the link is asked for alone.
+    """
+
+    name: str
+    line: int
+    body: MassProperties
+    validity: Validity
+    pose: Pose
+
+    @property
+    def placed(self) -> MassProperties:
+        """The body in the base's frame."""
+        return self.body.placed(*self.pose)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Why no body can have these properties; nothing is asked of a link without mass and inertia."""
+        return self.validity.faults if self.body.mass or self.body.S_c.any() else ()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The faults with the place of the link."""
+        return tuple(f"link {shown(self.name)} (line {self.line}): {fault}" for fault in self.faults)
+
+
+@dataclass(frozen=True, eq=False)
+class RobotInertia:
+    """The robot as one rigid body, its joints locked.
+
+    Attributes:
+        name, file: of the description.
+        at: values of the coordinates [rad or m].
+        links: those with an <inertial>, in the order of the file.
+        massive, count: how many links have mass, and how many there are.
+        body: in the frame of the base.
+        warnings: faults of links, and coordinates beyond their limits.
+    """
+
+    name: str
+    file: str
+    at: Mapping[str, float]
+    links: tuple[LinkInertia, ...]
+    massive: int
+    count: int
+    body: MassProperties
+    warnings: tuple[str, ...]
+
+
+def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
+    """What stands in a link's <inertial>, in the link's frame: R I R^T about the origin's xyz; None without one.
+
+    Accuracy: that of `MassProperties.placed` for the rotation in floats.
+    """
+    inertial = link.inertial
+    if inertial is None:
+        return None
+    xx, xy, xz, yy, yz, zz = inertial.inertia
+    matrix = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+    body = from_inertia(inertial.mass, ZERO, matrix).placed(*placement(inertial.origin))
+    return LinkInertia(link.name, link.line, body, validity(body), pose or Pose(IDENTITY, ZERO))
+
+
+def link_inertia(description: Description, name: str) -> LinkInertia:
+    """What is declared of a link, in its own frame.
+
+    Raises:
+        InputError: there is no such link, or it has no <inertial>.
+    """
+    link = link_named(description, name)
+    found = declared(link)
+    if found is None:
+        raise InputError(
+            f"link {shown(name)} has no <inertial>",
+            remedy="--geometry takes its shapes instead",
+            file=description.file,
+            line=link.line,
+        )
+    return found
+
+
+def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
+    """All links as one rigid body in the frame of the base: the composite of their bodies at their poses.
+
+    Method: forward kinematics in floats, then the laws in fractions (see `composite`). Links that no body could be are
+    added as declared, with a warning.
+
+    Args:
+        at: values of all coordinates, or of some by name [rad or m]; the others are zero; mimic joints follow.
+
+    Raises:
+        InputError: the values do not fit, or the robot has no mass.
+
+    Accuracy: mass correctly rounded; centre of mass and inertia within 1e-14 of the robot's size and largest moment
+        for twenty joints in a row.
+    """
+    model = assemble(description)
+    q = configuration(model, at)
+    where = link_poses(model, q)
+    found = (declared(link, where[link.name]) for link in description.links if link.name in where)
+    links = tuple(link for link in found if link is not None)
+    if not description.massive:
+        raise InputError("the robot has no mass", remedy="give links an <inertial>", file=description.file)
+    body = composite((link.body, link.pose) for link in links)
+    values = dict(zip(model.coordinates, q.tolist(), strict=True))
+    return RobotInertia(
+        name=description.name,
+        file=description.file,
+        at={name: values[name] for name in coordinates(model)},
+        links=links,
+        massive=len(description.massive),
+        count=len(description.links),
+        body=body,
+        warnings=(*(warning for link in links for warning in link.warnings), *beyond_limits(model, q)),
+    )

@@ -1,0 +1,122 @@
+"""What a robot stands on: whether a base seems bolted down, or carried by legs, wheels or rotors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.programs.vectors import length, product
+from robodyn.robot.model import Model
+from robodyn.support.wording import shown
+
+Floats = NDArray[np.float64]
+
+GROUNDS = frozenset({"world", "ground", "earth", "floor", "wall", "ceiling", "table"})
+"""Names of a root link by which a description says that what is fixed to it does not move."""
+FEET = frozenset({"foot", "feet", "toe", "sole", "ankle", "hoof", "paw"})
+LEGS = FEET | frozenset({"leg", "lowerleg", "upperleg", "knee", "calf", "shank", "shin", "tibia", "thigh"})
+WHEELS = frozenset({"wheel", "wheels", "caster", "casters"})
+ROTORS = frozenset({"rotor", "propeller", "prop", "thruster"})
+FLIERS = frozenset({"quadrotor", "quadcopter", "hexarotor", "multirotor", "drone", "uav", "flying"})
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+_NAMES = 4
+
+
+def untouched(model: Model) -> str:
+    """Return what makes one think that a base is not bolted down, and does not touch anything; empty if nothing does.
+
+    Legs are two or more branches of two or more joints that end below all of the base (z up), or that have links called
+    foot, shank and the like. The names of wheels, casters, rotors and flying machines count; names such as base_link or
+    trunk do not. A root called world or ground is bolted down.
+    """
+    root = _words(model.bodies[0].name)
+    if root & GROUNDS and root <= GROUNDS | {"link", "frame"}:
+        return ""
+    if not model.n:
+        return "no joint moves"
+    legs = _legs(model)
+    if len(legs) > 1:
+        return f"there is no contact at its feet ({_some(legs)})"
+    wheels = [name for name in model.links if _words(name) & WHEELS]
+    if len(wheels) > 1:
+        return f"there is no contact at its wheels ({_some(wheels)})"
+    near = [name for name, frame in model.links.items() if model.bodies[frame.body].parent < 1]
+    rotors = [name for name in near if _words(name) & ROTORS]
+    if len(rotors) > 2:
+        return f"there is no thrust at its rotors ({_some(rotors)})"
+    flies = [name for name in (model.name, *model.links) if _words(name) & FLIERS]
+    return f"there is no thrust, and by its names it flies ({_some(flies)})" if flies else ""
+
+
+def _words(name: str) -> frozenset[str]:
+    """Return the words of a name such as LF_FOOT, left_foot_2 or leftLowerLeg, in small letters."""
+    return frozenset(word.lower() for word in _WORDS.findall(name))
+
+
+def _some(names: Sequence[str]) -> str:
+    more = f" and {len(names) - _NAMES} more" if len(names) > _NAMES else ""
+    return ", ".join(shown(name) for name in names[:_NAMES]) + more
+
+
+class _Branch(NamedTuple):
+    """What a joint of the base carries: links, and how far below that joint the lowest of them is, of what length."""
+
+    links: Sequence[str]
+    foot: str
+    height: float
+    drop: float
+    length: float
+
+
+def _legs(model: Model) -> list[str]:
+    """Return the links at which legs end, by where they are or else by their names."""
+    branches = list(_branches(model))
+    bottom = _bottom(model)
+    below = [each for each in branches if each.drop > 0.5 * each.length and bottom - each.height > 0.25 * each.length]
+    lowest = min((each.height for each in below), default=0.0)
+    level = [each.foot for each in below if each.height < lowest + 0.2 * each.length]
+    if len(level) > 1 and model.bodies[0].inertia.m > 0.0:
+        return level
+    named = ([name for name in each.links if _leg(name)] for each in branches)
+    return [names[-1] for names in named if names]
+
+
+def _leg(name: str) -> bool:
+    return bool(_words(name) & LEGS)
+
+
+def _branches(model: Model) -> Iterator[_Branch]:
+    """Yield the branches of two or more joints in a row that the base carries."""
+    first, depth, reach = [0], [0], [0.0]
+    for i, body in enumerate(model.bodies[1:], 1):
+        first.append(first[body.parent] or i)
+        depth.append(depth[body.parent] + (body.joint.mimics is None))
+        reach.append(reach[body.parent] + (length(body.joint.p) if body.parent else 0.0))
+    places = _origins(model)
+    for hip in dict.fromkeys(first[1:]):
+        links = [name for name, frame in model.links.items() if first[frame.body] == hip]
+        if ends := [name for name in links if depth[model.links[name].body] > 1]:
+            foot = min(ends, key=lambda name: places[name][2])
+            end, height = model.links[foot], float(places[foot][2])
+            drop = float(model.bodies[hip].joint.p[2]) - height
+            yield _Branch(links, foot, height, drop, reach[end.body] + length(end.p))
+
+
+def _bottom(model: Model) -> float:
+    """Return the height of the lowest of the base's frames and mass centre, but for a footprint on the floor [m]."""
+    base = model.bodies[0].inertia
+    own = (frame.p[2] for name, frame in model.links.items() if frame.body == 0 and "footprint" not in _words(name))
+    return float(min(own, default=0.0)) if not base.m > 0.0 else float(min(base.mc[2] / base.m, *own, 0.0))
+
+
+def _origins(model: Model) -> Mapping[str, Floats]:
+    """Return where the links are in the base's frame, all joints at 0 [m]."""
+    R, p = [np.eye(3)], [np.zeros(3)]
+    for body in model.bodies[1:]:
+        R.append(product(R[body.parent], body.joint.R))
+        p.append(p[body.parent] + product(R[body.parent], body.joint.p))
+    return {name: p[frame.body] + product(R[frame.body], frame.p) for name, frame in model.links.items()}

@@ -1,0 +1,66 @@
+"""Numbers as URDF writes them: decimal, blanks between them, whatever the locale."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from robodyn.support.magnitude import LARGEST, SMALLEST
+from robodyn.support.wording import shown
+
+
+class NumbersError(ValueError):
+    """What is wrong, and as `remedy` what to write."""
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(what)
+        self.remedy = remedy
+
+
+_UNBOUNDED = frozenset({"limit", "safety_controller"})
+"""Elements in which files write the largest float for no limit at all."""
+
+_DIRECTIONS = frozenset({"axis"})
+"""Elements whose numbers are made to a unit vector, so that small ones count."""
+
+
+def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
+    """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.magnitude` has.
+
+    What is next to nothing is 0. Limits may be of any size: they are compared, not calculated with.
+
+    Python's float() is locale-proof and correctly rounded; what it takes beyond URDF (`1_000`, `inf`, `nan`, digits
+    and blanks outside ASCII) is refused.
+
+    Raises:
+        NumbersError: with what is wrong and what to write.
+    """
+    try:
+        numbers = tuple(map(float, text.split()))
+    except ValueError:
+        raise _not_numbers(text) from None
+    if "_" in text or not text.isascii():
+        raise _not_numbers(text)
+    if len(numbers) != count:
+        raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {_numerals(count)}")
+    if any(number and not SMALLEST <= abs(number) <= LARGEST for number in numbers):
+        return tuple(_settled(number, text, tag) for number in numbers)
+    return numbers
+
+
+def _settled(number: float, text: str, tag: str) -> float:
+    """A number of unusual size, or 0 for next to nothing."""
+    if not isfinite(number):
+        raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
+    if abs(number) > LARGEST and tag not in _UNBOUNDED:
+        raise NumbersError(f"is too large: {shown(text)}", f"nothing of a robot exceeds {LARGEST:g} in SI units")
+    return number if abs(number) >= SMALLEST or tag in _DIRECTIONS else 0.0
+
+
+def _not_numbers(text: str) -> NumbersError:
+    if "," in text:
+        return NumbersError(f"has a comma: {shown(text)}", "separate numbers with blanks and write a decimal point")
+    return NumbersError(f"is not a number: {shown(text)}", "write a decimal number such as -1.5e-3")
+
+
+def _numerals(count: int) -> str:
+    return "one number" if count == 1 else f"{count} numbers with blanks between them"

@@ -1,0 +1,162 @@
+"""Where the files are that a description names: beside it, and in the packages of ROS and ROS 2, without either."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import chain, tee
+from pathlib import Path
+from urllib.parse import unquote
+
+EXPANDED = " (expanded)"
+"""What stands after the name of a xacro file whose lines are those of its expansion."""
+VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
+"""The environment variables that say where packages are: the first names folders of packages, the others prefixes of
+installations, whose packages are in share/."""
+_PACKAGE, _FILE = ("package", "model"), "file"
+_NAME = re.compile(rb"<name>\s*([^<]*?)\s*</name>")
+_MANIFEST = "package.xml"
+_MOST_READ = 1 << 16
+_DEEPEST, _MOST_FOLDERS = 4, 20_000
+"""How far below a folder packages are looked for, and in how many folders at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """The one way in which names of meshes and packages become files.
+
+    Attributes:
+        file: of the description, which need not be there: names are relative to its folder, then to the one where a
+            symbolic link leads.
+        package_paths: packages, or folders of packages, that are looked at first.
+    """
+
+    file: str
+    package_paths: tuple[str, ...] = ()
+    _known: dict[str, Iterator[Path]] = field(default_factory=dict, repr=False)
+
+    def __reduce__(self) -> tuple[type[Search], tuple[str, tuple[str, ...]]]:
+        return Search, (self.file, self.package_paths)
+
+    def find(self, uri: str) -> Path | None:
+        """The file that a description means by the name of a mesh; None if there is none on this machine.
+
+        A plain name is relative to a folder of the description. `package://NAME/REST` (and Gazebo's `model://`) is REST
+        in the package NAME; see `packages`. `file://` is a path from the root. Nothing is fetched: other schemes have
+        no file.
+        """
+        return next((path for path in self._candidates(uri) if os.path.isfile(path)), None)
+
+    @cached_property
+    def folders(self) -> tuple[Path, ...]:
+        """The folder in which the description is named, and the one where it is, if a symbolic link leads there."""
+        file = self.file.removesuffix(EXPANDED)
+        named, real = Path(file).parent, Path(os.path.realpath(file)).parent
+        return (named,) if real == named.absolute() else (named, real)
+
+    def packages(self, name: str) -> Iterator[Path]:
+        """The folders that may be the package of this name, the likeliest first; they need not exist.
+
+        Of the package paths, then of ROS_PACKAGE_PATH: the path itself, and what is below it. Then PREFIX/share/NAME
+        and PREFIX/NAME/share/NAME of AMENT_PREFIX_PATH, then of COLCON_PREFIX_PATH. Then the folders above the
+        description, and what is in them. A folder is the package whose name its package.xml says or, without one, which
+        it has itself.
+        """
+        self._known[name], again = tee(self._known.get(name) or self._possible(name))
+        return again
+
+    def share(self, name: str) -> Path | None:
+        """The folder of a package for those who ask for no file in it: the first with a package.xml, or the first."""
+        found = [path for path in self.packages(name) if os.path.isdir(path)]
+        return next((path for path in found if _manifest(path) is not None), found[0] if found else None)
+
+    @property
+    def home(self) -> Path | None:
+        """The package that the description is in: the nearest folder above it with a package.xml."""
+        return next((path for path in self._above() if _manifest(path) is not None), None)
+
+    @property
+    def knows_packages(self) -> bool:
+        """Whether anything says where packages are."""
+        return bool(self.package_paths or self.home or any(map(listed, VARIABLES)))
+
+    def _candidates(self, uri: str) -> Iterator[Path]:
+        scheme, separator, rest = uri.partition("://")
+        package = package_of(uri)
+        if not separator:
+            yield from (folder / uri for folder in self.folders)
+        elif scheme == _FILE:
+            path = rest if rest.startswith("/") else rest[rest.find("/") :]
+            yield from (Path(path), Path(unquote(path)))
+        elif package is not None and package[0]:
+            yield from (folder / package[1] for folder in self.packages(package[0]))
+
+    def _possible(self, name: str) -> Iterator[Path]:
+        for path in map(Path, (*self.package_paths, *listed(VARIABLES[0]))):
+            yield from _here(path, name)
+            yield from _below(path, name)
+        for prefix in map(Path, chain.from_iterable(map(listed, VARIABLES[1:]))):
+            yield from (prefix / "share" / name, prefix / name / "share" / name)
+        for path in self._above():
+            yield from _here(path, name)
+
+    def _above(self) -> Iterator[Path]:
+        for folder in self.folders:
+            whole = folder.absolute()
+            yield from (whole, *whole.parents)
+
+
+def package_of(uri: str) -> tuple[str, str] | None:
+    """Name of the package, perhaps empty, and the path in it, of `package://NAME/PATH`; None of other names."""
+    scheme, separator, rest = uri.partition("://")
+    name, _, path = rest.partition("/")
+    return (name, path.lstrip("/")) if separator and scheme in _PACKAGE else None
+
+
+def listed(variable: str) -> list[str]:
+    """The folders that an environment variable lists."""
+    return [entry for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
+
+
+def _here(folder: Path, name: str) -> Iterator[Path]:
+    if _is_package(folder, name):
+        yield folder
+    yield folder / name
+
+
+def _below(root: Path, name: str) -> Iterator[Path]:
+    """Packages of this name below a folder, the nearest first; none is within another."""
+    level, seen = [root], 0
+    for _ in range(_DEEPEST):
+        level = [sub for folder in level if _manifest(folder) is None for sub in _folders_in(folder)]
+        seen += len(level)
+        yield from (folder for folder in level if _is_package(folder, name))
+        if seen > _MOST_FOLDERS:
+            return
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if entry.name[:1] != "." and entry.is_dir()]
+    except (OSError, ValueError):
+        return []
+    return [folder / name for name in sorted(names)]
+
+
+def _is_package(folder: Path, name: str) -> bool:
+    manifest = _manifest(folder)
+    return folder.name == name if manifest is None else manifest == name.encode()
+
+
+def _manifest(folder: Path) -> bytes | None:
+    """The name in the package.xml of a folder, empty where it says none; None without one."""
+    try:
+        with open(folder / _MANIFEST, "rb") as manifest:
+            found = _NAME.search(manifest.read(_MOST_READ))
+    except (OSError, ValueError):
+        return None
+    return b"" if found is None else found[1]

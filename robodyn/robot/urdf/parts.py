@@ -1,0 +1,131 @@
+"""What a description consists of: names, SI numbers and the lines they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from robodyn.robot.urdf.packages import Search
+
+Vector = tuple[float, float, float]
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Pose of a frame in its parent: `xyz` in metres, fixed-axis roll, pitch, yaw in radians."""
+
+    xyz: Vector = ZERO
+    rpy: Vector = ZERO
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """Mass [kg], and (ixx, ixy, ixz, iyy, iyz, izz) [kg m^2] about the centre of mass in the axes of `origin`."""
+
+    mass: float
+    origin: Origin
+    inertia: tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Geometry:
+    """A shape on a link; `size` [m]: box x, y, z; sphere radius; cylinder and capsule radius, length; mesh nothing."""
+
+    kind: Literal["visual", "collision"]
+    origin: Origin
+    shape: Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+    size: tuple[float, ...] = ()
+    filename: str | None = None
+    scale: Vector = (1.0, 1.0, 1.0)
+    line: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    name: str
+    inertial: Inertial | None = None
+    geometries: tuple[Geometry, ...] = ()
+    line: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """Position [rad or m], effort [N m or N] and speed [rad/s or m/s]; None where the file says nothing."""
+
+    lower: float | None = None
+    upper: float | None = None
+    effort: float | None = None
+    velocity: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mimic:
+    """This joint's position is `multiplier * position(joint) + offset`."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """`axis` as written, in the joint frame; `damping` viscous [N m s/rad, N s/m], `friction` Coulomb [N m, N]."""
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: Origin = Origin()
+    axis: Vector = (1.0, 0.0, 0.0)
+    limit: Limit | None = None
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: Mimic | None = None
+    line: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Transmission:
+    """One motor on one joint: motor turns per joint turn, and the rotor's inertia [kg m^2] if the file has it."""
+
+    name: str
+    joint: str
+    reduction: float = 1.0
+    rotor_inertia: float | None = None
+    line: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A default that was taken for what the file leaves out, or a warning."""
+
+    line: int
+    what: str
+    kind: Literal["default", "warning"]
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """A robot: links and joints in the order of the file, forming one tree that hangs on the link `root`.
+
+    Attributes:
+        search: where the files are that it names.
+        data: the bytes that it was read from.
+    """
+
+    name: str
+    file: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    transmissions: tuple[Transmission, ...]
+    root: str
+    notes: tuple[Note, ...]
+    search: Search
+    data: bytes = b""
+
+    @property
+    def massive(self) -> tuple[Link, ...]:
+        """The links with mass: those whose <inertial> has a mass other than 0."""
+        return tuple(link for link in self.links if link.inertial is not None and link.inertial.mass)

@@ -1,0 +1,83 @@
+"""The bytes of a description, from a file or from memory, xacro files expanded."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+
+from robodyn.errors import DescriptionError, InputError
+from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.support.input_file import read_input
+from robodyn.support.wording import shown
+
+
+def is_xacro(source: object) -> bool:
+    """Whether this is the path of a xacro file."""
+    return isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".xacro")
+
+
+def content_of(
+    source: str | os.PathLike[str] | bytes,
+    name: str | None = None,
+    package_paths: Sequence[str] = (),
+    xacro_args: Mapping[str, str] | None = None,
+) -> tuple[str, bytes]:
+    """The name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
+
+    Raises:
+        InputError: the file cannot be read or expanded, or arguments are given to a file that is no xacro file.
+    """
+    if not isinstance(source, bytes) and is_xacro(source):
+        from robodyn.robot.urdf.xacro import expanded
+
+        path = os.fspath(source)
+        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args)
+    file, data = read_source(source, name)
+    if xacro_args:
+        what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"
+        raise InputError(what, remedy="xacro files end in .xacro", file=file)
+    return file, data
+
+
+def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tuple[str, bytes]:
+    """The name to show in messages, and the bytes."""
+    if isinstance(source, bytes):
+        return name or "<stdin>", source
+    path = os.fspath(source)
+    file = name or path
+    try:
+        return file, read_input(path)
+    except FileNotFoundError:
+        raise DescriptionError("there is no such file", remedy=_existing(path), file=file) from None
+    except IsADirectoryError:
+        raise DescriptionError("this is a folder, not a file", remedy="give a URDF file", file=file) from None
+    except PermissionError:
+        raise DescriptionError("no permission to read the file", remedy="change its mode", file=file) from None
+    except OSError as error:
+        what = f"cannot read the file: {error.strerror}"
+        raise DescriptionError(what, remedy="check the name and the disk", file=file) from None
+    except ValueError as error:
+        raise DescriptionError(f"this is not a file name: {error}", remedy="check the name", file=file) from None
+
+
+def _existing(path: str) -> str:
+    if path.lstrip().startswith("<"):
+        return "give a path, or the XML as bytes"
+    folder = os.path.dirname(path) or os.curdir
+    return "check the name" if os.path.isdir(folder) else "check the folder"
+
+
+def as_utf8(file: str, data: bytes) -> tuple[bytes, bool]:
+    """UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encoding = "utf-16"
+    elif data[:2] == b"<\0":
+        encoding = "utf-16-le"
+    elif data[:2] == b"\0<":
+        encoding = "utf-16-be"
+    else:
+        return data, False
+    try:
+        return data.decode(encoding).encode(), True
+    except UnicodeError as error:
+        raise DescriptionError(f"broken UTF-16: {error}", remedy="save it as UTF-8", file=file, line=1) from None

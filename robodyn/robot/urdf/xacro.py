@@ -1,0 +1,145 @@
+"""Expanding xacro files, by way of xacrodoc where that is installed.
+
+xacro keeps what it is at in variables of its modules, and prints; so each file is expanded by a process of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout, suppress
+from importlib.util import find_spec
+from io import StringIO
+from typing import Any
+
+from robodyn.errors import InputError
+from robodyn.robot.urdf.packages import Search
+from robodyn.support.wording import alternatives, shown
+
+PATIENCE = 60.0
+"""Seconds that an expansion may take; the largest robots take a few."""
+_MEMORY = 1 << 33
+"""Bytes that it may take, where the system can bound them."""
+_MARK = "\x1e"
+"""Before the answer of a process, which libraries may print to as well."""
+_PROCESS = """
+import json, sys
+sys.path[:], question = json.load(sys.stdin)
+from robodyn.urdf.xacro import answer, bound_memory
+bound_memory()
+print("\x1e" + json.dumps(answer(*question)))
+"""
+
+
+def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, str] | None = None) -> bytes:
+    """The URDF that a xacro file stands for.
+
+    The text is what the command `xacro FILE` prints, so that lines can be looked up there. Packages that it includes
+    from are looked for as those of meshes are. xacro evaluates the file's expressions in Python, with a restricted set
+    of names.
+
+    Args:
+        args: values of its arguments by name; defaults hold for the others.
+
+    Raises:
+        InputError: xacrodoc is not installed, the file cannot be read or expanded, or has no such argument.
+    """
+    if not os.path.isfile(path):
+        raise InputError("there is no such file", remedy="check the name", file=path)
+    if find_spec("xacrodoc") is None:
+        remedy = f"pip install 'robodyn[xacro]', or expand it first: xacro {path} > robot.urdf"
+        raise InputError("to read a xacro file xacrodoc is needed", remedy=remedy, file=path)
+    given = dict(args or {})
+    found = _asked(path, package_paths, given)
+    if "problem" in found:
+        what = found["problem"]
+        raise InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path)
+    for name in given:
+        if name not in found["arguments"]:
+            remedy = alternatives(name, found["arguments"], "arguments")
+            raise InputError(f"the file has no argument {shown(name)}", remedy=remedy, file=path)
+    text: str = found["text"]
+    return text.encode()
+
+
+def _asked(*question: Any) -> dict[str, Any]:
+    """What a process of its own answers; see `answer`."""
+    asked = json.dumps([sys.path, question]).encode()
+    call = [sys.executable, "-c", _PROCESS]
+    try:
+        done = subprocess.run(call, input=asked, capture_output=True, check=False, timeout=PATIENCE)
+    except subprocess.TimeoutExpired:
+        return {"problem": f"it is not done after {PATIENCE:g} s"}
+    if done.returncode:
+        return {"problem": f"its process ended with status {done.returncode}"}
+    found: dict[str, Any] = json.loads(done.stdout.rpartition(_MARK.encode())[2])
+    return found
+
+
+def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> dict[str, Any]:
+    """Expand a file in this process, which must have no other work.
+
+    Returns:
+        `text` and the names of its `arguments`; or a `problem`.
+    """
+    given = _Arguments(args)
+    try:
+        import xacrodoc  # its xacro needs no ROS
+        from xacro import process_file
+
+        xacrodoc.packages._finder = _Packages(path, package_paths)
+        with redirect_stdout(StringIO()):
+            text = process_file(path, mappings=given).toprettyxml(indent="  ")
+    except (Exception, SystemExit) as error:
+        return {"problem": " ".join(str(error).split()) or type(error).__name__}
+    return {"text": text, "arguments": list(given.known)}
+
+
+def bound_memory() -> None:
+    """Let this process take no more than `_MEMORY`."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        least = _MEMORY if most == resource.RLIM_INFINITY else min(_MEMORY, most)
+        resource.setrlimit(resource.RLIMIT_AS, (least, most))
+
+
+class _Packages:
+    """What xacro asks for the folder of a package."""
+
+    def __init__(self, path: str, package_paths: Sequence[str]) -> None:
+        self._search = Search(path, tuple(package_paths))
+
+    def get_path(self, name: str) -> str:
+        found = self._search.share(name)
+        if found is None:
+            raise LookupError(f"the package {shown(name)} is not found")
+        return os.path.abspath(found)
+
+
+class _Arguments(dict[str, Any]):
+    """Values of arguments that note which ones a file has: xacro asks whether one has a value, or for it."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.known: dict[str, None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        self.known[str(name)] = None
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> Any:
+        self.known[name] = None
+        return super().__getitem__(name)
+
+
+def _remedy(path: str, what: str) -> str:
+    if "the package '" in what:
+        return "--package-path DIR names the package or the folder it is in"
+    if "argument" in what:
+        return "--xacro-arg NAME:=VALUE gives it a value"
+    return f"try: xacro {path}"

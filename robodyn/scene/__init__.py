@@ -1,0 +1,1 @@
+"""What surrounds a robot: the scene as data, its file, and whether it fits the robot."""

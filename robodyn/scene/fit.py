@@ -1,0 +1,104 @@
+"""Whether a scene fits a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from robodyn.errors import InputError, SceneError
+from robodyn.robot.model import Model
+from robodyn.scene.scene import GROUND, Loop, Scene
+from robodyn.support.wording import alternatives, shown
+
+
+def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
+    """Raise if the scene names a joint or a link that the robot does not have.
+
+    Args:
+        file: the scene's file, for messages.
+
+    Raises:
+        SceneError: an unknown name, with the closest valid one; or a base that moves in the scene and not in the model.
+    """
+    joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
+    own = [joint.name for joint in model.independent if joint.kind != "floating"]
+    for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
+        for name in driven:
+            _leads(f"[{table}]", name, model, file)
+            known(f"[{table}]", "joint", name, own, file)
+    for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
+        for name in named:
+            known(f"[{table}]", "joint", name, joints, file)
+    for name in scene.initial_q:
+        known("[initial] q", "coordinate", name, model.coordinates, file)
+    for name in scene.initial_qd:
+        known("[initial] qd", "coordinate", name, model.rates, file)
+    for load in scene.payloads:
+        known("[[payload]]", "link", load.link, model.links, file)
+    for wrench in scene.wrenches:
+        known("[[wrench]]", "link", wrench.link, model.links, file)
+    for immersed in scene.immersed:
+        known("[[fluid.link]]", "link", immersed.link, model.links, file)
+    for loop in scene.loops:
+        _check_loop(loop, model, file)
+    if scene.moving_base and not model.floating:
+        raise SceneError(
+            "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
+        )
+
+
+def refuse_loops(scene: Scene, file: str | None = None) -> None:
+    """Raise if the scene closes loops, where only the open tree could be computed.
+
+    Raises:
+        SceneError: it does.
+    """
+    if scene.loops:
+        what = "the scene closes loops, and what joints and loops share is known to simulations alone"
+        remedy = "robodyn simulate follows the closed chain; without [[loop]] its open tree is computed"
+        raise SceneError(what, remedy=remedy, file=file)
+
+
+def check_moves(model: Model) -> None:
+    """Raise if the robot has no coordinates.
+
+    Raises:
+        InputError: it has no joint that moves, and its base is fixed.
+    """
+    if model.n == 0:
+        what = "nothing can move: the robot has no joint that moves, and its base is fixed"
+        remedy = 'free its base: [base] motion = "moving" in a scene'
+        raise InputError(what, remedy=remedy, file=model.file)
+
+
+def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
+    where = f"[[loop]] {shown(loop.name)}"
+    known(where, "link", loop.link, model.links, file)
+    if loop.to != GROUND:
+        known(where, "link", loop.to, (*model.links, GROUND), file)
+    bodies = {model.links[name].body if name in model.links else -1 for name in (loop.link, loop.to)}
+    if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
+        what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
+        raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
+
+
+def _leads(table: str, name: str, model: Model, file: str | None) -> None:
+    for body in model.bodies:
+        if body.joint.name == name and body.joint.mimics is not None:
+            remedy = f"its torque is part of that of {shown(body.joint.mimics)}: write it there"
+            raise SceneError(f"{table}: the joint {shown(name)} mimics another", remedy=remedy, file=file)
+
+
+def known(where: str, kind: str, name: str, names: Collection[str], file: str | None = None) -> None:
+    """Raise if the robot has no joint, link or coordinate of this name; `where` is what names it.
+
+    Raises:
+        SceneError: with the closest name that there is.
+    """
+    if name not in names:
+        raise SceneError(
+            f"{where}: the robot has no {kind} {shown(name)} that moves"
+            if kind == "joint"
+            else f"{where}: the robot has no {kind} {shown(name)}",
+            remedy=alternatives(name, names, f"{kind}s"),
+            file=file,
+        )

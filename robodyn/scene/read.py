@@ -1,0 +1,174 @@
+"""Reading scene.toml; an unknown key is an error that lists the valid ones."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from robodyn.errors import unreadable
+from robodyn.scene.read_loops import loops_of
+from robodyn.scene.read_motors import motors_of
+from robodyn.scene.read_simulation import simulated_of
+from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
+from robodyn.support.input_file import read_input
+
+FRAMES = ("link", "base", "world")
+MOTIONS = ("fixed", "moving")
+NOT_COMPUTED = ("contact", "ground", "floor")
+
+
+def load_scene(path: str | os.PathLike[str]) -> Scene:
+    """The scene that a TOML file describes.
+
+    Args:
+        path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
+            `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
+            `baumgarte`, `motor`.
+
+    Raises:
+        SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
+            the wrong type or size. Whether joints and links exist is asked by `check_scene`.
+    """
+    file = os.fspath(path)
+    try:
+        data = read_input(path)
+    except (OSError, ValueError) as error:
+        raise unreadable(error, file) from None
+    return parse_scene(data, file)
+
+
+def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
+    """The scene that TOML text describes; see `load_scene`."""
+    table = SceneTable(read_toml(data, file), WHOLE, file)
+    scene = Scene(
+        gravity=table.vector("gravity", Scene.gravity),
+        friction={name: _friction(entry) for name, entry in table.tables("friction")},
+        **motors_of(table, {name: _rotor(entry) for name, entry in table.tables("rotor")}),
+        spring={name: _spring(entry) for name, entry in table.tables("spring")},
+        payloads=tuple(_payload(entry) for entry in table.list("payload")),
+        wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
+        **_base(table),
+        slip_speed=_slip_speed(table),
+        loops=loops_of(table),
+        baumgarte=_rate(table, "baumgarte"),
+        **simulated_of(table),
+        **_fluid(table),
+    )
+    for key in NOT_COMPUTED:
+        if key in table.values:
+            raise table.error(f'"{key}" asks for contact, which robodyn does not compute', remedy="leave it out")
+    table.finish()
+    return scene
+
+
+def _slip_speed(table: SceneTable) -> float:
+    speed: float = table.number("slip_speed", 0.0)
+    if speed < 0:
+        raise table.error(f'"slip_speed" is {speed:g}', remedy="it is positive, or 0 for sign(qd)")
+    return speed
+
+
+def _rate(table: SceneTable, key: str) -> float:
+    rate: float = table.number(key, 0.0)
+    if rate < 0:
+        raise table.error(f'"{key}" is {rate:g}', remedy="it is positive, or 0 for projection after each step")
+    return rate
+
+
+def _friction(table: SceneTable) -> Friction:
+    viscous = table.number("viscous", 0.0)
+    if isinstance(table.values.get("coulomb"), list):
+        forward, backward = table.numbers("coulomb", 2)
+        if forward < 0 or backward > 0:
+            raise table.error(
+                f'"coulomb" is [{forward:g}, {backward:g}], which drives the joint',
+                remedy="the torque at qd > 0 is positive or zero, the one at qd < 0 negative or zero",
+            )
+    else:
+        forward = table.number("coulomb", 0.0)
+        backward = -forward
+    friction = Friction(
+        viscous, forward, backward, table.number("stribeck", None), table.number("stribeck_velocity", 0.01)
+    )
+    table.finish()
+    for key, value in (("viscous", viscous), ("coulomb", forward), ("stribeck", friction.stribeck or 0.0)):
+        if value < 0:
+            raise table.error(f'"{key}" is {value:g}, which drives the joint', remedy="friction is positive or zero")
+    if friction.stribeck_velocity <= 0:
+        raise table.error(f'"stribeck_velocity" is {friction.stribeck_velocity:g}', remedy="give a positive speed")
+    return friction
+
+
+def _rotor(table: SceneTable) -> Rotor:
+    inertia: float = table.number("inertia")
+    gear = table.number("gear", None)
+    table.finish()
+    if inertia < 0:
+        raise table.error(f'"inertia" is {inertia:g}', remedy="it is positive or zero")
+    return Rotor(inertia, gear)
+
+
+def _spring(table: SceneTable) -> Spring:
+    spring = Spring(table.number("stiffness"), table.number("rest", 0.0))
+    table.finish()
+    return spring
+
+
+def _payload(table: SceneTable) -> Payload:
+    payload = Payload(
+        table.text("link"),
+        table.number("mass"),
+        table.vector("com", Payload.com),
+        table.numbers("inertia", 6, Payload.inertia),
+    )
+    table.finish()
+    return payload
+
+
+def _wrench(table: SceneTable) -> ExternalWrench:
+    wrench = ExternalWrench(
+        table.text("link"),
+        table.entries("force"),
+        table.entries("moment"),
+        table.vector("point", ExternalWrench.point),
+        table.text("frame", "link", FRAMES),
+    )
+    table.finish()
+    return wrench
+
+
+def _fluid(table: SceneTable) -> dict[str, Any]:
+    if "fluid" not in table.values:
+        table.known.append("fluid")
+        return {}
+    fluid = SceneTable(table.take("fluid", ...), "[fluid]", table.file)
+    density = fluid.number("density")
+    if density < 0:
+        raise fluid.error(f'"density" is {density:g}', remedy="it is positive or zero")
+    velocity = fluid.vector("velocity", Scene.fluid_velocity)
+    immersed = tuple(_immersed(entry) for entry in fluid.list("link"))
+    fluid.finish()
+    return {"fluid_density": density, "fluid_velocity": velocity, "immersed": immersed}
+
+
+def _immersed(table: SceneTable) -> Immersed:
+    immersed = Immersed(
+        table.text("link"),
+        table.number("volume", 0.0),
+        table.vector("centre", Immersed.centre),
+        table.vector("drag_area", Immersed.drag_area),
+    )
+    table.finish()
+    if immersed.volume < 0 or min(immersed.drag_area) < 0:
+        raise table.error("volume and drag_area are positive or zero", remedy="drag opposes motion by itself")
+    return immersed
+
+
+def _base(table: SceneTable) -> dict[str, Any]:
+    base = SceneTable(table.take("base", {}), "[base]", table.file)
+    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.take("held", False)
+    if not isinstance(held, bool):
+        raise base.error(f'"held" is {held!r:.60}', remedy="true if something carries the base, else leave it out")
+    base.finish()
+    return {"moving_base": moving, "held": held}

@@ -1,0 +1,61 @@
+"""The parts of a scene.toml that only a simulation reads: initial state, drives, springs at joint limits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robodyn.scene.scene import Drive, LimitSpring, Scene
+from robodyn.scene.toml_table import SceneTable
+
+LIMITS = ("stop", "ignore", "spring")
+BETWEEN = ("linear", "hold")
+
+
+def simulated_of(table: SceneTable) -> dict[str, Any]:
+    """The fields of a Scene that these parts say."""
+    return {
+        "drive": {name: _drive(entry) for name, entry in table.tables("drive")},
+        "between_rows": table.text("between_rows", Scene.between_rows, BETWEEN),
+        **_initial(table),
+        **_limits(table),
+    }
+
+
+def _drive(table: SceneTable) -> Drive:
+    drive = Drive(
+        torque=table.entry("torque", 0.0),
+        kp=table.number("kp", 0.0),
+        kd=table.number("kd", 0.0),
+        reference=table.entry("reference", 0.0),
+        speed=table.entry("speed", None),
+    )
+    table.finish()
+    return drive
+
+
+def _initial(table: SceneTable) -> dict[str, Any]:
+    initial = SceneTable(table.take("initial", {}), "[initial]", table.file)
+    found = {}
+    for key in ("q", "qd"):
+        values = SceneTable(initial.take(key, {}), f"[initial] {key}", table.file)
+        found[f"initial_{key}"] = {name: values.entry(name) for name in list(values.values)}
+    initial.finish()
+    return found
+
+
+def _limits(table: SceneTable) -> dict[str, Any]:
+    given = table.take("limit_spring", None)
+    kind = table.text("joint_limits", Scene.joint_limits if given is None else "spring", LIMITS)
+    if (given is not None) != (kind == "spring"):
+        what = f'"joint_limits" is "{kind}" ' + ("without" if given is None else "with") + " a [limit_spring]"
+        remedy = "give its stiffness, N m/rad" if given is None else 'write joint_limits = "spring"'
+        raise table.error(what, remedy=remedy)
+    if given is None:
+        return {"joint_limits": kind}
+    values = SceneTable(given, "[limit_spring]", table.file)
+    spring = LimitSpring(values.number("stiffness"), values.number("damping", 0.0))
+    values.finish()
+    if spring.stiffness <= 0 or spring.damping < 0:
+        remedy = "stiffness is positive, damping positive or zero"
+        raise values.error(f"stiffness {spring.stiffness:g}, damping {spring.damping:g}", remedy=remedy)
+    return {"joint_limits": kind, "limit_spring": spring}

@@ -1,0 +1,143 @@
+"""Taking typed values out of a table of scene.toml."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from robodyn.errors import SceneError
+from robodyn.scene.scene import Entry, Vector
+from robodyn.support.wording import nearest, shown
+
+_LARGEST = sys.float_info.max
+WHOLE = "the scene"
+OF_THE_SCENE = (
+    *("gravity", "friction", "slip_speed", "rotor", "motor", "spring", "payload", "wrench", "fluid", "base"),
+    *("initial", "drive", "between_rows", "joint_limits", "limit_spring", "loop", "baumgarte"),
+)
+"""The keys that stand above all tables, or are tables themselves."""
+_WRITTEN = {3: "write {} = [x, y, z]", 6: "write {} = [ixx, ixy, ixz, iyy, iyz, izz]"}
+_PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
+
+
+def read_toml(data: bytes, file: str) -> dict[str, Any]:
+    """The tables of TOML text.
+
+    Raises:
+        SceneError: it is none; with the line.
+    """
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+    try:
+        return tomllib.loads(data.decode("utf-8"))
+    except ValueError as error:
+        text = str(error)
+    except RecursionError:
+        text = "nested too deeply"
+    place = _PLACE.search(text)
+    line = int(place[1]) if place and place[1] else None
+    why = text[: place.start()] if line is not None and place else text
+    remedy = "each key and each [table] stands once" if "twice" in why or "overwrite" in why else None
+    raise SceneError(f"is not TOML: {why[:1].lower()}{why[1:]}", remedy=remedy, file=file, line=line)
+
+
+class SceneTable:
+    """A TOML table from which keys are taken one by one; `finish` complains of those left over."""
+
+    def __init__(self, values: Any, what: str, file: str) -> None:
+        if not isinstance(values, Mapping):
+            head, _, name = what.partition(" ")
+            above = f"write {head} above lines of key = value"
+            remedy = above if not name or head[:2] == "[[" else f"write {name} = {{ key = value }}"
+            raise SceneError(f"{what} is {values!r:.60}, not a table", remedy=remedy, file=file)
+        self.values, self.what, self.file = dict(values), what, file
+        self.known: list[str] = []
+
+    def error(self, what: str, remedy: str | None = None) -> SceneError:
+        return SceneError(f"{self.what}: {what}", remedy=remedy, file=self.file)
+
+    def take(self, key: str, default: Any) -> Any:
+        self.known.append(key)
+        value = self.values.pop(key, default)
+        if value is ...:
+            raise self.error(f'"{key}" is missing')
+        return value
+
+    def number(self, key: str, default: Any = ...) -> Any:
+        value = self.take(key, default)
+        return value if value is default else self._number(key, value)
+
+    def _number(self, key: str, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not -_LARGEST <= value <= _LARGEST:
+            raise self.error(f'"{key}" is {value!r:.60}, not a finite number')
+        return float(value)
+
+    def numbers(self, key: str, count: int, default: Any = ...) -> Any:
+        value = self.take(key, default)
+        if value is default:
+            return value
+        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != count:
+            raise self.error(f'"{key}" is {value!r}, not {count} numbers', _WRITTEN.get(count, "").format(key) or None)
+        return tuple(self._number(key, entry) for entry in value)
+
+    def vector(self, key: str, default: Any = ...) -> Vector:
+        vector: Vector = self.numbers(key, 3, default)
+        return vector
+
+    def vectors(self, key: str, most: int) -> tuple[Vector, ...]:
+        value = self.take(key, ())
+        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) > most:
+            raise self.error(f'"{key}" is {value!r:.60}, not at most {most} vectors of 3 numbers')
+        return tuple(SceneTable({key: each}, self.what, self.file).vector(key) for each in value)
+
+    def entries(self, key: str) -> tuple[Entry, Entry, Entry]:
+        value = self.take(key, (0.0, 0.0, 0.0))
+        if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
+            raise self.error(f'"{key}" is {value!r}, not three numbers or names of columns')
+        x, y, z = (entry if isinstance(entry, str) and entry else self._number(key, entry) for entry in value)
+        return x, y, z
+
+    def entry(self, key: str, default: Any = ...) -> Any:
+        """A number or the name of a column."""
+        value = self.take(key, default)
+        return value if value is default or (isinstance(value, str) and value) else self._number(key, value)
+
+    def text(self, key: str, default: Any = ..., choices: Sequence[str] = ()) -> str:
+        value = self.take(key, default)
+        if choices and value not in choices:
+            what = f'"{value}"' if isinstance(value, str) else repr(value)
+            raise self.error(f'"{key}" is {what}', remedy=f"one of: {', '.join(choices)}")
+        if not isinstance(value, str) or not value:
+            raise self.error(f'"{key}" is {value!r}, not a name')
+        return value
+
+    def tables(self, key: str) -> list[tuple[str, SceneTable]]:
+        values = SceneTable(self.take(key, {}), f"[{key}]", self.file)
+        for name, value in values.values.items():
+            if name in OF_THE_SCENE and not isinstance(value, Mapping):
+                raise values.misplaced(name)
+        return [(name, SceneTable(value, f"[{key}] {name}", self.file)) for name, value in values.values.items()]
+
+    def list(self, key: str) -> list[SceneTable]:
+        values = self.take(key, [])
+        if not isinstance(values, list):
+            raise self.error(f'"{key}" is not a list of tables', remedy=f"write [[{key}]] above each")
+        return [SceneTable(value, f"[[{key}]] number {k}", self.file) for k, value in enumerate(values, 1)]
+
+    def misplaced(self, key: str) -> SceneError:
+        """The error of a key of the scene that stands below the header of a table."""
+        what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
+        return self.error(what, remedy=f"write {key} = ... above the first [table]")
+
+    def finish(self) -> None:
+        for key in self.values:
+            if key in OF_THE_SCENE and key not in self.known and self.what != WHOLE:
+                raise self.misplaced(key)
+            near = nearest(key, self.known)
+            valid = ", ".join(map(shown, self.known))
+            meant = f"; did you mean {shown(near[0])}?" if len(near) == 1 else ""
+            raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {valid}{meant}")

@@ -1,0 +1,1 @@
+"""Moments of mass and their laws: parallel axes, rotation, principal axes, what a body can have."""

@@ -1,0 +1,112 @@
+"""Mass properties from inertia matrices, from moments about an origin and from integrals over a shape."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.errors import InputError
+from robodyn.programs.vectors import ZERO, Array, Scalar
+from robodyn.solids.inertia.exact import exact, fraction
+from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.second import second_moments
+
+
+def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
+    """The body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
+
+    Args:
+        mass: kg.
+        com: (3,) m.
+        I_c: (3, 3) symmetric [kg m^2].
+
+    Raises:
+        InputError: see `MassProperties`.
+
+    Accuracy: S_c + S_low within 2^-106 of tr(I_c) / 2 1 - I_c, entry by entry, and `inertia` gives I_c back within
+        2 eps of its largest entry. Of a plate or a needle the smallest second moment is as good as the digits of I_c.
+    """
+    return MassProperties(mass, np.asarray(com), second_moments(exact(I_c)))
+
+
+def from_moments(moments: Inertia) -> MassProperties:
+    """The body with these moments about the origin of its frame; undoes `MassProperties.moments`.
+
+    Accuracy: for the moments as given, as for `from_inertia`.
+    """
+    if not moments.m:
+        return from_inertia(0.0, ZERO, moments.I)
+    first = exact(moments.mc)
+    com = first / fraction(moments.m)
+    return MassProperties(moments.m, com, second_moments(exact(moments.I)) - np.outer(first, com))
+
+
+def from_integrals(
+    volume: ArrayLike,
+    first: ArrayLike,
+    second: ArrayLike,
+    *,
+    density: float,
+    reference: ArrayLike = ZERO,
+    scale: Scalar = 1.0,
+    area: float | None = None,
+) -> MassProperties:
+    """The uniform body over which x - r and (x - r)(x - r)^T have these integrals, r being the reference.
+
+    c = r + first / V, S_c = density (second - first first^T / V).
+
+    Args:
+        volume, first, second: V, (3,) and (3, 3) in units of the shape's file, floats of any width or fractions.
+        density: kg/m^3.
+        reference: (3,) in units of the file.
+        scale: metres in a unit of the file; 0.001 is not quite a thousandth, fractions.Fraction(1, 1000) is.
+        area: of the surface, in units of the file.
+
+    Raises:
+        InputError: the volume is zero, or a number is not finite.
+
+    Accuracy: for the integrals as given, `com` correctly rounded and S_c + S_low within 2^-106, entry by entry.
+    """
+    if not volume:
+        raise InputError("the shape has no volume", remedy="take its surface as a shell of some thickness")
+    k, V = fraction(scale), fraction(volume)
+    mass, com, S = _uniform(V * k**3, exact(first) * k**4, exact(second) * k**5, fraction(density))
+    surface = None if area is None else fraction(area) * k**2
+    return MassProperties(mass, com + exact(reference) * k, S, V * k**3, surface)
+
+
+def from_surface_integrals(
+    area: ArrayLike,
+    first: ArrayLike,
+    second: ArrayLike,
+    *,
+    density: float,
+    thickness: float,
+    reference: ArrayLike = ZERO,
+    scale: Scalar = 1.0,
+) -> MassProperties:
+    """The thin uniform shell over whose surface x - r and (x - r)(x - r)^T have these integrals; m = density t A.
+
+    Args:
+        area, first, second: A, (3,) and (3, 3) in units of the shape's file.
+        thickness: t [m], small against the shape: the mass lies on the surface.
+        density, reference, scale: as for `from_integrals`.
+
+    Raises:
+        InputError: the area is zero, or a number is not finite.
+
+    Accuracy: as for `from_integrals`.
+    """
+    if not area:
+        raise InputError("the shape has no surface")
+    k, t = fraction(scale), fraction(thickness)
+    surface = fraction(area) * k**2
+    mass, com, S = _uniform(surface * t, exact(first) * k**3 * t, exact(second) * k**4 * t, fraction(density))
+    return MassProperties(mass, com + exact(reference) * k, S, surface * t, surface)
+
+
+def _uniform(volume: Scalar, first: Array, second: Array, density: Scalar) -> tuple[Scalar, Array, Array]:
+    """Mass, centre of mass from the reference and second moments about it."""
+    com = first / volume
+    return density * volume, com, density * (second - np.outer(first, com))

@@ -1,0 +1,1 @@
+"""Meshes: read, proven closed, repaired, integrated, searched for symmetry, judged for tessellation."""

@@ -1,0 +1,57 @@
+"""Integrals of a surface, in units of its file, as a body of uniform density."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from robodyn.errors import MeshError
+from robodyn.solids.inertia.conversions import from_integrals, from_surface_integrals
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.surface import surface
+from robodyn.solids.mesh.triangles import Triangles
+
+if TYPE_CHECKING:
+    from robodyn.solids.mesh.quadrature import Quadrature
+
+
+def solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:
+    """What the triangles enclose, at so many kg/m^3.
+
+    Raises:
+        MeshError: they enclose no volume.
+    """
+    if not integrals.volume:
+        raise MeshError(
+            "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
+        )
+    found = integrals.moments
+    return from_integrals(
+        found.volume,
+        found.first,
+        found.second,
+        density=density,
+        reference=integrals.reference,
+        scale=triangles.scale,
+    )
+
+
+def region(found: Quadrature, triangles: Triangles, density: float) -> MassProperties:
+    """What was integrated otherwise than by triangles, at so many kg/m^3."""
+    return from_integrals(
+        found.volume, found.first, found.S, density=density, reference=found.reference, scale=triangles.scale
+    )
+
+
+def sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
+    """The triangles as a sheet of so many metres, at so many kg/m^3."""
+    found = surface(triangles)
+    return from_surface_integrals(
+        found.area,
+        found.first,
+        found.S,
+        density=density,
+        thickness=thickness,
+        reference=found.reference,
+        scale=triangles.scale,
+    )

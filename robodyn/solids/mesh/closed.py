@@ -1,0 +1,124 @@
+"""Whether a surface is closed: a fingerprint of its boundary, in one pass and in constant memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.programs.vectors import Array
+from robodyn.solids.mesh.blocks import Step, block_space, fill, workspace
+from robodyn.solids.mesh.triangles import Triangles
+
+Words = NDArray[np.uint64]
+
+_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0xD6E8FEB86659FD93)))
+_MIX = np.uint64(0xBF58476D1CE4E5B9)
+_HALF = np.uint64(32)
+_WORD = 1 << 64
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """What is left of the directed edges of a surface when opposite ones cancel.
+
+    Attributes:
+        chain: zero where every edge is passed as often one way as the other. This is exactly when the boundary of the
+            surface vanishes, and when the integral over its volume does not depend on the origin.
+        parity: zero where every edge belongs to an even number of triangles, whatever their winding.
+
+    Accuracy: edges count in 64 (parity: 63) bits that are as good as random, so that a number that ought not to be zero
+        is so with a probability of about 2^-63.
+    """
+
+    chain: int
+    parity: int
+
+    @property
+    def closed(self) -> bool:
+        """The surface has no boundary."""
+        return self.chain == 0
+
+    @property
+    def mixed(self) -> bool:
+        """It has none but for the winding of some of its triangles."""
+        return self.chain != 0 and self.parity == 0
+
+
+def fingerprint(triangles: Triangles) -> Fingerprint:
+    """The fingerprint of the boundary chain: the sum of H(p, q) over all directed edges from p to q, modulo 2^64.
+
+    H(p, q) = (h(p) - h(q)) M(h(p) + h(q)) = -H(q, p), with h a mix of the bits of a corner (-0 read as +0) and M a mix
+    of 64 bits. Corners are equal where their bits are; nothing is merged or sorted. The parity is
+    the exclusive or of |H|, which does not tell the two directions of an edge apart; edges from a corner to itself
+    count for nothing in both.
+    """
+    space = block_space(triangles)
+    edges = EdgeSums(space)
+    for _ in fill(space, triangles):
+        edges.add()
+    return edges.total()
+
+
+class EdgeSums:
+    """The fingerprint of the blocks added so far.
+
+    Attributes:
+        sides: (3, n) |H| of each side of each triangle of the latest block: 63 bits, the same both ways along an edge,
+            zero from a corner to itself.
+    """
+
+    def __init__(self, space: Array) -> None:
+        """
+        Args:
+            space: of `block_space`, float64, where the corners of each block will be, in units of the file.
+        """
+        X = space[:3]
+        pool = workspace(10, space.shape[-1], np.uint64)
+        hashes, total, term = pool[:4], pool[4:7], pool[7:]
+        self.sides = term
+        self._result = np.empty(2, np.uint64)
+        steps = _edge_steps(X.view(np.uint64), hashes, total, term, self._result)
+        self._steps: list[Step] = [(np.add, (X, 0.0, X)), *steps]
+        self._chain = 0
+        self._parity = 0
+
+    def add(self) -> None:
+        """Add the block that is there now; its -0 become +0."""
+        for function, arguments in self._steps:
+            function(*arguments)
+        chain, parity = self._result.tolist()
+        self._chain += chain
+        self._parity ^= parity
+
+    def total(self) -> Fingerprint:
+        return Fingerprint(self._chain % _WORD, self._parity)
+
+
+def _edge_steps(bits: Words, hashes: Words, total: Words, term: Words, result: Words) -> list[Step]:
+    """The sum and the exclusive or of one block, into result, of the bits (3 corners, 3 coordinates, n)."""
+    corner, following, size = hashes[:3], hashes[1:], term.view(np.int64)
+    steps: list[Step] = [(np.multiply, (bits[:, 0], _FACTORS[0], corner))]
+    for i in (1, 2):
+        steps += [*_fold(corner, term), (np.add, (corner, bits[:, i], corner))]
+        steps += [(np.multiply, (corner, _FACTORS[i], corner))]
+    return [
+        *steps,
+        *_fold(corner, term),
+        (np.copyto, (hashes[3], hashes[0])),
+        (np.add, (corner, following, total)),
+        *_fold(total, term),
+        (np.multiply, (total, _MIX, total)),
+        *_fold(total, term),
+        (np.subtract, (corner, following, term)),
+        (np.multiply, (term, total, term)),
+        (np.add.reduce, (term, None, None, result[0, ...])),
+        (np.absolute, (size, size)),
+        (np.bitwise_xor.reduce, (term, None, None, result[1, ...])),
+    ]
+
+
+def _fold(words: Words, spare: Words) -> list[Step]:
+    """Carry the upper half of each word into the lower, which multiplication does not reach."""
+    return [(np.right_shift, (words, _HALF, spare)), (np.bitwise_xor, (words, spare, words))]

@@ -1,0 +1,130 @@
+"""Central moments of a volume above the second order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.programs.vectors import Array, product
+
+Floats = NDArray[np.float64]
+
+FREQUENCIES = 8
+"""Highest order of the moments about an axis."""
+
+_HEIGHTS = 3
+_BLOCK = 2048
+
+
+@dataclass(frozen=True, eq=False)
+class CentralMoments:
+    """Integrals over a volume V about its centre.
+
+    Attributes:
+        volume: V.
+        reach: the largest distance of a corner from the centre.
+        tensors: of x x, x x x and x x x x, symmetric in all indices.
+    """
+
+    volume: float
+    reach: float
+    tensors: tuple[Array, Array, Array]
+
+    def least_asymmetry(self, Q: Array) -> float:
+        """A lower bound of vol(A xor Q A) / 2V, for an orthogonal map Q about the centre.
+
+        |M - Q M| <= vol(A xor Q A) max|f|, for the moment M of each product f of coordinates.
+        """
+        bound = 0.0
+        for order, M in enumerate(self.tensors, start=2):
+            image = M
+            for _ in range(order):
+                image = product(image.reshape(3, -1).T, Q.T)
+            bound = max(bound, float(np.abs(M - image.reshape(M.shape)).max()) / (2 * self.volume * self.reach**order))
+        return bound
+
+
+def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
+    """The moments of the third and fourth order, with those of the second as given.
+
+    Over the tetrahedron from the centre to a triangle a product of k coordinates is D / (2k + 6) times its mean over
+    the triangle, with D six times the volume of the tetrahedron: the mean by a rule that is exact.
+
+    Args:
+        corners: (m, 3, 3) about the centre.
+        S: (3, 3) integral of x x^T about the centre. volume: positive.
+
+    Accuracy: of either order within 1e-13 of the largest moment of it on bodies that are not thin.
+    """
+    third, fourth = np.zeros((6, 3)), np.zeros((6, 6))
+    for start in range(0, len(corners), _BLOCK):
+        block = corners[start : start + _BLOCK]
+        X = product(_SHARES, block).transpose(2, 1, 0).reshape(3, -1)
+        pairs = np.stack([X[i] * X[j] for i, j in zip(*_UPPER, strict=True)])
+        weighted = pairs * np.outer(_WEIGHTS, determinants(block)).ravel()
+        third += product(weighted, X.T)
+        fourth += product(weighted, pairs.T)
+    tensors = S, third[_PAIR] / 12, fourth[_PAIR][:, :, _PAIR] / 14
+    return CentralMoments(volume, float(np.sqrt((corners**2).sum(axis=2).max())), tensors)
+
+
+def axial_moments(corners: Array, frame: Array, volume: float) -> Array:
+    """(8, 3) complex: integrals of (x + iy)^m z^k over the volume, m = 1 .. 8, k = 0 .. 2, m + k <= 8 (others zero).
+
+    A rotation about z by an angle a turns them by m a. They are relative to V and the largest values of |x + iy|^m and
+    |z|^k among the corners.
+
+    Args:
+        frame: (3, 3) rows: x, y, z.
+    """
+    local = product(corners, frame.T)
+    radius, height = np.hypot(local[..., 0], local[..., 1]).max(), np.abs(local[..., 2]).max()
+    local = local / (radius, radius, height)
+    found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
+    for start in range(0, len(local), _BLOCK):
+        found += _axial_sums(local[start : start + _BLOCK])
+    relative: Array = found * (radius**2 * height / volume)
+    return relative
+
+
+def _axial_sums(corners: Array) -> Array:
+    """(8, 3) sums of the integrals of w^m z^k over tetrahedra, w = x + iy.
+
+    That of the power m of a linear function is D m! / (m + 3)! h_m, with h_m the sum of all products of degree m of its
+    values at the corners. With w + e z for the function, the factor of e^k is that of w^(m - k) z^k times m over k.
+    """
+    x, y, z = corners.transpose(2, 1, 0)
+    w = x + 1j * y
+    D = determinants(corners)
+    jets = np.zeros((3, _HEIGHTS, len(D)), dtype=complex)
+    jets[:, 0] = 1.0
+    found = np.zeros((FREQUENCIES, _HEIGHTS), dtype=complex)
+    for degree in range(1, FREQUENCIES + 1):
+        for corner in range(3):
+            grown = w[corner] * jets[corner]
+            grown[1:] += z[corner] * jets[corner, :-1]
+            jets[corner] = grown if corner == 0 else grown + jets[corner - 1]
+        share = 1.0 / ((degree + 1) * (degree + 2) * (degree + 3))
+        for k in range(min(degree, _HEIGHTS)):
+            found[degree - k - 1, k] = share * product(jets[2, k], D) / comb(degree, k)
+    return found
+
+
+def determinants(corners: Array) -> Floats:
+    """Six times the volumes of the tetrahedra from the origin."""
+    a, b, c = corners.transpose(1, 2, 0)
+    D = np.zeros(len(corners))
+    for i in range(3):
+        D += a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2])
+    return D
+
+
+_UPPER = np.triu_indices(3)
+_NEAR, _FAR = 0.091576213509770743, 0.44594849091596489
+_SHARES = np.array([np.roll((1 - 2 * s, s, s), turn) for s in (_NEAR, _FAR) for turn in range(3)])
+_WEIGHTS = np.repeat((0.10995174365532187, 0.22338158967801147), 3)
+"""The rule with six points for the mean over a triangle, exact for the fourth order (Cowper 1973)."""
+_PAIR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])

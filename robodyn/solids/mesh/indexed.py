@@ -1,0 +1,145 @@
+"""Triangles as numbers of vertices, and the edges that they share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.solids.mesh.triangles import Floats
+
+Numbers = NDArray[np.signedinteger[Any]]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Indexed:
+    """Vertices (v, 3), all different, and faces (m, 3) of their numbers."""
+
+    vertices: Floats
+    faces: Numbers
+
+    @property
+    def corners(self) -> Floats:
+        """(m, 3, 3)."""
+        return self.vertices[self.faces]
+
+    @property
+    def middle(self) -> Floats:
+        """(3,) of the box of all vertices."""
+        centre: Floats = self.vertices.min(axis=0) / 2 + self.vertices.max(axis=0) / 2
+        return centre
+
+    def volume(self, reference: Floats) -> float:
+        """The signed integral of 1, about a point (3,) that matters only if the surface is open."""
+        return float(triple(self.corners - reference).sum() / 6)
+
+    @property
+    def areas(self) -> Floats:
+        """(m,)."""
+        return areas(self.corners)
+
+    def keep(self, chosen: Mask) -> Indexed:
+        """Only these faces."""
+        return replace(self, faces=self.faces[chosen])
+
+    def turned(self, chosen: Mask) -> Indexed:
+        """These faces wound the other way."""
+        return replace(self, faces=np.where(chosen[:, None], self.faces[:, ::-1], self.faces))
+
+
+def merged(corners: Floats) -> Indexed:
+    """Triangles (m, 3, 3) with corners of equal coordinates made one vertex; -0 is 0."""
+    points = corners.reshape(-1, 3) + 0.0
+    number: Numbers = np.zeros((len(points),), np.int64)
+    for coordinate in points.T:
+        _, place = np.unique(coordinate, return_inverse=True)
+        pair = number * (int(place.max()) + 1) + place
+        _, first, inverse = np.unique(pair, return_index=True, return_inverse=True)
+        number = inverse.reshape(-1)
+    return Indexed(points[first], number.reshape(-1, 3))
+
+
+def triple(corners: Floats) -> Floats:
+    """(m,) a . (b x c) of the corners of each triangle."""
+    a, b, c = corners.transpose(1, 0, 2)
+    products: Floats = np.einsum("ij,ij->i", a, np.cross(b - a, c - a))
+    return products
+
+
+def areas(corners: Floats) -> Floats:
+    """(m,) of triangles (m, 3, 3)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    found: Floats = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """Which sides of triangles lie on the same edge; side k goes from corner k to the next.
+
+    Attributes:
+        ends: (e, 2) vertices, the lower number first.
+        of: (m, 3) the edge of each side.
+        way: (m, 3) 1 where the side goes from the lower number to the higher, otherwise -1.
+        count: (e,) sides on each edge.
+    """
+
+    ends: Numbers
+    of: Numbers
+    way: Numbers
+    count: Numbers
+
+    @classmethod
+    def between(cls, faces: Numbers) -> Edges:
+        start, stop = faces, np.roll(faces, -1, axis=1)
+        lower, higher = np.minimum(start, stop), np.maximum(start, stop)
+        most = int(faces.max(initial=0)) + 1
+        keys, of, count = np.unique(lower * most + higher, return_inverse=True, return_counts=True)
+        ends = np.stack([keys // most, keys % most], axis=1)
+        return cls(ends, of.reshape(-1, 3), np.where(start < stop, 1, -1), count)
+
+    @property
+    def balance(self) -> Numbers:
+        """(e,) how many more sides go up than down: not zero on the boundary."""
+        total: Numbers = np.bincount(self.of.ravel(), self.way.ravel(), len(self.count)).astype(np.int64)
+        return total
+
+    def pairs(self) -> tuple[Numbers, Numbers, Mask]:
+        """The two faces on each edge of exactly two, and whether they are wound alike (pass it opposite ways)."""
+        sides = np.flatnonzero(self.count[self.of.ravel()] == 2)
+        first, second = sides[np.argsort(self.of.ravel()[sides], kind="stable")].reshape(-1, 2).T
+        way = self.way.ravel()
+        return first // 3, second // 3, way[first] != way[second]
+
+
+def components(count: int, a: Numbers, b: Numbers) -> Numbers:
+    """(count,) the number of the connected component of each node of a graph with the links a[i] to b[i].
+
+    Components are numbered as their first nodes are. Every node with links to lower ones is hooked to one of them and
+    then to the root of that; the roots are nodes of a smaller graph (Boruvka's contraction).
+    """
+    label = np.arange(count)
+    nodes = count
+    while True:
+        apart = a != b
+        a, b = a[apart], b[apart]
+        if not a.size:
+            return label
+        parent = np.arange(nodes)
+        parent[np.maximum(a, b)] = np.minimum(a, b)
+        number = np.cumsum(parent == np.arange(nodes)) - 1
+        step = number[_roots(parent)]
+        label, a, b = step[label], step[a], step[b]
+        nodes = int(number[-1]) + 1
+
+
+def _roots(parent: Numbers) -> Numbers:
+    """Where following parents, none of which has a higher number, ends."""
+    while True:
+        further = parent[parent]
+        if np.array_equal(further, parent):
+            return parent
+        parent = further

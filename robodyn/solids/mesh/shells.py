@@ -1,0 +1,106 @@
+"""The connected shells of a mesh, each wound in one way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
+
+
+@dataclass(frozen=True, eq=False)
+class Shells:
+    """A mesh in parts that are connected over edges.
+
+    Attributes:
+        mesh: all of it.
+        label: (m,) the shell of each face.
+        closed: (k,) whether the boundary of each shell vanishes.
+        twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.
+    """
+
+    mesh: Indexed
+    label: Numbers
+    closed: Mask
+    twisted: int = 0
+
+    @property
+    def count(self) -> int:
+        return len(self.closed)
+
+    def faces(self, shell: int) -> Numbers:
+        """The faces (n, 3) of a shell."""
+        chosen: Numbers = self.mesh.faces[self.label == shell]
+        return chosen
+
+
+def wound(mesh: Indexed) -> tuple[Shells, int]:
+    """The shells with faces turned so that neighbours agree, and how many were turned.
+
+    Neighbours are the two faces on an edge that has no others, in a patch those that such edges connect. The fewer
+    faces of a patch are turned. Patches that are closed are shells; they are set aside, which leaves fewer faces on
+    edges with more than two, until none is found. What then remains is put together wherever it shares an edge.
+    """
+    label = np.full(len(mesh.faces), -1, np.int64)
+    turned = np.zeros(len(mesh.faces), np.bool_)
+    rows = np.arange(len(mesh.faces))
+    shells = 0
+    while rows.size:
+        edges = Edges.between(mesh.faces[rows])
+        patch, turn, twisted = _patches(edges, len(rows))
+        done = _closed(edges, patch, turn, twisted)
+        turned[rows] = turn
+        names, found = np.unique(patch[done[patch]], return_inverse=True)
+        label[rows[done[patch]]] = shells + found
+        shells += len(names)
+        if not names.size or done.all():
+            break
+        rows = rows[~done[patch]]
+    open_rows = np.flatnonzero(label < 0)
+    closed = np.ones(shells, np.bool_)
+    if open_rows.size:
+        _, rest = np.unique(_over_edges(mesh.faces[open_rows]), return_inverse=True)
+        label[open_rows] = shells + rest
+        closed = np.append(closed, np.zeros(int(rest.max()) + 1, np.bool_))
+    one_sided = int(twisted[patch].sum()) if open_rows.size else 0
+    return Shells(mesh.turned(turned), label, closed, one_sided), int(turned.sum())
+
+
+def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
+    """The patch of each face, whether to turn it, and which patches have one side only.
+
+    A component of the graph in which every face stands twice, once for each winding.
+    """
+    a, b, alike = edges.pairs()
+    swapped = np.where(alike, 0, faces)
+    sides = components(2 * faces, np.concatenate([a, a + faces]), np.concatenate([b + swapped, b + faces - swapped]))
+    given, reverse = sides[:faces], sides[faces:]
+    lower = np.minimum(given, reverse)
+    names, patch = np.unique(lower, return_inverse=True)
+    other = (given != lower).astype(np.int64)
+    size = np.bincount(patch, minlength=len(names))
+    swap = 2 * np.bincount(patch, other, len(names)) > size
+    twisted = np.zeros(len(names), np.bool_)
+    twisted[patch[given == reverse]] = True
+    turn: Mask = ((other == 1) ^ swap[patch]) & ~twisted[patch]
+    return patch, turn, twisted
+
+
+def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
+    """Which patches have no boundary: on edges of other than two faces their sides must cancel."""
+    side = np.flatnonzero(edges.count[edges.of.ravel()] != 2)
+    face = side // 3
+    way = np.where(turn[face], -1, 1) * edges.way.ravel()[side]
+    keys, place = np.unique(patch[face] * len(edges.count) + edges.of.ravel()[side], return_inverse=True)
+    unbalanced = keys[np.bincount(place, way, len(keys)) != 0] // len(edges.count)
+    closed = ~twisted
+    closed[unbalanced] = False
+    return closed
+
+
+def _over_edges(faces: Numbers) -> Numbers:
+    """(m,) the component of each face over any edge."""
+    of = Edges.between(faces).of
+    nodes = np.repeat(np.arange(len(faces)), 3)
+    return components(len(faces) + int(of.max()) + 1, nodes, len(faces) + of.ravel())[: len(faces)]

@@ -1,0 +1,125 @@
+"""The bytes of a mesh: a file, standard input or memory."""
+
+from __future__ import annotations
+
+import io
+import os
+import stat
+import sys
+import weakref
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
+from typing import BinaryIO
+
+from robodyn.errors import MeshError
+from robodyn.support.input_file import copied, open_input
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """Bytes that can be read again and again.
+
+    name: for messages; size: bytes; path: of the file, None if the bytes are not in one that has a name.
+    """
+
+    name: str
+    size: int
+    path: str | None
+    _held: BinaryIO | None = field(repr=False)
+
+    @contextmanager
+    def opened(self) -> Iterator[BinaryIO]:
+        """A stream at its beginning; the same one every time where the bytes are not in a named file.
+
+        Raises:
+            MeshError: the file is not there any more, or its size is another.
+        """
+        if self._held is not None:
+            self._held.seek(0)
+            yield self._held
+            return
+        with closing(_opened(self.path or "")) as stream, reading(self.name):
+            if os.fstat(stream.fileno()).st_size != self.size:
+                raise MeshError("has changed since it was opened", remedy="run again", file=self.name)
+            yield stream
+
+    def memory(self) -> bytes | None:
+        """All bytes where they are in memory anyway, without a copy."""
+        return self._held.getvalue() if isinstance(self._held, io.BytesIO) else None
+
+    def data(self, most: int = -1) -> bytes:
+        """All bytes, or the first ones."""
+        with self.opened() as stream:
+            return stream.read(self.size if most < 0 else most)
+
+    def error(self, what: str, remedy: str | None = None, offset: int | None = None) -> MeshError:
+        """An error about this mesh, with the number of the line that holds the byte at `offset`."""
+        return MeshError(what, remedy=remedy, file=self.name, line=None if offset is None else self._line(offset))
+
+    def _line(self, offset: int) -> int:
+        before = self.data(offset)
+        feeds = before.count(b"\n")
+        return 1 + (feeds or before.count(b"\r"))
+
+
+def open_source(source: str | os.PathLike[str] | bytes) -> Source:
+    """The bytes of a file, of standard input (`-`), or these bytes.
+
+    Pipes are copied to a temporary file, because meshes are read more than once.
+
+    Raises:
+        MeshError: there is no such file, it cannot be read, or it is empty.
+    """
+    found = _memory(source) if isinstance(source, bytes) else _named(os.fspath(source))
+    if not found.size:
+        raise MeshError("is empty", remedy="a mesh is needed", file=found.name)
+    return found
+
+
+def _memory(data: bytes) -> Source:
+    return Source("<bytes>", len(data), None, io.BytesIO(data))
+
+
+def _named(path: str) -> Source:
+    if path == "-":
+        if sys.stdin is None:
+            raise MeshError("standard input is closed", remedy="name a file", file="<stdin>")
+        return _copied(sys.stdin.buffer, "<stdin>")
+    with closing(_opened(path)) as stream, reading(path):
+        status = os.fstat(stream.fileno())
+        if stat.S_ISREG(status.st_mode):
+            return Source(path, status.st_size, path, None)
+        return _copied(stream, path)
+
+
+def _opened(path: str) -> BinaryIO:
+    try:
+        with reading(path):
+            return open_input(path)
+    except ValueError as error:
+        raise MeshError(f"is not the name of a file: {error}", remedy="check the name", file=path) from None
+
+
+def _copied(stream: BinaryIO, name: str) -> Source:
+    with reading(name):
+        copy = copied(stream)
+    found = Source(name, copy.tell(), None, copy)
+    weakref.finalize(found, copy.close)
+    return found
+
+
+@contextmanager
+def reading(name: str) -> Iterator[None]:
+    """Tells what the system says about a file as a MeshError."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise MeshError("there is no such file", remedy="check the name", file=name) from None
+    except IsADirectoryError:
+        raise MeshError("is a folder, not a file", remedy="name a mesh in it", file=name) from None
+    except PermissionError:
+        raise MeshError("no permission to read the file", remedy="change its mode", file=name) from None
+    except OSError as error:
+        what = f"cannot be read: {(error.strerror or str(error)).lower()}"
+        raise MeshError(what, remedy="check the name and the disk", file=name) from None

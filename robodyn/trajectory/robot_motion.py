@@ -1,0 +1,113 @@
+"""Motions of a robot, from files and arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.trajectory.columns import Kind, Signal, Signals
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.read import from_arrays, open_trajectory
+from robodyn.trajectory.reader import TrajectoryReader
+from robodyn.trajectory.reading import Derivatives, HoldGiven, Reading, hold_of
+from robodyn.trajectory.units import AngleUnit, TimeUnit
+
+Floats = NDArray[np.float64]
+
+
+def signals(model: Model) -> Signals:
+    """Return what the model wants to read from a trajectory."""
+    dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
+    return Signals(tuple(_signal(model, joint) for joint in model.independent), dependent)
+
+
+def _signal(model: Model, joint: Joint) -> Signal:
+    """Return a joint as a signal; its limits are those of joints that mimic it, too, where all can be kept."""
+    lower, upper = -inf, inf
+    for each in (body.joint for body in model.bodies if body.joint.coordinate == joint.coordinate):
+        ends = [-inf if each.lower is None else each.lower, inf if each.upper is None else each.upper]
+        if each.multiplier and ends[0] < ends[1] and joint.kind != "floating":
+            low, high = sorted((end - each.offset) / each.multiplier for end in ends)
+            if max(low, lower) <= min(high, upper):
+                lower, upper = max(low, lower), min(high, upper)
+    return Signal(joint.name, _kind(joint), lower, upper, joint.velocity or inf)
+
+
+def _kind(joint: Joint) -> Kind:
+    if joint.kind == "floating":
+        return "floating"
+    if joint.kind == "prismatic":
+        return "length"
+    return "continuous" if joint.continuous else "angle"
+
+
+def read_motion(
+    path: str | os.PathLike[str],
+    model: Model,
+    scene: Scene = DEFAULT,
+    *,
+    derivatives: Derivatives = "auto",
+    ignore_extra: bool = False,
+    hold: HoldGiven | None = None,
+    columns: Mapping[str, str] | None = None,
+    time_unit: TimeUnit | None = None,
+    angle_unit: AngleUnit | None = None,
+) -> TrajectoryReader:
+    """Return a reader of the motion of this robot in this scene, for `torques`.
+
+    Args:
+        path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
+        derivatives: how missing velocities and accelerations are derived; see `robodyn.trajectory.reading`.
+        ignore_extra: leave unknown columns out instead of refusing them.
+        hold: where joints without columns are held: "rest" (nearest to zero within the limits), a position for all, or
+            positions by joint; None refuses them.
+        columns: our name -> the table's, such as {"q_elbow": "Elbow angle"}.
+        time_unit, angle_unit: of columns whose names do not tell; None assumes s and rad, and doubts them where the
+            motion could hardly be so.
+
+    Raises:
+        TrajectoryError: the file cannot be read or its columns do not fit the robot.
+    """
+    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit)
+    return open_trajectory(path, signals(model), extra=scene.columns, reading=reading)
+
+
+def motion(
+    model: Model,
+    time: ArrayLike,
+    q: ArrayLike,
+    qd: ArrayLike | None = None,
+    qdd: ArrayLike | None = None,
+    *,
+    columns: Mapping[str, ArrayLike] | None = None,
+    derivatives: Derivatives = "auto",
+    time_unit: TimeUnit | None = None,
+    angle_unit: AngleUnit | None = None,
+) -> Trajectory:
+    """A motion of this robot from arrays, for `torques`; velocities and accelerations that are left out are derived.
+
+    Args:
+        time: (N,) s, increasing.
+        q: (N, nq) rad or m; qd, qdd: (N, n) per s and per s^2; in the order of `model.coordinates` and `model.rates`.
+        columns: (N,) values of the columns that the scene's wrenches name.
+        derivatives, time_unit, angle_unit: as for `read_motion`.
+
+    Raises:
+        TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
+    """
+    return from_arrays(
+        signals(model), time, q, qd, qdd, columns, Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit)
+    )
+
+
+def sources_of(block: Trajectory, scene: Scene) -> dict[str, Floats]:
+    """The arrays of a block as programs read them."""
+    extra = [block.extra[name] for name in scene.columns]
+    columns = np.stack(extra, axis=1) if extra else np.empty((len(block), 0))
+    return {"q": block.q, "qd": block.qd, "qdd": block.qdd, "columns": columns}
