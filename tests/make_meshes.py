@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from mesh_samples import Floats, binary_stl, box, corners, flipped, moved
+from helpers.mesh_samples import Floats, binary_stl, box, corners, flipped, moved
 
 Outline = Sequence[tuple[float, float]]
 FOLDER = Path(__file__).parent.parent / "robots" / "meshes"

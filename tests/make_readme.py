@@ -14,8 +14,8 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from readme_examples import regenerated
-from readme_tables import steady_tables, timed_tables
+from helpers.readme_examples import regenerated
+from helpers.readme_tables import steady_tables, timed_tables
 
 README = Path(__file__).parent.parent / "README.md"
 MARK = re.compile(r"(<!-- begin: ([\w-]+) -->\n).*?(<!-- end: \2 -->)", re.DOTALL)

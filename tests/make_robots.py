@@ -9,10 +9,10 @@ import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from free_motions import BaseState, attitudes, tumble
+from helpers.free_motions import BaseState, attitudes, tumble
+from helpers.robot_motions import Motion, State, exact, fourier, quintic
+from helpers.satellite_motion import Satellite
 from mpmath import mp, mpf
-from robot_motions import Motion, State, exact, fourier, quintic
-from satellite_motion import Satellite
 
 Table = dict[str, list[mpf]]
 ENCODER_STEPS = 2**17

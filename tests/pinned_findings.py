@@ -9,8 +9,8 @@ import json
 from collections import Counter
 from pathlib import Path
 
-from example_robots import all_paths
-from other_robots import other_paths
+from helpers.example_robots import all_paths
+from helpers.other_robots import other_paths
 
 from robodyn.checks.run import check_one
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from plain_dynamics import (
+from helpers.plain_dynamics import (
     by_lsoda,
     case,
     in_long_doubles,
@@ -20,7 +20,7 @@ from plain_dynamics import (
     plain_tree,
     plain_turntable,
 )
-from random_scenes import momentum_of, passing_of, pushed_slide
+from helpers.random_scenes import momentum_of, passing_of, pushed_slide
 
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import effort
@@ -199,8 +199,8 @@ what became of {count} random scenes with targets from 1e-8 to 1e-2 and a fifth 
 met their target, how many claimed it and missed it, how many were refused; in how many percent of the claims the
 expected error covers the true one, and the median of the true error over the expected one. The truth is in closed
 form, or from equations of their own integrated in more digits. `python -m random_scene_accuracy` in `tests/` writes
-this page, and `tests/accuracy/test_random_scenes.py` fails where a target is missed or a class is covered in less than
-93 percent.
+this page, and `tests/measure/accuracy/test_random_scenes.py` fails where a target is missed or a class is covered in
+less than 93 percent.
 
 | scenes | number | met | missed | refused | covered | error / expected |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: |

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from markdown_tables import table
-from round_bars import Errors, errors
-from round_shapes import HELD_OUT, PLACES, TRIED, TUNED, drawn
+from helpers.markdown_tables import table
+from helpers.round_bars import Errors, errors
+from helpers.round_shapes import HELD_OUT, PLACES, TRIED, TUNED, drawn
 
 ENOUGH = 0.95
 PUBLISHED = range(5000, 5040)
@@ -77,7 +77,7 @@ each kind in each of three places of the corners, of 6 to 72 facets to a turn in
 mesh, and of the corrected numbers, is none, which counts as holding; and the median of the error over the bar of the
 mesh's volume. The numbers of the estimate were tuned on the first kinds, its rules come of the next ones as well, and
 nothing comes of the held out ones. `python -m tessellation_coverage` in `tests/` writes this page, and
-`tests/accuracy/test_tessellation_bars.py` fails where a share is below 95.
+`tests/measure/accuracy/test_tessellation_bars.py` fails where a share is below 95.
 
 {table}"""
 

@@ -6,10 +6,10 @@ import re
 
 import pytest
 from benchmarks import bench_executors
+from helpers.markdown_tables import cells
+from helpers.readme_examples import ELSEWHERE, ROOT, blocks, commands, regenerated, same
+from helpers.readme_tables import TIMED, steady_tables
 from make_readme import README, tables_in
-from markdown_tables import cells
-from readme_examples import ELSEWHERE, ROOT, blocks, commands, regenerated, same
-from readme_tables import TIMED, steady_tables
 
 from robodyn.errors import SceneError
 from robodyn.scene.read import parse_scene

@@ -11,12 +11,12 @@ from statistics import median
 import mpmath
 import numpy as np
 from benchmarks.derivative_errors import derivatives_table
-from example_robots import PATHS
-from markdown_tables import main, table
-from oracles import frictionless, golden_model, random_state, reference, run, worst
-from pinocchio_robots import PinocchioRobot
-from robot_catalogue import runs
-from small_robots import chain
+from helpers.example_robots import PATHS
+from helpers.markdown_tables import main, table
+from helpers.oracles import frictionless, golden_model, random_state, reference, run, worst
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.robot_catalogue import runs
+from helpers.small_robots import chain
 
 import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS

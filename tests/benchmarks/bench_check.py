@@ -19,9 +19,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 
-from example_robots import all_paths
-from machine import machine
-from markdown_tables import main, table
+from helpers.example_robots import all_paths
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.run import EVERYTHING, Options, check_one

@@ -18,9 +18,9 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 
-from machine import machine
-from markdown_tables import main, table
-from mesh_samples import binary_stl, torus
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.mesh_samples import binary_stl, torus
 
 OURS = "robodyn inertia"
 _CLI = "from robodyn.cli.start import start; start()"

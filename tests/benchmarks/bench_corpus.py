@@ -19,8 +19,8 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 import robodyn
 

@@ -12,11 +12,11 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-from example_robots import path_of
-from machine import machine
-from markdown_tables import main, table
-from oracles import ROBOTS as FOLDER
-from oracles import worst
+from helpers.example_robots import path_of
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.oracles import ROBOTS as FOLDER
+from helpers.oracles import worst
 
 import robodyn
 from robodyn.dynamics.inverse import torque_runner

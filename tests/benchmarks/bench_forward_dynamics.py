@@ -13,9 +13,9 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_executors import ROBOTS, described, joints, nanoseconds
-from machine import machine
-from markdown_tables import main, table
-from oracles import worst
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.oracles import worst
 
 import robodyn
 from robodyn.dynamics.accelerations import acceleration_program

@@ -26,9 +26,9 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 import pinocchio as pin
-from closed_chains import four_bars
-from machine import machine
-from markdown_tables import main, table
+from helpers.closed_chains import four_bars
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 from scipy.integrate import solve_ivp
 
 import robodyn
@@ -155,7 +155,7 @@ COLD = """\
 import sys, time
 sys.path.insert(0, {tests!r})
 import numpy as np, robodyn, robodyn.simulation.rollouts, llvmlite.binding
-from closed_chains import four_bars
+from helpers.closed_chains import four_bars
 {ready}
 start = time.process_time()
 {call}

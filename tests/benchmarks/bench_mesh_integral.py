@@ -16,9 +16,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
-from mesh_samples import binary_stl, torus
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.mesh_samples import binary_stl, torus
 
 from robodyn.solids.mesh.closed import fingerprint
 from robodyn.solids.mesh.compiled_kernel import kernel_for

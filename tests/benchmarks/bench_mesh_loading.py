@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from machine import machine
-from markdown_tables import main, table
-from mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
-from mesh_samples import binary_stl, torus
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
+from helpers.mesh_samples import binary_stl, torus
 
 from robodyn.solids.mesh.load import load_triangles
 

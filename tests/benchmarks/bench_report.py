@@ -20,9 +20,9 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.bench_streaming import ROBOT, TABLES, write_motion
-from machine import machine
-from markdown_tables import main, table
-from oracles import ROBOTS
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.oracles import ROBOTS
 
 HEAD = ("table", "alone", "with a report", "ratio", "quickest", "with a report", "ratio", "processor", "with a report")
 

@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 from benchmarks.bench_executors import described, joints, nanoseconds
-from machine import machine
-from markdown_tables import main, table
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 import robodyn
 from robodyn.dynamics.plan import plan

@@ -14,8 +14,8 @@ import time
 from pathlib import Path
 from statistics import median
 
-from machine import machine
-from markdown_tables import main, table
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 ROBOTS = Path(__file__).parent.parent.parent / "robots"
 JOB = (

@@ -20,9 +20,9 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
-from oracles import ROBOTS, robot
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.oracles import ROBOTS, robot
 
 ROBOT = "puma560"
 CHUNK = 20_000

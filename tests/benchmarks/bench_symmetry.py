@@ -15,9 +15,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
-from symmetry_cases import bodies
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.symmetry_cases import bodies
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.asymmetry import CentredBody

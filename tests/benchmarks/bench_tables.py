@@ -17,8 +17,8 @@ from statistics import median
 
 import numpy as np
 import polars as pl
-from machine import machine
-from markdown_tables import main, table
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import open_trajectory

@@ -9,10 +9,10 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
-from smooth_solids import solids
-from tessellation_errors import Case, case
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.smooth_solids import solids
+from helpers.tessellation_errors import Case, case
 
 from robodyn.solids.mesh.tessellation_lines import line_masses
 

@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
-from machine import machine
-from markdown_tables import main, table
-from mesh_samples import moved, torus
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.mesh_samples import moved, torus
 
 from robodyn.solids.mesh.holes import filled
 from robodyn.solids.mesh.indexed import Indexed, merged

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 from benchmarks.work_precision_systems import Run, System, mujocos, ours, pinocchios, scipys, systems
-from machine import machine
-from markdown_tables import main, table
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
 
 from robodyn.measure.accuracy.timing import timed
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from markdown_tables import table as markdown
-from motion_classes import JUDGED, NOISES, Motion, table
+from helpers.markdown_tables import table as markdown
+from helpers.motion_classes import JUDGED, NOISES, Motion, table
 
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import from_arrays

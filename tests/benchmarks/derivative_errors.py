@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from markdown_tables import table
-from oracles import robot
+from helpers.markdown_tables import table
+from helpers.oracles import robot
 
 import robodyn
 

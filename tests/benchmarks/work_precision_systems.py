@@ -16,8 +16,8 @@ from typing import Any
 import mujoco
 import numpy as np
 import pinocchio as pin
-from example_robots import path_of
-from oracles import ROBOTS
+from helpers.example_robots import path_of
+from helpers.oracles import ROBOTS
 from scipy.integrate import solve_ivp
 
 import robodyn

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import run
-from example_robots import path_of
+from helpers.command_line import run
+from helpers.example_robots import path_of
 
 import robodyn
 from robodyn.checks.asked import TARGETS, Asked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from clean_arm import FAMILIES, IDENTITY, arm
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
 
 from robodyn.checks.baseline import compared, write_baseline
 from robodyn.checks.identity import fingerprints, identity

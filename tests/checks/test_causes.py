@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from example_robots import path_of
+from helpers.example_robots import path_of
 
 from robodyn.checks.causes import Cause, causes
 from robodyn.checks.causes_evidence import UPPER, clearly_possible

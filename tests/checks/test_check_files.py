@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from planted_defects import HEALTHY
+from helpers.planted_defects import HEALTHY
 
 import robodyn
 from robodyn.checks import sources

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from helpers.planted_defects import DEFECTS, HEALTHY
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from planted_defects import DEFECTS, HEALTHY
 
 from robodyn.checks.run import check_one
 

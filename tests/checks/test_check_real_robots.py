@@ -6,10 +6,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from example_robots import all_paths
-from other_robots import other_paths
+from helpers.example_robots import all_paths
+from helpers.other_robots import other_paths
+from helpers.robot_catalogue import FOLDER, names
 from pinned_findings import name_of
-from robot_catalogue import FOLDER, names
 
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import check_one

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from clean_arm import IDENTITY, arm
+from helpers.clean_arm import IDENTITY, arm
 
 from robodyn.checks import project
 from robodyn.checks.config import parse_config

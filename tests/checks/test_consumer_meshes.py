@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import dae, obj
-from mesh_samples import binary_stl
+from helpers.mesh_files import dae, obj
+from helpers.mesh_samples import binary_stl
 
 from robodyn.checks.asked import Asked
 from robodyn.checks.examples import a_joint, a_link, arm

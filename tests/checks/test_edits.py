@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from clean_arm import arm
+from helpers.clean_arm import arm
 
 from robodyn.checks.edits import edited, together
 from robodyn.checks.rule import Edit, Finding, Fix

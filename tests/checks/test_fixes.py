@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from clean_arm import INERTIA, arm
+from helpers.clean_arm import INERTIA, arm
 
 import robodyn
 from robodyn.checks.catalogue import RULES

@@ -11,8 +11,8 @@ from functools import cache, partial
 from pathlib import Path
 
 import pytest
+from helpers.planted_defects import DEFECTS, SOUND
 from pinned_findings import name_of, published
-from planted_defects import DEFECTS, SOUND
 
 from robodyn.checks.fix import Fixed, fixed
 from robodyn.checks.rule import Finding, Severity

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from mesh_samples import binary_stl, box
+from helpers.mesh_samples import binary_stl, box
 
 from robodyn.checks import mesh_files
 from robodyn.checks.rule import Finding, Severity

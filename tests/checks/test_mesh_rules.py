@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import ascii_stl, dae, obj
-from mesh_samples import binary_stl, box, flipped, moved
+from helpers.mesh_files import ascii_stl, dae, obj
+from helpers.mesh_samples import binary_stl, box, flipped, moved
 
 from robodyn.checks.asked import Asked
 from robodyn.checks.catalogue import RULES

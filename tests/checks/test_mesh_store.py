@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from mesh_samples import binary_stl, box
+from helpers.mesh_samples import binary_stl, box
 
 from robodyn.checks import mesh_store
 from robodyn.checks.mesh_facts import MeshFacts, mesh_facts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from example_robots import path_of
+from helpers.example_robots import path_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from example_robots import path_of
+from helpers.example_robots import path_of
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Finding

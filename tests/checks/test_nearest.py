@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from planted_defects import HEALTHY
+from helpers.planted_defects import HEALTHY
 
 from robodyn.checks.fix import fixed
 from robodyn.checks.nearest import nearest

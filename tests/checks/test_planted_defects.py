@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from planted_defects import DEFECTS, HEALTHY, HERE, MEASURED, MESSAGES, SOUND, Defect
+from helpers.planted_defects import DEFECTS, HEALTHY, HERE, MEASURED, MESSAGES, SOUND, Defect
 
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import check_one

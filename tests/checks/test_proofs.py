@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from clean_arm import INERTIA, arm
+from helpers.clean_arm import INERTIA, arm
 
 from robodyn.checks.proof import SAME, change_of_dynamics, unproven
 

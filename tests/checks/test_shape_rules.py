@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from example_robots import path_of
-from mesh_samples import binary_stl, box
+from helpers.example_robots import path_of
+from helpers.mesh_samples import binary_stl, box
 
 from robodyn.checks.bodies import bodies
 from robodyn.checks.context import Context

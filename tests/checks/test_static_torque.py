@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from example_robots import path_of
+from helpers.example_robots import path_of
 
 import robodyn
 from robodyn.checks.context import Context

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from clean_arm import FAMILIES, IDENTITY, INERTIA, arm
+from helpers.clean_arm import FAMILIES, IDENTITY, INERTIA, arm
 
 from robodyn.checks.run import Options, check_one
 from robodyn.checks.waivers import OWN

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import xacro
-from clean_arm import IDENTITY, arm
+from helpers.clean_arm import IDENTITY, arm
 
 from robodyn.checks.project import check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Finding

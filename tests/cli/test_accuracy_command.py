@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS, run
-from hurried import hurry
+from helpers.command_line import ROBOTS, run
+from helpers.hurried import hurry
 
 from robodyn.simulation.methods import METHODS
 

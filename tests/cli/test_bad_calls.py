@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 import pytest
-from command_line import Outcome, run, spawn, write_arm
+from helpers.command_line import Outcome, run, spawn, write_arm
 
 from robodyn.cli import torques, torques_single
 

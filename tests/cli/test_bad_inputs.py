@@ -9,7 +9,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from command_line import ARM, HEADER, Outcome, motion, run, write_arm
+from helpers.command_line import ARM, HEADER, Outcome, motion, run, write_arm
 
 BINARY = bytes(range(256))
 GOOD = motion(10)

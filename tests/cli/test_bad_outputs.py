@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from command_line import Outcome, command, motion, run, write_arm
+from helpers.command_line import Outcome, command, motion, run, write_arm
 
 resource = pytest.importorskip("resource")
 

@@ -7,11 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from clean_arm import arm
-from command_line import ROBOTS, run
+from helpers.clean_arm import arm
+from helpers.command_line import ROBOTS, run
+from helpers.schemas import JUNIT, SARIF, json_schema
 from jsonschema import Draft7Validator
 from lxml import etree
-from schemas import JUNIT, SARIF, json_schema
 
 MESHES = ROBOTS / "meshes"
 GOOD = ("bracket.stl", "cross.stl")

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import click
 import pytest
-from command_line import ARM, ROBOTS, Outcome, run
-from compiled_programs import needs_compiler
-from hurried import hurry
+from helpers.command_line import ARM, ROBOTS, Outcome, run
+from helpers.compiled_programs import needs_compiler
+from helpers.hurried import hurry
 
 from robodyn.cli import bench
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, write_arm
+from helpers.command_line import ROBOTS, write_arm
 
 from robodyn.loads.torques import torques
 from robodyn.report.json_torques import torques_json

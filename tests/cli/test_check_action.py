@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 import yaml
-from clean_arm import FAMILIES, IDENTITY, arm
-from command_line import command
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
+from helpers.command_line import command
+from helpers.schemas import ACTION, SARIF, json_schema
 from jsonschema import Draft7Validator
-from schemas import ACTION, SARIF, json_schema
 
 ROOT = Path(__file__).parent.parent.parent
 FOLDER = ROOT / ".github" / "actions" / "check"

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS, run
-from planted_defects import HEALTHY
+from helpers.command_line import ROBOTS, run
+from helpers.planted_defects import HEALTHY
 
 from robodyn.checks.catalogue import RULES
 

@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
-from clean_arm import FAMILIES, IDENTITY, arm
-from command_line import run
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
+from helpers.command_line import run
+from helpers.schemas import JUNIT, SARIF, json_schema
 from jsonschema import Draft7Validator
 from lxml import etree
-from schemas import JUNIT, SARIF, json_schema
 
 AXIS = arm(shoulder="0 2 0")
 BOTH = arm(upper=IDENTITY, shoulder="0 2 0")

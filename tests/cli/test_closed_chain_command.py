@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
+from helpers.command_line import ROBOTS, run
 
 BARS = (str(ROBOTS / "four_bars.urdf"), "--scene", str(ROBOTS / "four_bars_a02.toml"))
 PUMP = (str(ROBOTS / "crank_slider.urdf"), "--scene", str(ROBOTS / "crank_slider_pump.toml"))

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import ARM, ROBOTS, Outcome, motion, run
+from helpers.command_line import ARM, ROBOTS, Outcome, motion, run
 
 from robodyn.robot.urdf.packages import VARIABLES
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import Outcome, run
+from helpers.command_line import Outcome, run
 
 from robodyn.measure import doctor
 from robodyn.measure.doctor import Line, healthy

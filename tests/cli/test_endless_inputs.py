@@ -10,7 +10,7 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from command_line import run, write_arm
+from helpers.command_line import run, write_arm
 
 from robodyn.robot.urdf import xacro
 from robodyn.support import input_file

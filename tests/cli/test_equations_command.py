@@ -9,7 +9,7 @@ import click
 import numpy as np
 import pytest
 import sympy
-from command_line import ROBOTS, run
+from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.cli import equations

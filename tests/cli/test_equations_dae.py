@@ -7,10 +7,10 @@ import re
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
-from example_robots import path_of
-from oracles import EPS, worst
-from small_robots import joint, link, urdf
+from helpers.command_line import ROBOTS, run
+from helpers.example_robots import path_of
+from helpers.oracles import EPS, worst
+from helpers.small_robots import joint, link, urdf
 
 import robodyn
 from robodyn.equations.free_body.bodies import free_bodies

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run, write_arm
-from example_robots import PATHS, path_of
-from oracles import robot
-from other_robots import other_paths
+from helpers.command_line import ROBOTS, run, write_arm
+from helpers.example_robots import PATHS, path_of
+from helpers.oracles import robot
+from helpers.other_robots import other_paths
+from helpers.small_robots import built, joint, link, urdf
 from scipy.interpolate import make_interp_spline
-from small_robots import built, joint, link, urdf
 
 from robodyn.loads.example_motion import example_motion, overloaded
 from robodyn.loads.torques import torques

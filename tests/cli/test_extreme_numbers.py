@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from command_line import motion, run
+from helpers.command_line import motion, run
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 

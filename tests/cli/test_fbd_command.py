@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
+from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.programs.vectors import product

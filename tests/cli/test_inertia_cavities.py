@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from command_line import run
-from mesh_samples import binary_stl, box
+from helpers.command_line import run
+from helpers.mesh_samples import binary_stl, box
 
 ROBOT = """<robot name="r"><link name="l"><visual><geometry><mesh filename="part.stl" scale="0.1 0.1 0.1"/></geometry>
 </visual></link></robot>"""

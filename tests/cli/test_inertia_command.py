@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import re
 
-import mesh_samples
 import numpy as np
 import pytest
-from command_line import run
+from helpers import mesh_samples
+from helpers.command_line import run
 
 import robodyn
 from robodyn.robot.urdf.description import load_description

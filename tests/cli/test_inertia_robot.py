@@ -7,11 +7,11 @@ import math
 import subprocess
 import sys
 
-import mesh_samples
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
-from terminals import on_terminal
+from helpers import mesh_samples
+from helpers.command_line import ROBOTS, run
+from helpers.terminals import on_terminal
 
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.declared import robot_inertia

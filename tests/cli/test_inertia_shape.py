@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
-import mesh_samples as samples
 import numpy as np
 import pytest
-from command_line import run
-from smooth_solids import solids
+from helpers import mesh_samples as samples
+from helpers.command_line import run
+from helpers.smooth_solids import solids
 
 import robodyn
 from robodyn.solids.mesh import shape

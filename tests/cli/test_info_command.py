@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_line import ARM, ROBOTS, run
-from example_robots import path_of
+from helpers.command_line import ARM, ROBOTS, run
+from helpers.example_robots import path_of
 
 import robodyn
 from robodyn.checks.rule import Severity

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import ARM, ROBOTS, motion, run
+from helpers.command_line import ARM, ROBOTS, motion, run
 
 from robodyn.loads.torques import torques
 from robodyn.report.json_torques import torques_json

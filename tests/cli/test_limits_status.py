@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from command_line import ARM, Outcome, motion, run
+from helpers.command_line import ARM, Outcome, motion, run
 
 BOUNDS = {"effort": "50", "velocity": "5", "lower": "-3", "upper": "3"}
 

@@ -8,10 +8,10 @@ import sys
 
 import numpy as np
 import pytest
-from command_line import run
-from mesh_samples import binary_stl, box, moved, torus
-from processes import environment
-from terminals import on_terminal
+from helpers.command_line import run
+from helpers.mesh_samples import binary_stl, box, moved, torus
+from helpers.processes import environment
+from helpers.terminals import on_terminal
 
 from robodyn.cli.meter import Meter
 from robodyn.solids.mesh import one_shell

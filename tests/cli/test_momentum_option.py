@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
-from motions import Pieces, waves
-from oracles import EPS, robot, worst
+from helpers.command_line import ROBOTS, run
+from helpers.motions import Pieces, waves
+from helpers.oracles import EPS, robot, worst
 
 import robodyn
 from robodyn.dynamics.momenta import View

@@ -6,8 +6,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS, run, write_arm
-from example_robots import path_of
+from helpers.command_line import ROBOTS, run, write_arm
+from helpers.example_robots import path_of
 
 from robodyn.errors import SceneError
 from robodyn.scene.read import parse_scene

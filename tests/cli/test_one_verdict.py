@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import run
-from html_pages import checked
+from helpers.command_line import run
+from helpers.html_pages import checked
 
 BODY = '<inertial><mass value="{mass}"/><inertia ixx=".02" ixy="0" ixz="0" iyy=".03" iyz="0" izz=".04"/></inertial>'
 ZERO = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'

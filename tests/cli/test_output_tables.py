@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from command_line import ROBOTS, run, write_arm
+from helpers.command_line import ROBOTS, run, write_arm
 
 GRIPPER = (str(ROBOTS / "gripper.urdf"), str(ROBOTS / "gripper_pick.csv"), "--scene", str(ROBOTS / "gripper.toml"))
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")

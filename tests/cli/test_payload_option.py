@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import motion, run, write_arm
+from helpers.command_line import motion, run, write_arm
 
 TORQUES = ("torques", "arm.urdf", "arm.csv")
 SIMULATE = ("simulate", "arm.urdf", "--duration", "0.02")

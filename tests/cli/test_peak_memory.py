@@ -9,7 +9,7 @@ from pathlib import Path
 
 import polars as pl
 import pytest
-from command_line import ARM, HEADER
+from helpers.command_line import ARM, HEADER
 
 SHORT, LONG = 100_000, 400_000
 BLOCK_ROWS = 8192

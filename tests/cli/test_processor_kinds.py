@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from example_robots import path_of
-from processes import python
-from processor_kinds import LINEAR_ALGEBRA, variables
-from robot_catalogue import names
+from helpers.example_robots import path_of
+from helpers.processes import python
+from helpers.processor_kinds import LINEAR_ALGEBRA, variables
+from helpers.robot_catalogue import names
 
 TESTS = Path(__file__).parent.parent
 TEXT = """
@@ -60,7 +60,7 @@ CODE = f"""
 import json, os, sys
 sys.path.insert(0, {str(TESTS)!r})
 os.chdir({str(TESTS.parent)!r})
-from command_line import run
+from helpers.command_line import run
 outputs = []
 for command in json.loads(sys.stdin.read()):
     done = run(*command.split())

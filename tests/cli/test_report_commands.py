@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS, run, write_arm
-from html_pages import checked
+from helpers.command_line import ROBOTS, run, write_arm
+from helpers.html_pages import checked
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.accuracy.timing import Spread

@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS, run, write_arm
-from html_pages import checked
+from helpers.command_line import ROBOTS, run, write_arm
+from helpers.html_pages import checked
 
 PUMA = (str(ROBOTS / "puma560.urdf"), str(ROBOTS / "puma560_sweep.csv"))
 

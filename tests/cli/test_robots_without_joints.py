@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from command_line import run
-from small_robots import joint, link, urdf
+from helpers.command_line import run
+from helpers.small_robots import joint, link, urdf
 
 PARTS = (link("body", 1.5, (0, 0, 0.1), (0.01, 0, 0, 0.02, 0, 0.03)), link("rotor", 0.1, (0, 0, 0), (1e-3,) * 6))
 FREE = ("--scene", "free.toml")

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from command_line import ARM, ROBOTS, run, write_arm
-from example_robots import path_of
+from helpers.command_line import ARM, ROBOTS, run, write_arm
+from helpers.example_robots import path_of
 
 import robodyn
 from robodyn.errors import SceneError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from command_line import run
+from helpers.command_line import run
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run, write_arm
+from helpers.command_line import ROBOTS, run, write_arm
 
 SWING = (str(ROBOTS / "two_link_planar.urdf"), "--scene", str(ROBOTS / "two_link_planar_swing_down.toml"))
 TUMBLE = '[initial]\nqd = { base_wx = 0.1, base_wy = 0.3, left_array = 0.05 }\n[base]\nmotion = "moving"\n'

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import ROBOTS
+from helpers.command_line import ROBOTS
 
 CALLS = {
     "fine": ("inertia", str(ROBOTS / "meshes" / "hub.stl")),

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from command_line import ROBOTS
+from helpers.command_line import ROBOTS
 
 HEAVY = (
     *("polars", "pyarrow", "scipy", "rich", "llvmlite", "yourdfpy", "trimesh"),

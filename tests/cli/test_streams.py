@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
-from terminals import on_terminal
+from helpers.command_line import ARM, ROBOTS, command, motion, run, spawn, write_arm
+from helpers.terminals import on_terminal
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 ESCAPE = "\x1b"

@@ -10,8 +10,8 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from oracles import frictionless, golden_model, random_state, reference, robot, run, worst
-from program_values import evaluated
+from helpers.oracles import frictionless, golden_model, random_state, reference, robot, run, worst
+from helpers.program_values import evaluated
 
 import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS

@@ -11,10 +11,10 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from busy_robot import BUSY_SCENE, busy_robot
-from oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
-from program_values import evaluated
-from small_robots import body_numbers, built, joint, link, numbers, random_tree
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
+from helpers.program_values import evaluated
+from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
 from robodyn.dynamics.accelerations import acceleration_program, accelerations
 from robodyn.dynamics.effects.catalogue import EFFECTS

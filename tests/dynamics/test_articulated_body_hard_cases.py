@@ -9,8 +9,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from oracles import EPS, random_state, worst
-from small_robots import built, chain, chain_parts, link, random_tree
+from helpers.oracles import EPS, random_state, worst
+from helpers.small_robots import built, chain, chain_parts, link, random_tree
 
 from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from example_robots import PATHS, cases
-from oracles import frictionless, random_state, worst
-from pinocchio_robots import PinocchioRobot
+from helpers.example_robots import PATHS, cases
+from helpers.oracles import frictionless, random_state, worst
+from helpers.pinocchio_robots import PinocchioRobot
 
 from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from closed_forms import TORQUES, g, two_link_planar_masses
-from oracles import frictionless, robot, run, worst
-from small_robots import body_numbers, built, link
+from helpers.closed_forms import TORQUES, g, two_link_planar_masses
+from helpers.oracles import frictionless, robot, run, worst
+from helpers.small_robots import body_numbers, built, link
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from example_robots import path_of, real
-from oracles import frictionless, golden_model, random_state, worst
+from helpers.example_robots import path_of, real
+from helpers.oracles import frictionless, golden_model, random_state, worst
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
-from oracles import EPS, random_state, worst
-from small_robots import chain
+from helpers.oracles import EPS, random_state, worst
+from helpers.small_robots import chain
 
 from robodyn.dynamics.recursions.euler_laws import (
     about_body_point,

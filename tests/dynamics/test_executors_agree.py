@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from compiled_programs import bits, needs_compiler
-from example_robots import cases
-from oracles import EPS, golden_model, random_state, reference, robot, worst
-from robot_catalogue import names
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.compiled_programs import bits, needs_compiler
+from helpers.example_robots import cases
+from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
+from helpers.robot_catalogue import names
 
 from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix

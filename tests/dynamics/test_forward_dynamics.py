@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from compiled_programs import bits, needs_compiler
-from example_robots import real
-from oracles import EPS, frictionless, golden_model, random_state, robot, worst
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.compiled_programs import bits, needs_compiler
+from helpers.example_robots import real
+from helpers.oracles import EPS, frictionless, golden_model, random_state, robot, worst
 
 import robodyn
 from robodyn.dynamics.accelerations import acceleration_program
@@ -79,7 +79,7 @@ def test_numbers_that_are_not_finite_pass_through():
 
 
 def test_a_singular_mass_matrix_is_refused_by_the_factorisation_too():
-    from small_robots import built, joint, link
+    from helpers.small_robots import built, joint, link
 
     model = built(link("l0"), link("l1"), joint("j1", "l0", "l1"))
     with pytest.raises(InputError, match='the mass matrix is singular: hardly anything resists "j1"'):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import golden_model, reference, run, worst
+from helpers.oracles import golden_model, reference, run, worst
 
 from robodyn.dynamics.effects import coriolis, gravity
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix

@@ -7,9 +7,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from independent_dynamics import torques_of
-from oracles import EPS, random_state, reference, run, worst
-from small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
+from helpers.independent_dynamics import torques_of
+from helpers.oracles import EPS, random_state, reference, run, worst
+from helpers.small_robots import body_numbers, built, chain, joint, link, random_tree, random_tree_parts, urdf
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix

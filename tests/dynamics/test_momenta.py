@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from busy_robot import busy_parts, busy_robot
-from oracles import EPS, random_state, robot, worst
-from pinocchio_robots import PinocchioRobot
-from small_robots import chain, urdf
+from helpers.busy_robot import busy_parts, busy_robot
+from helpers.oracles import EPS, random_state, robot, worst
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.small_robots import chain, urdf
 
 import robodyn
 from robodyn.errors import InputError

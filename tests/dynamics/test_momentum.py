@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from busy_robot import busy_parts, busy_robot
-from oracles import EPS, frictionless, random_state, robot, run, worst
-from pinocchio_robots import PinocchioRobot
-from small_robots import urdf
+from helpers.busy_robot import busy_parts, busy_robot
+from helpers.oracles import EPS, frictionless, random_state, robot, run, worst
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.small_robots import urdf
 
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan

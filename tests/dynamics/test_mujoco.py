@@ -9,8 +9,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pytest
-from oracles import random_state, worst
-from small_robots import built, joint, link, random_tree_parts, urdf
+from helpers.oracles import random_state, worst
+from helpers.small_robots import built, joint, link, random_tree_parts, urdf
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.robot.assemble import load

@@ -6,9 +6,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from compiled_programs import needs_compiler
-from motions import Pieces
-from oracles import ROBOTS
+from helpers.compiled_programs import needs_compiler
+from helpers.motions import Pieces
+from helpers.oracles import ROBOTS
 
 import robodyn
 from robodyn.dynamics import balance as self_checks

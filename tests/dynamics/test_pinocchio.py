@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from example_robots import PATHS, REFUSED, all_paths, cases, path_of
-from oracles import frictionless, random_state, run, worst
-from pinocchio_robots import PinocchioRobot
+from helpers.example_robots import PATHS, REFUSED, all_paths, cases, path_of
+from helpers.oracles import frictionless, random_state, run, worst
+from helpers.pinocchio_robots import PinocchioRobot
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan

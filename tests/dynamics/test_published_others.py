@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import frictionless, golden_model, reference, run, worst
-from small_robots import built, joint, link
+from helpers.oracles import frictionless, golden_model, reference, run, worst
+from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects import coriolis, gravity
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix

@@ -9,8 +9,8 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from oracles import frictionless, reference, robot, run, worst
-from robot_files import FOLDER
+from helpers.oracles import frictionless, reference, robot, run, worst
+from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.effects import coriolis
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from oracles import random_state, robot, run, worst
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import random_state, robot, run, worst
 
 import robodyn
 from robodyn.dynamics.effects import inertia, payload, rotor_inertia

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from c_functions import CC, called, compiled_c, needs_c
-from command_line import ROBOTS
-from oracles import random_state, worst
-from small_robots import built, joint, link, random_tree
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.c_functions import CC, called, compiled_c, needs_c
+from helpers.command_line import ROBOTS
+from helpers.oracles import random_state, worst
+from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.equations.c_source import c_source

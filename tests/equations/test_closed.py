@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import closed_forms
 import numpy as np
 import pytest
 import sympy
-from c_functions import called, compiled_c, needs_c
-from command_line import ROBOTS
-from oracles import random_state, worst
-from small_robots import built, joint, link, random_tree
+from helpers import closed_forms
+from helpers.c_functions import called, compiled_c, needs_c
+from helpers.command_line import ROBOTS
+from helpers.oracles import random_state, worst
+from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.equations import closed as closed_module

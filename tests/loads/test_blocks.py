@@ -6,11 +6,11 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from compiled_programs import needs_compiler
-from motions import Pieces, waves
-from oracles import EPS, robot
-from small_robots import built, joint, link
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.compiled_programs import needs_compiler
+from helpers.motions import Pieces, waves
+from helpers.oracles import EPS, robot
+from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
-from example_robots import PATHS, path_of
-from other_robots import other_paths
-from small_robots import built, joint, link
+from helpers.command_line import ROBOTS, run
+from helpers.example_robots import PATHS, path_of
+from helpers.other_robots import other_paths
+from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.report.limits_words import limits_verdict

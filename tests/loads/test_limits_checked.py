@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from batch_runs import write_motion
-from command_line import ARM, motion, run
+from helpers.batch_runs import write_motion
+from helpers.command_line import ARM, motion, run
 
 from robodyn.report.limits_words import unchecked_words, verdict_on_limits
 from robodyn.robot.assemble import load

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from motions import waves
-from oracles import ROBOTS, random_state, robot, run
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.motions import waves
+from helpers.oracles import ROBOTS, random_state, robot, run
 
 import robodyn.dynamics.plan
 from robodyn.dynamics.balance import LawResiduals, laws, losses

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import waves
-from oracles import EPS, reference, robot, run, worst
+from helpers.motions import waves
+from helpers.oracles import EPS, reference, robot, run, worst
+from helpers.small_robots import built, joint, link
 from scipy.integrate import trapezoid
-from small_robots import built, joint, link
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan

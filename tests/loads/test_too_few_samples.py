@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import ARM, run
-from oracles import robot
+from helpers.command_line import ARM, run
+from helpers.oracles import robot
 
 import robodyn
 from robodyn.report.limits_words import limits_verdict

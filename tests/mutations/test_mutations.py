@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from mutation_list import MUTATIONS
+from helpers.mutation_list import MUTATIONS
 
 ROOT = Path(__file__).parents[2]
 CASES = [(test, *mutation) for test, mutations in MUTATIONS.items() for mutation in mutations]

@@ -8,8 +8,8 @@ import sys
 from functools import partial
 
 import pytest
-from dying_workers import at_home
-from oracles import ROBOTS, robot
+from helpers.dying_workers import at_home
+from helpers.oracles import ROBOTS, robot
 
 from robodyn.loads.torques import torques
 from robodyn.report.drawing import at_once, beside

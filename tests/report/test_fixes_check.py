@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from clean_arm import IDENTITY, arm
+from helpers.clean_arm import IDENTITY, arm
 from hypothesis import example, given
 from hypothesis import strategies as st
 

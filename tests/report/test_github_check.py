@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from clean_arm import FAMILIES, IDENTITY, arm
-from command_line import run
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
+from helpers.command_line import run
 from hypothesis import given
 from hypothesis import strategies as st
 

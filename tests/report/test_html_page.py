@@ -8,7 +8,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
-from html_pages import Page, checked
+from helpers.html_pages import Page, checked
 
 from robodyn.report import html_page
 from robodyn.report.document import (

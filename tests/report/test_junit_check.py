@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from clean_arm import FAMILIES, IDENTITY, arm
+from helpers.clean_arm import FAMILIES, IDENTITY, arm
+from helpers.schemas import JUNIT
 from lxml import etree
-from schemas import JUNIT
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.run import Checked, Options, check_one

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from html_pages import Page, checked
-from oracles import ROBOTS, robot
+from helpers.html_pages import Page, checked
+from helpers.oracles import ROBOTS, robot
 
 import robodyn
 from robodyn.loads.result import Result

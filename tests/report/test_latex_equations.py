@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from command_line import ROBOTS
-from oracles import random_state, worst
-from small_robots import built, joint, link
+from helpers.command_line import ROBOTS
+from helpers.oracles import random_state, worst
+from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.equations.closed import closed

@@ -9,8 +9,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from example_robots import real
-from oracles import ROBOTS, robot
+from helpers.example_robots import real
+from helpers.oracles import ROBOTS, robot
 
 import robodyn
 from robodyn.loads.many import Worst

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-from html_pages import Page, checked
-from oracles import ROBOTS, robot
+from helpers.html_pages import Page, checked
+from helpers.oracles import ROBOTS, robot
 
 import robodyn
 from robodyn.report import html_page

@@ -6,7 +6,7 @@ import itertools
 import re
 
 import pytest
-from html_pages import checked
+from helpers.html_pages import checked
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung

@@ -6,9 +6,9 @@ import json
 from typing import Any
 
 import pytest
-from clean_arm import IDENTITY, INERTIA, arm
+from helpers.clean_arm import IDENTITY, INERTIA, arm
+from helpers.schemas import SARIF, json_schema
 from jsonschema import Draft7Validator
-from schemas import SARIF, json_schema
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.reading import read

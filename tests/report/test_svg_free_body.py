@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from oracles import random_state, robot
+from helpers.oracles import random_state, robot
 
 import robodyn
 from robodyn.dynamics.effects.catalogue import EFFECTS

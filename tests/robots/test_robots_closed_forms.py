@@ -8,9 +8,9 @@ from decimal import Decimal
 import numpy as np
 import pinocchio as pin
 import pytest
-from closed_forms import TORQUES
-from robot_files import REFERENCE, configuration, model, torques
-from scene_files import read_scene
+from helpers.closed_forms import TORQUES
+from helpers.robot_files import REFERENCE, configuration, model, torques
+from helpers.scene_files import read_scene
 
 EPS = np.finfo(float).eps
 

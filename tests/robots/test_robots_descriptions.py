@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 import trimesh
 import yourdfpy
-from robot_files import FOLDER, NAMES, REFERENCE, element, model
+from helpers.robot_files import FOLDER, NAMES, REFERENCE, element, model
 
 from robodyn.robot.urdf.description import load_description
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from helpers.robot_files import model, read_csv, stacked
 from mpmath import mp
-from robot_files import model, read_csv, stacked
 from scipy.spatial.transform import Rotation
 
 EPS = np.finfo(float).eps

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from robot_files import FOLDER, read_csv
-from scene_files import read_scene
+from helpers.robot_files import FOLDER, read_csv
+from helpers.scene_files import read_scene
 
 from robodyn.robot.urdf.description import load_description
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from command_line import ROBOTS, run
-from oracles import reference
-from robot_catalogue import belonging, names, simulation_command
-from robot_files import read_csv
+from helpers.command_line import ROBOTS, run
+from helpers.oracles import reference
+from helpers.robot_catalogue import belonging, names, simulation_command
+from helpers.robot_files import read_csv
 
 COMMANDS = {
     path.stem: command for name in names() for path in belonging(name, ".toml") if (command := simulation_command(path))

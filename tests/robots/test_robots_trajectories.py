@@ -5,8 +5,8 @@ from __future__ import annotations
 import make_robots
 import numpy as np
 import pytest
-from robot_files import FOLDER, FULL, model, read_csv, stacked, torques
-from scene_files import read_scene
+from helpers.robot_files import FOLDER, FULL, model, read_csv, stacked, torques
+from helpers.scene_files import read_scene
 
 from robodyn.robot.urdf.description import load_description
 

@@ -8,8 +8,8 @@ from dataclasses import FrozenInstanceError, fields, is_dataclass, replace
 
 import numpy as np
 import pytest
-from busy_robot import BUSY_SCENE, busy_robot
-from oracles import robot
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import robot
 
 import robodyn
 from robodyn.dynamics.forward import acceleration_runner

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from oracles import ROBOTS
+from helpers.oracles import ROBOTS
 
 from robodyn.errors import SceneError
 from robodyn.scene.read import load_scene, parse_scene

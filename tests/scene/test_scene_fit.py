@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from oracles import robot
+from helpers.oracles import robot
 
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import SceneError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from oracles import robot
+from helpers.oracles import robot
 
 from robodyn.errors import SceneError
 from robodyn.scene.fit import check_scene

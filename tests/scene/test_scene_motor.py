@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from oracles import robot
+from helpers.oracles import robot
 
 from robodyn.errors import SceneError
 from robodyn.scene.fit import check_scene

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles import reference, robot
-from simulated_robots import pendulum, tumbling
-from small_robots import built, link
+from helpers.oracles import reference, robot
+from helpers.simulated_robots import pendulum, tumbling
+from helpers.small_robots import built, link
 
 import robodyn
 from robodyn.errors import InputError

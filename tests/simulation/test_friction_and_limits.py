@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import robot
-from simulated_robots import pendulum, slide
+from helpers.oracles import robot
+from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import robot
-from simulated_robots import pendulum, tumbling
-from small_robots import random_tree
+from helpers.oracles import robot
+from helpers.simulated_robots import pendulum, tumbling
+from helpers.small_robots import random_tree
 
 import robodyn
 from robodyn.errors import InputError

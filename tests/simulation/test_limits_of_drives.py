@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from command_line import ARM, ROBOTS, Outcome, run
-from example_robots import path_of
-from small_robots import built, joint, link
+from helpers.command_line import ARM, ROBOTS, Outcome, run
+from helpers.example_robots import path_of
+from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.report.limits_words import simulation_limits

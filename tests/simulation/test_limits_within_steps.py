@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from random_scenes import braked_slide, hanging, passing_of, swung
+from helpers.random_scenes import braked_slide, hanging, passing_of, swung
+from helpers.simulated_robots import slide
+from helpers.small_robots import built, joint, link
 from scipy.integrate import solve_ivp
-from simulated_robots import slide
-from small_robots import built, joint, link
 
 import robodyn
 from robodyn.errors import InputError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles import robot
-from simulated_robots import pendulum
+from helpers.oracles import robot
+from helpers.simulated_robots import pendulum
 
 import robodyn
 from robodyn.scene.scene import Scene

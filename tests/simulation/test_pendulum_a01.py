@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles import ROBOTS, robot
+from helpers.oracles import ROBOTS, robot
 
 import robodyn
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles import random_state, robot
-from simulated_robots import pendulum, tumbling
+from helpers.oracles import random_state, robot
+from helpers.simulated_robots import pendulum, tumbling
 
 import robodyn
 from robodyn.errors import InputError

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_scenes import momentum_of, pushed_slide
-from simulated_robots import pendulum, slide
+from helpers.random_scenes import momentum_of, pushed_slide
+from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import RobodynError

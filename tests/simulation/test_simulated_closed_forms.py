@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles import reference, robot
-from simulated_robots import pendulum, slide
-from small_robots import built, joint, link
+from helpers.oracles import reference, robot
+from helpers.simulated_robots import pendulum, slide
+from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.scene.scene import Drive, Friction, Scene, Spring

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from oracles import robot
+from helpers.oracles import robot
 
 from robodyn.dynamics.plan import plan
 from robodyn.scene.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring

@@ -6,7 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from simulated_robots import pendulum, turntable
+from helpers.simulated_robots import pendulum, turntable
 
 import robodyn
 from robodyn.errors import InputError

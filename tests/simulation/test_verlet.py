@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from oracles import robot
-from simulated_robots import pendulum, slide
+from helpers.oracles import robot
+from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import Pieces, waves
-from oracles import robot
+from helpers.motions import Pieces, waves
+from helpers.oracles import robot
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.at_time import row_at

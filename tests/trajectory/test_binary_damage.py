@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from table_files import ARCHIVES, SIGNALS, blocks, columns, numbers, stored
+from helpers.table_files import ARCHIVES, SIGNALS, blocks, columns, numbers, stored
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.read import read_trajectory

@@ -9,7 +9,7 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
+from helpers.table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
 
 from robodyn.trajectory.open import open_table
 from robodyn.trajectory.read import read_trajectory

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from example_robots import PATHS
-from robot_catalogue import FOLDER, belonging, names
+from helpers.example_robots import PATHS
+from helpers.robot_catalogue import FOLDER, belonging, names
 
 from robodyn.loads.example_motion import example_motion
 from robodyn.robot.assemble import load

@@ -13,7 +13,7 @@ import polars as pl
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from table_files import NAMES, ROWS, SIGNALS, blocks, columns, numbers, stored
+from helpers.table_files import NAMES, ROWS, SIGNALS, blocks, columns, numbers, stored
 
 from robodyn.trajectory.formats import GROUP_ROWS
 from robodyn.trajectory.read import open_trajectory

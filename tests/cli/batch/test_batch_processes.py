@@ -1,0 +1,142 @@
+"""Processes that die, interruptions, and the progress bar."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from contextlib import suppress
+from multiprocessing import active_children
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from threading import Thread
+
+import pytest
+from helpers.batch_runs import NAMES, write_motion, write_runs
+from helpers.command_line import command
+from helpers.terminals import on_terminal
+
+from robodyn.cli.batch.jobs import jobs_of
+from robodyn.cli.batch.processes import ATTEMPTS, worked_here
+from robodyn.cli.torques_batch import _setup
+
+OPTIONS = {"reactions": False, "sizing": False, "momentum": None}
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_runs(tmp_path)
+    monkeypatch.chdir(tmp_path)
+
+
+def setup():
+    return _setup("arm.urdf", None, None, {**OPTIONS, "explain": False, "executor": "numpy", "threads": None})[0]
+
+
+def kill_readers(path: str, times: int) -> None:
+    """Kill the one process of the pool whenever it has begun to read a pipe, in which nothing ever comes."""
+    while times:
+        try:
+            end = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError:  # nobody reads yet
+            time.sleep(0.005)
+            continue
+        (child,) = active_children()
+        assert child.pid is not None
+        os.kill(child.pid, signal.SIGKILL)
+        with suppress(ProcessLookupError):  # once the pool has seen its end, which it is not to learn from here
+            while True:
+                os.kill(child.pid, 0)
+                time.sleep(0.001)
+        os.close(end)
+        times -= 1
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+@pytest.mark.parametrize("deaths", [pytest.param(1, marks=pytest.mark.slow), ATTEMPTS])
+def test_a_process_that_dies_is_replaced(deaths: int) -> None:
+    """The job is tried again, and given up after the last attempt; the others are not touched."""
+    os.mkfifo("runs/stuck.csv")
+    jobs = jobs_of(["runs/one.csv", "runs/stuck.csv", "runs/two.csv"], "results")
+    killer = Thread(target=kill_readers, args=("runs/stuck.csv", deaths), daemon=True)
+    if deaths < ATTEMPTS:
+        killer = Thread(target=lambda: (kill_readers("runs/stuck.csv", deaths), _unstick()), daemon=True)
+    killer.start()
+    outcomes = dict(worked_here(setup(), jobs, 1))
+    killer.join()
+    assert [outcomes[number].status for number in (0, 2)] == ["computed", "computed"]
+    if deaths == ATTEMPTS:
+        assert (
+            outcomes[1].error
+            == "runs/stuck.csv: its process died 2 times, at last by signal 9 (is there enough memory?)"
+        )
+    else:
+        assert outcomes[1].error.startswith("runs/stuck.csv: is empty")
+    assert not active_children()
+    assert not list(Path("results").glob("*.part"))
+
+
+def _unstick() -> None:
+    """Let the next reader of the pipe, and every later one, find an empty file."""
+    while True:
+        try:
+            end = os.open("runs/stuck.csv", os.O_WRONLY | os.O_NONBLOCK)
+            break
+        except OSError:
+            time.sleep(0.005)
+    os.unlink("runs/stuck.csv")
+    Path("runs/stuck.csv").touch()
+    os.close(end)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs process groups")
+@pytest.mark.parametrize(
+    "whole_group", [pytest.param(True, id="terminal"), pytest.param(False, id="kill", marks=pytest.mark.slow)]
+)
+def test_interrupted(whole_group: bool) -> None:
+    """Ctrl-C reaches every process of the terminal, `kill -INT` one; either leaves whole files only."""
+    for k in range(6):
+        write_motion(Path(f"long/{k}.csv"), rows=60_000)
+    call = command("torques", "arm.urdf", "long/*.csv", "--out", "results", "--reactions", "--jobs", "2")
+    with subprocess.Popen(
+        call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as child:
+        while not list(Path("results").glob("*.part")):
+            time.sleep(0.001)
+            assert child.poll() is None
+        (os.killpg if whole_group else os.kill)(child.pid, signal.SIGINT)
+        _, err = child.communicate(timeout=30)
+    assert (child.returncode, err.strip()) == (130, "")
+    left = sorted(path.name for path in Path("results").iterdir())
+    assert not [name for name in left if name.endswith(".part")]
+    assert len(left) < 12
+    for path in Path("results").glob("*.csv"):
+        assert path.read_text().count("\n") == 60_001
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_processes_that_are_ended_the_hard_way_leave_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As under Windows, where what ends a process lets it clear nothing up."""
+    monkeypatch.setattr(SpawnProcess, "terminate", SpawnProcess.kill)
+    write_motion(Path("long/a.csv"), rows=60_000)
+    jobs = jobs_of(["runs/one.csv", "long/a.csv"], "results")
+    work = worked_here(setup(), jobs, 2)
+    assert next(work)[1].status == "computed"
+    while not list(Path("results").rglob("*.part")):
+        time.sleep(0.001)
+    work.close()
+    assert sorted(str(path) for path in Path("results").rglob("*.*")) == [
+        "results/runs/one.csv",
+        "results/runs/one.json",
+    ]
+
+
+def test_progress_on_a_terminal() -> None:
+    """A bar with the files that are done and the time left, below the lines; nothing of it where nobody looks."""
+    pipes = command("torques", "arm.urdf", "runs/*.csv", "--out", "results", "--executor", "numpy")
+    shown, piped = on_terminal(pipes, stdout=False, stderr=True)
+    assert "0 of 3 files" in shown
+    assert "3 of 3 files" in shown
+    assert "0:00:00" in shown
+    assert piped.splitlines()[:3] == [f"runs/{x}.csv: 50 samples, 0.49 s -> results/{x}.csv" for x in sorted(NAMES)]

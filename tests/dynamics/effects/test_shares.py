@@ -1,0 +1,114 @@
+"""Shares add up to the whole, and each scales as its effect does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.example_robots import real
+from helpers.oracles import EPS, golden_model, random_state, robot, run, worst
+from helpers.robot_files import FOLDER
+
+from robodyn.dynamics.effects import coriolis, gravity, inertia, payload
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
+
+SAMPLES = 50
+
+
+def _columns(scene, rng):
+    return {name: rng.normal(size=SAMPLES) for name in scene.columns}
+
+
+SYSTEMS = {
+    "busy": lambda: (busy_robot(), BUSY_SCENE),
+    "busy and free": lambda: (busy_robot(True), BUSY_SCENE),
+    "puma560 with motors": lambda: (robot("puma560"), load_scene(FOLDER / "puma560_motors.toml")),
+    "puma polishing": lambda: (robot("puma"), load_scene(FOLDER / "puma_polish.toml")),
+    "gripper": lambda: (robot("gripper"), load_scene(FOLDER / "gripper.toml")),
+    "talos": lambda: (real("talos_reduced", True), Scene()),
+}
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_shares_sum_to_tau(name):
+    model, scene = SYSTEMS[name]()
+    rng = np.random.default_rng(6)
+    state, columns = random_state(model, rng, SAMPLES), _columns(scene, rng)
+    tau = inverse_dynamics(model, *state, scene=scene, columns=columns)
+    plan = Plan(model, scene)
+    table = np.column_stack([*columns.values()]) if columns else None
+    shares = {effect.name: run(plan.share(effect), plan, *state, table) for effect in plan.effects}
+    assert worst(sum(shares.values()), tau) <= 1e-13
+    for share_name, share in shares.items():
+        assert share.any() == (share_name != "mimic")
+
+
+def test_every_effect_is_on_in_the_busy_scene():
+    assert [effect.name for effect in Plan(busy_robot(True), BUSY_SCENE).effects] == [effect.name for effect in EFFECTS]
+
+
+SCALES = [1e-8, 1e-4, 1.0, 1e3, 1e20, 1e150]
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3", "iiwa14_drake"])
+def test_coriolis_is_quadratic(name, scale):
+    """By subtraction of gravity the slowest would have errors of 1e-1; its own program has none."""
+    model = golden_model(name)
+    q, qd, _ = random_state(model, np.random.default_rng(7), 20)
+    plan = Plan(model, Scene())
+    share, still = plan.share(coriolis.EFFECT), np.zeros_like(qd)
+    unit = run(share, plan, q, qd, still)
+    found = run(share, plan, q, scale * qd, still) / scale / scale
+    assert worst(found, unit) <= 1e-15
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_inertia_is_linear_and_gravity_too(scale):
+    model = golden_model("tree15_bf2_skew0.3")
+    q, _, qdd = random_state(model, np.random.default_rng(7), 20)
+    plan, still = Plan(model, Scene()), np.zeros_like(qdd)
+    share = plan.share(inertia.EFFECT)
+    unit = run(share, plan, q, still, qdd)
+    assert worst(run(share, plan, q, still, scale * qdd) / scale, unit) <= 1e-15
+    M = mass_matrix(model, q)
+    assert worst(np.einsum("ijk,ik->ij", M, qdd), unit) <= 1e-14
+    heavy = Plan(model, Scene(gravity=(0, 0, -9.81 * scale)))
+    weight = run(plan.share(gravity.EFFECT), plan, q, still, still)
+    assert worst(run(heavy.share(gravity.EFFECT), heavy, q, still, still) / scale, weight) <= 8 * EPS
+
+
+def test_bias_does_not_see_the_sign_of_time():
+    """tau(q, -qd, qdd) = tau(q, qd, qdd) without friction, to the last bit but for the order of additions."""
+    model = golden_model("puma560_corke")
+    q, qd, qdd = random_state(model, np.random.default_rng(9), 20)
+    assert worst(inverse_dynamics(model, q, -qd, qdd), inverse_dynamics(model, q, qd, qdd)) <= 4 * EPS
+
+
+def _payload_share(scene, model, state, table):
+    plan = Plan(model, scene)
+    return run(plan.share(payload.EFFECT), plan, *state, table)
+
+
+def test_an_effect_is_the_difference_that_it_makes():
+    """But for those that are told apart by what else is on: gravity pulls on payloads and drives buoyancy."""
+    model = busy_robot(True)
+    rng = np.random.default_rng(10)
+    state, columns = random_state(model, rng, SAMPLES), _columns(BUSY_SCENE, rng)
+    plan, table = Plan(model, BUSY_SCENE), np.column_stack([*columns.values()])
+    whole = run(plan.torques(), plan, *state, table)
+    for effect in plan.effects:
+        if effect.name not in ("inertia", "coriolis", "moving base", "gravity"):
+            difference = whole - run(plan.without(effect), plan, *state, table)
+            assert worst(run(plan.share(effect), plan, *state, table), difference, np.abs(whole).max()) <= 1e-14
+    weightless = replace(BUSY_SCENE, gravity=(0.0, 0.0, 0.0))
+    pulled = _payload_share(BUSY_SCENE, model, state, table) - _payload_share(weightless, model, state, table)
+    difference = whole - run(plan.without(gravity.EFFECT), plan, *state, table)
+    share = run(plan.share(gravity.EFFECT), plan, *state, table) + pulled
+    assert worst(share, difference, np.abs(whole).max()) <= 1e-14

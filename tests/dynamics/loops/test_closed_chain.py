@@ -1,0 +1,174 @@
+"""Accelerations of closed chains against the tree's own inverse dynamics, and the least change against NumPy's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.closed_chains import four_bars, spatial_loop
+from helpers.small_robots import built, joint, link, random_tree
+
+import robodyn
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.loops.find import closed_chain, jacobian
+from robodyn.dynamics.loops.least_change import LeastChange
+from robodyn.dynamics.plan import applied, plan
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.composite_body import composite_body, rates_inward
+from robodyn.dynamics.recursions.sparse import Root, SingularError
+from robodyn.errors import InputError
+from robodyn.scene.scene import Loop, Scene
+
+
+def dense(entries, n):
+    M = np.zeros((n, n))
+    for (i, j), value in entries.items():
+        M[i, j] = M[j, i] = value
+    return M
+
+
+def solved(model, scene, q, qd, tau):
+    """qdd, lambda, and J in the ground's axes of a fixed-base robot."""
+    a_plan = plan(model, scene)
+    chain = closed_chain(a_plan).chain
+    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
+    qdd, multipliers = chain.accelerations(sample, applied(a_plan.effects, sample, scene), tau.tolist())
+    here = chain.equations(sample)
+    return np.array(qdd), np.array(multipliers), jacobian(chain, sample), np.array(here.bias, dtype=float)
+
+
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_the_tree_with_the_loops_forces_moves_as_the_closed_chain(kind):
+    model, scene = spatial_loop(4, kind)
+    rng = np.random.default_rng(0)
+    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
+    qdd, multipliers, J, bias = solved(model, scene, q, qd, tau)
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    scale = np.abs(needed).max() + np.abs(J.T @ multipliers).max()
+    assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * scale
+    assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max() * np.linalg.cond(J)
+
+
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_a_free_robot_that_is_tied_to_the_ground(kind):
+    """The momentum recursion's base wrench is what the loop carries, in the ground's axes about the loop's point."""
+    model, scene = spatial_loop(2, kind, moving_base=True, to="ground")
+    rng = np.random.default_rng(3)
+    q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
+    q[3:7] /= np.linalg.norm(q[3:7])
+    qdd, multipliers, _, _ = solved(model, scene, q, qd, np.zeros(model.n))
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    chain = closed_chain(plan(model, scene)).chain
+    sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
+    place, equations = chain.equations(sample).places[0], chain.closures[0].equations
+    force = sum(value * equation.force() for value, equation in zip(multipliers, equations, strict=True))
+    scale = np.abs(force).max()
+    assert np.abs(needed[3:6] - force).max() <= 1e-12 * scale
+    power = force @ place.speed.v + sum(
+        value * equation.moment(place.B) @ place.speed.w for value, equation in zip(multipliers, equations, strict=True)
+    )
+    assert needed @ qd == pytest.approx(power, abs=1e-11 * scale)
+
+
+def test_equations_given_twice_share_the_force():
+    model, scene = spatial_loop(4)
+    loop = scene.loops[0]
+    again = Scene(loops=(loop, Loop("again", loop.link, loop.point, loop.to, loop.to_point)))
+    rng = np.random.default_rng(0)
+    q, qd, tau = rng.uniform(-1, 1, model.n), rng.normal(size=model.n), rng.normal(size=model.n) * 10
+    once, single, _, _ = solved(model, scene, q, qd, tau)
+    twice, double, _, _ = solved(model, again, q, qd, tau)
+    assert np.abs(twice - once).max() <= 1e-9 * np.abs(once).max()
+    assert np.abs(double[:3] + double[3:] - single).max() <= 1e-9 * np.abs(single).max()
+    assert np.abs(double).max() <= 1.001 * np.abs(single).max()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_mass_matrix_by_composite_bodies(seed):
+    model = aligned(random_tree(seed, 9))
+    q = np.random.default_rng(seed).uniform(-1, 1, model.n)
+    sample = Sample(model, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
+    rotors = [0.1] * model.n
+    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], rotors), model.n)
+    expected = robodyn.mass_matrix(model, q) + 0.1 * np.eye(model.n)
+    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+def test_mass_matrix_with_followers():
+    parts = [link("l0")]
+    more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.2"/>', "j3": '<mimic joint="j1" multiplier="0.5"/>'}
+    for k in range(1, 5):
+        parts.append(link(f"l{k}", 1.0 + k, (0.1, 0.2, 0.3), (1, 0.1, 0.2, 1.2, 0.05, 0.9)))
+        place = {"axis": (0.6, 0, 0.8), "xyz": (0.3, 0.1, 0.2)}
+        parts.append(joint(f"j{k}", f"l{0 if k == 3 else k - 1}", f"l{k}", more=more.get(f"j{k}", ""), **place))
+    model = aligned(built(*parts))
+    q = (0.3, -0.4)
+    sample = Sample(model, q, (0.0, 0.0), (0.0, 0.0))
+    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], [0.0, 0.0]), 2)
+    expected = robodyn.mass_matrix(model, q)
+    assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
+
+
+def test_a_loop_with_a_follower_in_it():
+    """Two hinges that turn as one, closed to the base by a slide: J and M act on the shared coordinate."""
+    more = {"j2": '<mimic joint="j1" multiplier="-1.5" offset="0.4"/>'}
+    parts = [link("l0")]
+    for k in range(1, 4):
+        parts.append(link(f"l{k}", 1.0, (0.2, 0.1, 0.05), (0.1, 0.01, 0, 0.2, 0.02, 0.15)))
+        place = {"axis": (0, 0.6, 0.8), "xyz": (0.5 if k > 1 else 0.0, 0, 0)}
+        parts.append(joint(f"j{k}", f"l{k - 1}", f"l{k}", more=more.get(f"j{k}", ""), **place))
+    scene = Scene(loops=(Loop("slot", "l3", (0.4, 0, 0), directions=((0, 1, 1),)),))
+    model = built(*parts)
+    q, qd, tau = np.array((0.4, -0.7)), np.array((1.1, -0.6)), np.array((3.0, -2.0))
+    qdd, multipliers, J, bias = solved(model, scene, q, qd, tau)
+    assert J.shape == (1, 2)
+    needed = robodyn.inverse_dynamics(model, q, qd, qdd)
+    assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * np.abs(needed).max()
+    assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max()
+    step = 1e-6
+    chain = closed_chain(plan(model, scene)).chain
+    errors = [
+        chain.equations(Sample(chain.model, tuple((q + sign * step * qd).tolist()), (0.0, 0.0), (0.0, 0.0))).error[0]
+        for sign in (-1, 1)
+    ]
+    assert (errors[1] - errors[0]) / (2 * step) == pytest.approx(J[0] @ qd, rel=1e-8)
+
+
+def test_order_of_rates_makes_no_further_entries():
+    model, _ = four_bars(3)
+    sample = Sample(aligned(model), (0.3,) * model.n, (0.0,) * model.n, (0.0,) * model.n)
+    entries = composite_body(sample.model, sample.motions(), [body.inertia for body in model.bodies], [0.0] * model.n)
+    root = Root(entries, rates_inward(sample.model))
+    assert sum(len(pivot.shares) for pivot in root.pivots) == sum(i != j for i, j in entries)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_least_change(seed):
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(7, 4)) * (rng.uniform(size=(7, 4)) < 0.6)
+    x, b = rng.normal(size=7), rng.normal(size=4)
+    rows = [dict(enumerate(row.tolist())) for row in A]
+    y, multipliers = LeastChange(rows, [2.0**-40] * 4).solve(x.tolist(), b.tolist())
+    expected = x + np.linalg.pinv(A.T) @ (b - A.T @ x)
+    assert np.abs(np.array(y) - expected).max() <= 1e-13 * np.abs(expected).max() * np.linalg.cond(A)
+    assert np.abs(x + A @ multipliers - y).max() <= 1e-13 * np.abs(y).max() * np.linalg.cond(A)
+
+
+def test_least_change_of_columns_that_nearly_depend():
+    """The error of y grows like the condition, 1e7 here, and not like its square."""
+    rng = np.random.default_rng(0)
+    A = rng.normal(size=(7, 3))
+    A[:, 2] = A[:, 0] + 1e-7 * A[:, 2]
+    y = rng.normal(size=7)
+    x = y + rng.normal(size=7)
+    x -= (np.eye(7) - A @ np.linalg.pinv(A)) @ (x - y)
+    rows = [dict(enumerate(row.tolist())) for row in A]
+    found, _ = LeastChange(rows, [2.0**-40] * 3).solve(x.tolist(), (A.T @ y).tolist())
+    assert np.abs(np.array(found) - y).max() <= 1e-8
+
+
+def test_a_joint_without_inertia_is_named():
+    parts = (link("l0"), link("l1"), link("l2", 1.0, (1, 0, 0)), joint("j1", "l0", "l1"), joint("j2", "l0", "l2"))
+    with pytest.raises(InputError, match='joint "j1" moves nothing that has inertia'):
+        closed_chain(plan(built(*parts), Scene(loops=(Loop("a", "l1", (1, 0, 0), "l2", (1, 0, 0)),))))
+    with pytest.raises(SingularError):
+        Root({(0, 0): 1.0}, [0, 1])

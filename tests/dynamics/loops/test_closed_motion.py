@@ -1,0 +1,240 @@
+"""Motions of closed chains: IFToMM's A02, a crank-slider cut at either pin, and what stays as it was."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.closed_chains import bennett, crank_slider, four_bars
+from helpers.small_robots import built, joint, link
+from scipy.integrate import solve_ivp
+
+import robodyn
+from robodyn.errors import InputError
+from robodyn.scene.scene import Loop, Scene
+
+REFERENCE = Path(__file__).parents[2] / "data" / "reference" / "a02_reference.json"
+ENERGY_BAR = 0.1
+"""J over 10 s, of the benchmark."""
+
+
+def reference(count):
+    """Rows of t, x, z, vx, vz of B0, from the exact reduction to one degree of freedom."""
+    data = json.loads(REFERENCE.read_text())["data"]
+    if f"N={count}" in data:
+        return np.array(data[f"N={count}"]["rows"], dtype=float)
+    inertia, weight = (count + 1) / 3 + count, ((count + 1) / 2 + count) * 9.81
+    times = (1.0, 2.0, 5.0, 10.0, 20.0)
+    found = solve_ivp(
+        lambda _, y: (y[1], -weight / inertia * np.cos(y[0])),
+        (0.0, 20.0),
+        (np.pi / 2, -1.0),
+        "DOP853",
+        times,
+        rtol=1e-13,
+        atol=1e-13,
+    )
+    th, w = found.y
+    return np.column_stack((times, np.cos(th), np.sin(th), -np.sin(th) * w, np.cos(th) * w))
+
+
+def errors(count, step, **more):
+    """Errors of B0 at the times of the reference, and the motion."""
+    model, scene = four_bars(count)
+    result = robodyn.simulate(model, scene, 20.0, step=step, **more)
+    rows = []
+    for t, *expected in reference(count):
+        k = round(t / step)
+        th, w = result.q[k, 0], result.qd[k, 0]
+        rows.append(np.abs(np.array((np.cos(th), np.sin(th), -np.sin(th) * w, np.cos(th) * w)) - expected).max())
+    return rows, result
+
+
+@pytest.mark.parametrize(
+    ("count", "step", "bar"), [(2, 1e-3, 1e-8), (8, 2e-3, 1e-5), pytest.param(40, 1e-3, 1e-4, marks=pytest.mark.slow)]
+)
+def test_four_bars_through_their_flat_configuration(count, step, bar):
+    found, result = errors(count, step)
+    assert max(found) <= bar
+    assert np.abs(result.figures.energy - result.figures.energy[0])[: round(10 / step) + 1].max() <= 1e-2 * ENERGY_BAR
+    assert result.loops.drift[0] <= 1e-9
+    assert result.loops.drift[1] <= 1e-6
+    assert result.loops.freedoms == 1
+    assert (result.loops.equations, len(result.loops.dropped), result.loops.rank) == (3 * count, count, 2 * count)
+
+
+def test_a_step_that_begins_exactly_where_the_equations_depend_on_each_other():
+    """Laid flat at rest the four-bars may fall either way, and no number overflows."""
+    model, scene = four_bars(2)
+    flat = dict.fromkeys(scene.initial_q, 0.0)
+    start = Scene(loops=scene.loops, initial_q=flat, initial_qd={})
+    result = robodyn.simulate(model, start, 1.0)
+    assert result.loops.rank == 2
+    assert result.energy_drift <= 1e-4
+    assert result.loops.drift[0] <= 1e-9
+
+
+def exact_crank(until, count):
+    """Angle, speed and acceleration of the crank, from kinetic energy as a function of one coordinate (by hand)."""
+    r, rod = 0.3, 0.8
+
+    def rates(th):
+        """Rates of everything per rate of the crank, and their slopes: slider, tilt, and the rod's centre."""
+        s, c = np.sin(th), np.cos(th)
+        b = np.arcsin(r * s / rod)
+        db = r * c / (rod * np.cos(b))
+        d2b = (-r * s + rod * np.sin(b) * db**2) / (rod * np.cos(b))
+        dx, d2x = -r * s - rod * np.sin(b) * db, -r * c - rod * (np.cos(b) * db**2 + np.sin(b) * d2b)
+        turn = np.array(((np.cos(b), np.sin(b)), (-np.sin(b), np.cos(b))))
+        arm = turn @ (0.25, 0.05)
+        across = np.array((-arm[1], arm[0]))
+        centre = np.array((-r * s, r * c)) - across * db
+        d2centre = np.array((-r * c, -r * s)) - across * d2b - arm * db**2
+        return dx, d2x, db, d2b, centre, d2centre
+
+    def slope(_, y):
+        dx, d2x, db, d2b, centre, d2centre = rates(y[0])
+        inertia = 0.02 + 2.0 * 0.15**2 + 3.0 * dx**2 + 0.05 * db**2 + 1.5 * centre @ centre
+        bias = 3.0 * dx * d2x + 0.05 * db * d2b + 1.5 * centre @ d2centre
+        weight = 9.81 * (2.0 * 0.15 * np.cos(y[0]) + 1.5 * centre[1])
+        return y[1], -(bias * y[1] ** 2 + weight) / inertia
+
+    times = np.linspace(0.0, until, count)
+    found = solve_ivp(slope, (0.0, until), (0.7, 2.0), "DOP853", times, rtol=1e-13, atol=1e-13)
+    return found.y
+
+
+@pytest.mark.parametrize("cut", ["small_end", "big_end"])
+def test_crank_slider_against_its_reduction(cut):
+    model, scene = crank_slider(cut=cut)
+    result = robodyn.simulate(model, scene, 3.0, step=5e-4)
+    th, w = exact_crank(3.0, len(result.time))
+    assert np.abs(result.q[:, 0] - th).max() <= 1e-9
+    assert np.abs(result.qd[:, 0] - w).max() <= 1e-8
+    assert result.loops.freedoms == 1
+    assert result.loops.drift[0] <= 1e-14
+
+
+@pytest.mark.parametrize("method", ["rk4", "gauss4", "midpoint", "symplectic-euler"])
+def test_orders_of_methods(method):
+    order = {"rk4": 4, "gauss4": 4, "midpoint": 2, "symplectic-euler": 1}[method]
+    exact = exact_crank(1.0, 2)[0][-1]
+    coarse, fine = (robodyn.simulate(*crank_slider(), 1.0, step=step, method=method).q[-1, 0] for step in (8e-3, 4e-3))
+    assert 0.7 * 2**order <= (coarse - exact) / (fine - exact) <= 1.35 * 2**order
+
+
+def test_reactions_do_not_depend_on_where_the_chain_is_cut():
+    """The loop's force at the rod's big end, from Newton's law of the rod and the force at its small end."""
+    closed = robodyn.simulate(*crank_slider(cut="big_end"), 1.0)
+    tree = robodyn.simulate(*crank_slider(cut="small_end"), 1.0)
+    names = tree.model.rates
+    (th, w, alpha), (bend, bend_w, bend_alpha) = (
+        [values[:, names.index(name)] for values in (tree.q, tree.qd, tree.qdd)] for name in ("main", "big_end")
+    )
+    pin, arm = 0.3 * turned(th, (1.0, 0.0)), turned(th + bend, (0.25, 0.05))
+    a = across(pin) * alpha - pin * w**2 + across(arm) * (alpha + bend_alpha) - arm * (w + bend_w) ** 2
+    at_small_end = tree.loops.wrenches[:, 0, [0, 2]].T
+    expected = 1.5 * (a + np.array((0.0, 9.81))[:, None]) - at_small_end
+    found = closed.loops.wrenches[:, 0, [0, 2]].T
+    assert np.abs(turned(th, found) - expected).max() <= 1e-8 * np.abs(expected).max()
+
+
+def turned(angle, v):
+    return np.array((np.cos(angle) * v[0] - np.sin(angle) * v[1], np.sin(angle) * v[0] + np.cos(angle) * v[1]))
+
+
+def across(v):
+    return np.array((-v[1], v[0]))
+
+
+def test_a_free_closed_chain_keeps_its_momenta_and_energy():
+    rod, turn = (1.0, (0.5, 0, 0.1), (0.01, 0, 0, 1 / 12, 0, 1 / 12)), (0, -1, 0)
+    parts = [link("frame", 2.0, (0.4, 0.1, 0.2), (0.3, 0.02, 0.01, 0.5, 0.03, 0.4))]
+    for name, parent, place in (("a", "frame", 0), ("b", "a", 1), ("c", "b", 1)):
+        parts += [link(name, *rod), joint(f"j{name}", parent, name, "continuous", turn, (place, 0, 0))]
+    model = built(*parts, moving_base=True)
+    scene = Scene(
+        loops=(Loop("tie", "c", (1, 0, 0), "frame", (1.5, 0, 0), "hinge", axis=turn, to_axis=turn),),
+        initial_q={"ja": 1.2, "jb": -1.0},
+        initial_qd={"base_wx": 0.7, "base_wz": -0.4, "base_vx": 0.3, "ja": 2.0},
+        moving_base=True,
+    )
+    result = robodyn.simulate(model, scene, 1.0)
+    linear, angular = result.momentum_drift
+    assert linear <= 1e-9
+    assert angular <= 1e-9
+    assert result.energy_drift <= 1e-9
+    assert result.loops.drift[0] <= 1e-13
+    assert result.loops.drift[1] <= 1e-12
+    assert len(result.loops.dropped) == 3
+
+
+def test_a_linkage_that_moves_though_it_should_not():
+    """Bennett's: five equations for three hinges, of which two count; opposite hinges turn by opposite angles."""
+    model, scene = bennett()
+    result = robodyn.simulate(model, scene, 1.0, step=5e-4)
+    assert (len(result.loops.dropped), result.loops.rank, result.loops.freedoms) == (3, 2, 1)
+    assert np.abs(result.q[:, 0] + result.q[:, 2]).max() <= 1e-9
+    assert result.energy_drift <= 1e-6
+    ratio = np.sin((1.1 + 0.6) / 2) / np.sin((1.1 - 0.6) / 2)
+    products = np.tan(result.q[:, 0] / 2) * np.tan(result.q[:, 1] / 2)
+    assert np.abs(products - ratio).max() <= 1e-8 * ratio
+
+
+def test_baumgarte_keeps_errors_small_and_projection_smaller():
+    model, scene = crank_slider()
+    projected = robodyn.simulate(model, scene, 5.0, step=2e-3)
+    held = robodyn.simulate(*crank_slider(baumgarte=20.0), 5.0, step=2e-3)
+    assert "Baumgarte's terms at 20/s" in held.loops.stabilised
+    assert projected.loops.drift[0] <= 1e-14 < held.loops.drift[0] <= 1e-7
+    assert np.abs(held.q[-1, 0] - projected.q[-1, 0]) <= 1e-5
+
+
+def test_verlet_does_not_apply():
+    model, scene = four_bars(2)
+    with pytest.raises(InputError, match=r"verlet does not apply: accelerations depend on speeds \(loops\)"):
+        robodyn.simulate(model, scene, 1.0, method="verlet")
+
+
+def test_adaptive_methods_follow_too():
+    model, scene = crank_slider(baumgarte=20.0)
+    result = robodyn.simulate(model, scene, 1.0, rtol=1e-11)
+    th, _ = exact_crank(1.0, 2)
+    assert np.abs(result.q[-1, 0] - th[-1]) <= 1e-8
+    loose = robodyn.simulate(*crank_slider(), 1.0, rtol=1e-9)
+    assert loose.loops.stabilised.startswith("not stabilised")
+    assert 1e-14 < loose.loops.drift[0] <= 1e-6
+
+
+def test_rollouts_of_states_on_the_loops():
+    model, scene = crank_slider()
+    alone = robodyn.simulate(model, scene, 0.1, executor="compiled")
+    q, qd = np.repeat(alone.q[:1], 3, axis=0), np.repeat(alone.qd[:1], 3, axis=0)
+    many = robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene, every=100)
+    assert np.abs(many.q[-1] - alone.q[-1]).max() <= 1e-13
+    q[1, 0] += 0.1
+    with pytest.raises(InputError, match="row 1 misses the loops by 0"):
+        robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene)
+
+
+def test_redundancy_is_judged_where_a_column_of_the_table_begins():
+    """Two rods in line, as they are at zero, cannot bend to close their loop, so that nothing can be judged there."""
+    rod = 1.0, (0.25, 0, 0), (0.01, 0, 0, 0.02, 0, 0.02)
+    rods = link("r1", *rod), link("r2", *rod), joint("k1", "l0", "r1"), joint("k2", "r1", "r2", xyz=(0.5, 0, 0))
+    model, scene = bennett(*rods)
+    tie = Loop("tie", "r2", (0.5, 0, 0), to_point=(0.6, 0, 0))
+    scene = replace(scene, loops=(*scene.loops, tie), initial_q={**scene.initial_q, "k1": 1.0, "k2": -2.0})
+    table = {"time": [0.0, 1.0], **{name: [x, 0.0] for name, x in scene.initial_q.items()}, "rate": [3.0, 0.0]}
+    named = replace(scene, initial_q={name: name for name in scene.initial_q}, initial_qd={"j1": "rate"})
+    how = {"executor": "numpy", "step": 1e-3}
+    result = robodyn.simulate(model, named, 3e-3, table=table, **how)
+    expected = robodyn.simulate(model, scene, 3e-3, **how)
+    assert result.loops.dropped == expected.loops.dropped
+    assert sum(name.startswith("pin") for name in expected.loops.dropped) == 3
+    np.testing.assert_array_equal(result.q, expected.q)
+    bare = replace(scene, initial_q={}, initial_qd={})
+    many = robodyn.rollouts(model, expected.q[:1], expected.qd[:1], 3, 1e-3, scene=bare, executor="numpy")
+    assert np.abs(many.q[-1] - expected.q[-1]).max() <= 1e-12

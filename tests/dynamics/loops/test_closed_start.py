@@ -1,0 +1,99 @@
+"""Where closed chains begin: what the scene gives stays, the rest is found, and loops that cannot close say so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.closed_chains import crank_slider, four_bars, spatial_loop
+
+import robodyn
+from robodyn.dynamics.initial_state import initial_state
+from robodyn.dynamics.loops import necessary
+from robodyn.dynamics.loops.closed_start import closed_start
+from robodyn.dynamics.loops.find import jacobian
+from robodyn.dynamics.plan import plan
+from robodyn.errors import InputError
+from robodyn.scene.scene import Loop, Scene
+
+
+def started(model, scene):
+    """q and qd that a motion begins with, and the closing."""
+    closing = necessary.closing(plan(model, scene))
+    state = closed_start(closing.plan, initial_state(model, scene))
+    return state[: model.nq], state[model.nq : model.nq + model.n], closing
+
+
+def test_given_coordinates_stay_and_the_others_are_found():
+    model, scene = crank_slider()
+    exact = scene.initial_q
+    q, qd, closing = started(model, replace(scene, initial_q={"main": 0.7}))
+    names = model.coordinates
+    assert q[names.index("main")] == 0.7
+    assert qd[names.index("main")] == 2.0
+    found = dict(zip(names, q.tolist(), strict=True))
+    reach = exact["rail"] - 0.3 * np.cos(0.7)
+    assert abs(found["rail"] - 0.3 * np.cos(0.7)) == pytest.approx(reach, rel=1e-12)
+    sample = closing.sample(q.tolist(), qd.tolist())
+    assert np.abs(np.array(closing.chain.equations(sample).error, dtype=float)).max() <= 1e-13
+    assert np.abs(jacobian(closing.chain, sample) @ qd).max() <= 1e-13
+
+
+@pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
+def test_residual_of_spatial_loops(kind):
+    q, _, closing = started(*spatial_loop(3, kind))
+    sample = closing.sample(q.tolist(), (0.0,) * len(q))
+    assert np.abs(np.array(closing.chain.equations(sample).error, dtype=float)).max() <= 1e-13
+    if kind == "weld":
+        assert np.trace(closing.chain.equations(sample).places[0].B) > -1
+        turn = robodyn.programs.vectors.rotation_from_rpy(*closing.chain.closures[0].loop.rpy)
+        assert np.allclose(closing.chain.equations(sample).places[0].B.astype(float), turn, atol=1e-12)
+
+
+def test_what_had_to_change_is_said():
+    model, scene = crank_slider()
+    shifted = dict(scene.initial_q) | {"rail": scene.initial_q["rail"] + 0.01}
+    result = robodyn.simulate(model, replace(scene, initial_q=shifted), 0.01)
+    (note,) = [note for note in result.notes if note.startswith("the loops close only with other values than given: ")]
+    assert "q rail " in note
+    assert " -> " in note
+    assert not [note for note in robodyn.simulate(model, scene, 0.01).notes if "loops close" in note]
+
+
+def test_the_base_of_a_free_robot_stays():
+    model, scene = spatial_loop(3, moving_base=True)
+    q, qd, _ = started(model, scene)
+    assert q[:7].tolist() == [0, 0, 0, 0, 0, 0, 1]
+    assert not qd.any()
+
+
+def test_a_loop_that_is_out_of_reach():
+    model, scene = crank_slider()
+    loop = replace(scene.loops[0], to_point=(0.0, 0.0, 5.0))
+    with pytest.raises(InputError, match=r'loop "pin" does not close: it is open by 5 m at the start'):
+        started(model, replace(scene, loops=(loop,)))
+
+
+def test_links_in_two_planes():
+    model, scene = four_bars(1)
+    loop = Loop("B1", "coupler0", (1, 0, 0), "crank1", (1, 0.01, 0))
+    with pytest.raises(
+        InputError, match=r'"B1" cannot close: it misses by 0.01 m along y of crank1, wherever the joints'
+    ):
+        started(model, replace(scene, loops=(loop,)))
+    directions = ((1, 0, 0), (0, 0, 1))
+    q, _, _ = started(model, replace(scene, loops=(replace(loop, directions=directions),)))
+    assert np.allclose(q, [np.pi / 2, np.pi / 2, -np.pi / 2])
+
+
+def test_loops_are_for_simulations():
+    model, scene = four_bars(1)
+    still = np.zeros(3)
+    for function in (robodyn.inverse_dynamics, robodyn.forward_dynamics):
+        with pytest.raises(InputError, match="the scene closes loops"):
+            function(model, still, still, still, scene=scene)
+    with pytest.raises(InputError, match="the scene closes loops"):
+        robodyn.torques(model, robodyn.motion(model, np.arange(5.0), *np.zeros((3, 5, 3))), scene)
+    assert robodyn.mass_matrix(model, still, scene=scene).shape == (3, 3)
+    assert isinstance(scene, Scene)

@@ -1,0 +1,177 @@
+"""Counts of the DAE form: degrees of freedom by rank, redundant constraints, and the index by another road."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.oracles import robot
+from helpers.single_bodies import HINGE, NEAR, four_bar, taken_apart
+from helpers.small_robots import built, chain, joint, link, random_tree
+
+from robodyn.equations.dae.dae import dae, dae_at
+from robodyn.equations.dae.rank import ranked
+from robodyn.scene.scene import Loop, Scene
+
+
+def index_of_pencil(E, A):
+    """How often algebraic equations must be differentiated until E x' = A x is an ODE: the shuffle algorithm."""
+    for k in range(8):
+        U, sizes, _ = np.linalg.svd(E)
+        rank = int((sizes > 1e-9 * sizes[0]).sum())
+        if rank == len(E):
+            return k
+        E, A = U.T @ E, U.T @ A
+        E[rank:], A[rank:] = A[rank:], 0.0
+    return None
+
+
+def pencils(found):
+    """E x' = A x of positions, velocities and reactions, with constraints on each of the three levels.
+
+    Springs and dampers are random: they cannot change the index.
+    """
+    M, G = found.robot.matrices.M, found.robot.matrices.G
+    n, m = len(M), len(G)
+    K, D = np.random.default_rng(0).normal(size=(2, n, n))
+    E = np.zeros((2 * n + m, 2 * n + m))
+    E[:n, :n], E[n : 2 * n, n : 2 * n] = np.eye(n), M
+    A = np.zeros_like(E)
+    A[:n, n : 2 * n], A[n : 2 * n, :n], A[n : 2 * n, n : 2 * n], A[n : 2 * n, 2 * n :] = np.eye(n), K, D, G.T
+    for level in range(3):
+        B, F = A.copy(), E.copy()
+        if level < 2:
+            B[2 * n :, level * n : (level + 1) * n] = G
+        else:
+            rows = np.linalg.solve(M, A[n : 2 * n])
+            B[2 * n :] = G @ rows
+        yield F, B
+
+
+@pytest.mark.parametrize("make", [lambda: random_tree(0, 3), lambda: random_tree(1, 3, moving_base=True)])
+def test_index_of_the_linear_pencil(make):
+    found = taken_apart(make())
+    assert found.counts.index == (3, 2, 1)
+    assert tuple(index_of_pencil(E, A) for E, A in pencils(found)) == (3, 2, 1)
+
+
+def test_a_body_that_nothing_holds_has_an_ode():
+    counts = taken_apart(robot("rigid_body")).counts
+    assert (counts.reactions, counts.rank, counts.freedom, counts.index) == (0, 0, 6, (0, 0, 0))
+
+
+@pytest.mark.parametrize(("name", "free"), [("scara", False), ("puma560", True), ("gripper", False), ("gripper", True)])
+def test_trees_have_nothing_redundant(name, free):
+    found = taken_apart(robot(name, free))
+    counts, model = found.counts, found.robot.model
+    assert counts.freedom == model.n
+    assert counts.reactions == counts.rank == 6 * len(model.bodies) - model.n
+    assert counts.rank == np.linalg.matrix_rank(found.robot.matrices.G)
+    assert counts.unknowns == 12 * len(model.bodies) + counts.reactions
+    assert not counts.redundant
+    assert not counts.undetermined
+
+
+def closed(model, scene):
+    return dae(model, scene, *NEAR)
+
+
+def test_a_planar_four_bar_of_hinges():
+    """Three bodies and the ground, 4 hinges: 18 - 20 = -2 by counting, 1 by rank; what is out of its plane is open."""
+    counts = closed(*four_bar(**HINGE)).counts
+    assert (counts.bodies, counts.reactions, counts.rank, counts.freedom) == (4, 6 + 3 * 5 + 5, 23, 1)
+    assert counts.redundant == (("closure", "Fz"), ("closure", "Mx"), ("closure", "My"))
+    assert {reaction for _, reaction in counts.undetermined} == {"Fz", "Mx", "My"}
+    assert len(counts.undetermined) == 5 * 3
+    assert counts.index == (3, 2, 1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "redundant"),
+    [
+        ("point", {}, ["Fz"]),
+        ("point", {"directions": ((1.0, 0.0, 0.0), (0.0, 2.0, 0.0))}, []),
+        ("hinge", HINGE, ["Fz", "Mx", "My"]),
+    ],
+)
+def test_redundancy_depends_on_the_closure(kind, more, redundant):
+    counts = closed(*four_bar(kind, **more)).counts
+    assert [reaction for _, reaction in counts.redundant] == redundant
+    assert counts.freedom == 1
+
+
+def test_a_parallelogram_gains_a_freedom_where_it_is_flat():
+    """Four links of length 1, 2, 1 and 2: as it passes the line, rank falls by one."""
+    lengths = (1.0, 2.0, 1.0)
+    parts = [link("l0")]
+    for i, l in enumerate(lengths, 1):
+        parts.append(link(f"l{i}", 1.0, (l / 2, 0, 0), (0.01, 0, 0, 0.1, 0, 0.1)))
+        x = lengths[i - 2] if i > 1 else 0.0
+        parts.append(joint(f"j{i}", f"l{i - 1}", f"l{i}", "continuous", (0, 0, 1), (x, 0, 0)))
+    directions = ((1.0, 0, 0), (0, 1.0, 0))
+    loop = Loop("end", "l3", (1.0, 0.0, 0.0), "ground", (2.0, 0.0, 0.0), directions=directions)
+    model, scene = built(*parts), Scene(loops=(loop,))
+    zero = np.zeros(3)
+    for q, freedom in (([0.7, -0.7, 0.7 - np.pi], 1), ([0.0, 0.0, -np.pi], 2)):
+        assert dae_at(model, scene, np.array(q), zero, zero).counts.freedom == freedom
+
+
+def test_a_loop_given_twice_is_redundant():
+    model, scene = four_bar("point", directions=((1.0, 0, 0), (0, 1.0, 0)))
+    once = scene.loops[0]
+    twice = Scene(loops=(once, Loop("again", *list(vars(once).values())[1:])), gravity=scene.gravity)
+    found, single = closed(model, twice), closed(model, scene)
+    assert found.counts.redundant == (("again", "F1"), ("again", "F2"))
+    assert found.counts.undetermined == (("closure", "F1"), ("closure", "F2"), ("again", "F1"), ("again", "F2"))
+    assert np.abs(found.qdd - single.qdd).max() <= 1e-13 * np.abs(single.qdd).max()
+
+
+def test_a_locked_chain_has_no_freedom():
+    """A weld of the last link of a chain of three hinges about z: no motion is left."""
+    loop = Loop("weld", "l3", (1.0, 0.0, 0.0), "ground", (2.0, 1.0, 0.0), "weld", rpy=(0.0, 0.0, 0.3))
+    q = _three_bar()
+    found = dae_at(chain(3), Scene(loops=(loop,)), q, np.zeros(3), np.zeros(3))
+    assert np.abs(found.residuals.places).max() <= 1e-14
+    assert found.counts.freedom == 0
+    assert np.abs(found.qdd).max() <= 1e-12
+
+
+def _three_bar():
+    """q for which the third link starts at (2 - cos .3, 1 - sin .3) and stands at 0.3 rad."""
+    x, y = 2.0 - np.cos(0.3), 1.0 - np.sin(0.3)
+    elbow = np.arccos((x * x + y * y - 2.0) / 2.0)
+    first = np.arctan2(y, x) - np.arctan2(np.sin(elbow), 1.0 + np.cos(elbow))
+    return np.array([first, elbow, 0.3 - first - elbow])
+
+
+def test_spatial_chain_with_a_ball_joint():
+    """Seven skew hinges and a ball joint to the ground: 7 - 3 = 4."""
+    model = random_tree(11, 7, kinds=("revolute",), branching=1)
+    at = np.random.default_rng(0).uniform(-1, 1, 7)
+    here = dae(model, at=at).robot.at.places[-2]
+    loop = Loop("ball", model.bodies[-1].name, (0.0, 0.0, 0.0), "ground", tuple(_origin(model, here)))
+    counts = dae(model, Scene(loops=(loop,)), at=at).counts
+    assert (counts.freedom, counts.redundant) == (4, ())
+
+
+def _origin(model, place):
+    return place.c - place.R @ model.bodies[-1].inertia.centre_of_mass
+
+
+def test_rank_keeps_the_order_of_rows():
+    rows = np.array([[1.0, 0, 0], [2.0, 0, 0], [0, 0, 1e-6], [1.0, 0, 1.0], [0, 1.0, 0], [1, 1, 1], [0, 0, 0]])
+    found = ranked(rows)
+    assert found.independent.tolist() == [0, 2, 4]
+    assert found.dependent.tolist() == [1, 3, 5, 6]
+    assert np.abs(found.basis @ found.basis.T - np.eye(3)).max() <= 1e-15
+
+
+def test_rank_of_rows_that_nearly_depend():
+    """1e-8 outside the span of those before counts, and the basis stays perpendicular; 1e-13 does not count."""
+    rng = np.random.default_rng(0)
+    rows = rng.normal(size=(40, 60))
+    rows[30:] = rng.normal(size=(10, 30)) @ rows[:30] + 1e-8 * rows[30:]
+    found = ranked(rows)
+    assert len(found.independent) == 40
+    assert np.abs(found.basis @ found.basis.T - np.eye(40)).max() <= 1e-14
+    rows[35] = rows[:35].sum(axis=0) + 1e-13 * rng.normal(size=60)
+    assert ranked(rows).dependent.tolist() == [35]

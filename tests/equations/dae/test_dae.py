@@ -1,0 +1,204 @@
+"""The DAE form: closed forms, the ODE form's accelerations and reactions, and 50 digits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.closed_forms import scara
+from helpers.example_robots import PATHS, real
+from helpers.independent_dynamics import torques_of
+from helpers.oracles import EPS, ROBOTS, random_state, robot, worst
+from helpers.single_bodies import taken_apart, thrown
+from helpers.small_robots import built, chain, joint, link, random_tree
+
+import robodyn
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.plan import applied, loads, plan
+from robodyn.equations.dae.dae import dae, dae_at
+from robodyn.equations.dae.posed import own_rates, posed
+from robodyn.errors import InputError
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.inertia.moments import Inertia
+
+OWN = sorted(path.stem for path in ROBOTS.glob("*.urdf") if path.stem != "composite")
+STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
+
+
+def agrees(found, bar=1e-12):
+    both = found.comparison
+    assert found.counts.freedom == found.robot.model.n
+    assert max(both.accelerations, both.forces, both.moments) <= bar
+
+
+@pytest.mark.parametrize("speed", [0.0, 3.0])
+def test_rope_tension_of_a_pendulum(speed):
+    """A bob of 2 kg on a rope of 1.5 m at 0.4 rad: T = m (g cos + l w^2), wd = -g/l sin."""
+    m, l, angle = 2.0, 1.5, 0.4
+    model = built(link("frame"), link("bob", m, (0, 0, -l)), joint("rope", "frame", "bob", "continuous", (0, 1, 0)))
+    found = dae(model, at=[angle], qd=[speed])
+    force = found.wrenches[1].f
+    assert worst(force, [0, 0, m * (9.81 * np.cos(angle) + l * speed**2)]) <= 8 * EPS
+    assert worst(found.qdd, [-9.81 / l * np.sin(angle)]) <= 8 * EPS
+    assert found.counts.index == (3, 2, 1)
+
+
+def test_scara_in_closed_form():
+    """Torques of the textbook for the accelerations of the DAE, and the shoulder carries what stands on it."""
+    model = robot("scara")
+    q, qd, tau = np.array([0.3, -0.5, 0.05]), np.array([1.0, 2.0, 0.1]), np.array([1.0, -2.0, -14.0])
+    found = dae_at(model, DEFAULT, q, qd, tau)
+    assert worst(np.ravel(scara(q[None], qd[None], found.qdd[None])), tau) <= 1e-14
+    shoulder, quill = found.wrenches[1].f, found.wrenches[3].f
+    assert abs(shoulder[2] - ((6 + 4) * 9.81 - tau[2])) <= 1e-13
+    assert abs(quill[2] + tau[2]) <= 1e-14
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("name", OWN)
+def test_both_forms_agree_on_robots(name, free):
+    model = robot(name, free)
+    if not model.n:
+        pytest.skip("no joint")
+    found = taken_apart(model)
+    if found.solution is None:
+        with pytest.raises(InputError, match="moves nothing that has inertia"):
+            robodyn.forward_dynamics(model, found.q, found.qd, found.tau)
+    else:
+        agrees(found)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_both_forms_agree_on_random_trees(seed):
+    agrees(taken_apart(random_tree(seed, 8, moving_base=seed % 2 == 1), seed))
+
+
+def test_both_forms_agree_with_every_effect():
+    agrees(taken_apart(busy_robot(), 1, STILL_BUSY))
+    agrees(taken_apart(busy_robot(True), 2, replace(STILL_BUSY, moving_base=True)))
+
+
+@pytest.mark.parametrize(("name", "free"), [("anymal", True), ("panda", False)])
+def test_both_forms_agree_on_real_robots(name, free):
+    agrees(taken_apart(real(name, free)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
+def test_both_forms_agree_on_every_real_robot(path, free):
+    """1e-12, or a few roundings times the condition of M: iCub's placeholders for inertias are 1e-20."""
+    model = real(path.stem, free)
+    if not model.n or path.stem in ("romeo", "romeo_laas_small"):
+        pytest.skip("no joint, or joints that move nothing that has inertia")
+    found = taken_apart(model)
+    cond = np.linalg.cond(found.reduced.M)
+    agrees(found, max(1e-12, 64 * EPS * cond))
+
+
+def test_a_body_that_floats_from_a_moving_link():
+    agrees(taken_apart(thrown()))
+
+
+def test_long_chains():
+    agrees(taken_apart(chain(15, skew=True)))
+
+
+def test_masses_of_very_different_size():
+    """Each link a tenth of the one before it, down to 1e-7: the reactions stay as good as those of the recursion."""
+    agrees(taken_apart(chain(8, skew=True, taper=0.1)))
+
+
+def test_a_body_without_mass_between_two_joints():
+    agrees(taken_apart(built(
+        link("l0"), link("l1"), link("l2", 1.3, (0.2, 0.1, 0.3), (0.1, 0, 0, 0.2, 0, 0.15)),
+        joint("a", "l0", "l1", "continuous", (0, 0, 1)), joint("b", "l1", "l2", "continuous", (0, 1, 0), (0.1, 0.2, 0)),
+    )))  # fmt: skip
+
+
+def exact(x):
+    return np.vectorize(mpmath.mpf, otypes=[object])(x)
+
+
+@pytest.mark.parametrize("name", ["scara", "gripper"])
+def test_fifty_digits(name):
+    """The same functions in 50 digits: the recursion needs the given torques for these accelerations, to 40 digits.
+
+    Axes at right angles, so that they are exactly perpendicular in floats.
+    """
+    model = robot(name)
+    scene = Scene(friction=dict.fromkeys(model.joint_names, robodyn.Friction()))
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(3), 1)
+    with mpmath.workdps(50):
+        bodies = tuple(
+            replace(b, inertia=Inertia(mpmath.mpf(b.inertia.m), *map(exact, b.inertia[1:]))) for b in model.bodies
+        )
+        model = replace(model, bodies=bodies)
+        q, qd, tau = map(exact, (q, qd, tau))
+        single = posed(model, scene, q, qd, tau)
+        M, f, G, gamma, S, sigma, *_ = single.matrices
+        K = np.block([[M, G.T], [G, np.zeros((len(G), len(G)))]])
+        a = np.array(list(mpmath.lu_solve(mpmath.matrix(K), mpmath.matrix([*f, *gamma])))[: len(f)])
+        sample = Sample(model, tuple(q), tuple(qd), tuple(own_rates(model, single.system, list(S @ a + sigma))))
+        again = loads(sample, applied(plan(model, scene).effects, sample, scene)).tau
+        assert max(abs(again - tau)) <= mpmath.mpf("1e-40") * max(abs(tau))
+
+
+def test_another_program_in_fifty_digits_agrees():
+    model = robot("puma560")
+    scene = Scene(friction=dict.fromkeys(model.joint_names, robodyn.Friction()))
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(3), 1)
+    found = dae_at(model, scene, q, qd, tau)
+    with mpmath.workdps(50):
+        expected = [float(x) for x in torques_of(model, q, qd, found.qdd)]
+    assert worst(expected, tau, np.abs(found.reduced.M @ found.qdd).max()) <= 1e-13
+
+
+def test_a_turned_robot_turns_its_accelerations():
+    """A free robot and gravity turned together: the same rates in the body's axes, forces at joints unchanged."""
+    model = robot("satellite", True)
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(2), 1)
+    tau[:6] = 0.0
+    turn = np.array(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    half = np.sqrt(0.5)
+    x, y, z, w = q[3:7]
+    q2, qd2 = q.copy(), qd.copy()
+    q2[:3], qd2[3:6] = turn @ q[:3], turn @ qd[3:6]
+    q2[3:7] = half * np.array([x - y, y + x, z + w, w - z])
+    first = dae_at(model, Scene(gravity=(1.0, 2.0, -9.0), moving_base=True), q, qd, tau)
+    second = dae_at(model, Scene(gravity=(-2.0, 1.0, -9.0), moving_base=True), q2, qd2, tau)
+    assert worst(second.qdd[:3], first.qdd[:3]) <= 1e-13
+    assert worst(second.qdd[3:6], turn @ first.qdd[3:6]) <= 1e-13
+    assert worst(second.qdd[6:], first.qdd[6:]) <= 1e-13
+    for one, other in zip(first.wrenches[1:], second.wrenches[1:], strict=True):
+        assert worst(np.array(other), np.array(one)) <= 1e-13
+
+
+def test_a_robot_far_away_moves_alike():
+    """1000 km from the ground's origin to the last bit, but for the position itself."""
+    model = robot("satellite", True)
+    (q,), (qd,), (tau,) = random_state(model, np.random.default_rng(0), 1)
+    far = q + np.array([1e6, -1e6, 1e6] + [0.0] * (model.nq - 3))
+    here, there = (dae_at(model, DEFAULT, x, qd, tau) for x in (q, far))
+    assert np.array_equal(here.solution.a, there.solution.a)
+    assert np.array_equal(here.solution.reactions, there.solution.reactions)
+
+
+def test_nothing_resists():
+    model = built(link("l0", 1.0), link("l1"), joint("j", "l0", "l1", "continuous"))
+    found = dae(model)
+    assert (found.solution, found.comparison, found.counts.index) == (None, None, None)
+    assert found.counts.coefficients[2] < found.counts.size
+    assert len(found.steps) == 5
+
+
+def test_names_and_numbers_are_checked():
+    with pytest.raises(InputError, match="no joint 'elbw'"):
+        dae(robot("scara"), tau={"elbw": 1.0})
+    with pytest.raises(InputError, match="overflow"):
+        dae(robot("scara"), qd=[1e200, 0, 0])
+    with pytest.raises(InputError, match="nothing can move"):
+        dae(robot("composite"))

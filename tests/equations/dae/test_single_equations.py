@@ -1,0 +1,127 @@
+"""Single equations between bodies: rows are rates of values, drifts what rates of rows leave, and forces balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.oracles import EPS, random_state, robot, worst
+from helpers.single_bodies import in_motion, random_bodies
+from helpers.small_robots import random_tree
+
+from robodyn.equations.dae.connections import Anchors, directions, hinge, point, slide, weld
+from robodyn.equations.dae.consistent import flat_speeds
+from robodyn.equations.dae.equations import Across, Along, Sum, Turn, drifts, stacked, values
+from robodyn.equations.dae.joints import joint_connections
+from robodyn.equations.dae.state import state_of
+from robodyn.programs.dual import rate_of, value_of
+
+
+def unit(rng):
+    axis = rng.normal(size=3)
+    return axis / np.linalg.norm(axis)
+
+
+def every_kind(rng, body, other):
+    along = Along(body, other, *rng.normal(size=(2, 3)), unit(rng))
+    across, turn = Across(body, other, unit(rng), unit(rng)), Turn(body, other, unit(rng), np.eye(3))
+    return along, across, turn, Sum(((1.0, along), (-2.5, turn)), 0.3)
+
+
+@pytest.mark.parametrize(("body", "other"), [(0, 1), (1, -1), (-1, 0)])
+@pytest.mark.parametrize("seed", range(4))
+def test_rows_and_drifts_are_derivatives(seed, body, other):
+    rng = np.random.default_rng(seed)
+    at, a = random_bodies(rng, 2), rng.normal(size=12)
+    moving = in_motion(at, a)
+    for equation in every_kind(rng, body, other):
+        (row,) = stacked([equation], at)
+        speed = row @ flat_speeds(at)
+        if isinstance(equation, (Along, Across)):
+            assert abs(rate_of(equation.value(moving)) - speed) <= 64 * EPS
+        in_duals = stacked([equation], moving)[0] @ flat_speeds(moving)
+        assert abs(value_of(in_duals) - speed) <= 64 * EPS
+        assert abs(rate_of(in_duals) - (row @ a + equation.drift(at))) <= 128 * EPS
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_acts_on_a_body_acts_oppositely_on_the_other(seed):
+    """A multiplier's forces add up to zero, and its moments about any one point: action and reaction."""
+    rng = np.random.default_rng(seed)
+    at = random_bodies(rng, 2)
+    for equation in every_kind(rng, 0, 1):
+        (row,) = stacked([equation], at)
+        forces, moments = np.zeros(3), np.zeros(3)
+        for place, (moment, force) in zip(at.places, row.reshape(-1, 2, 3), strict=False):
+            forces += force
+            moments += place.R @ moment + np.cross(place.c, force)
+        assert max(np.abs(forces).max(), np.abs(moments).max()) <= 64 * EPS
+
+
+def test_a_hinge_counts_turns():
+    at = random_bodies(np.random.default_rng(0), 1)
+    for angle in (-20.0, -3.0, 0.1, 3.2, 50.0):
+        model = robot("two_link_planar")
+        centres = [body.inertia.centre_of_mass for body in model.bodies]
+        joints = joint_connections(model, centres, [angle, 2 * angle])
+        at = state_of(model, centres, [angle, 2 * angle], [0.0, 0.0])
+        assert worst(values([joint.free[0] for joint in joints[1:]], at), [angle, 2 * angle]) <= 16 * EPS
+
+
+@pytest.mark.parametrize("moving_base", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_joints_leave_their_own_rates_and_hold_the_rest(seed, moving_base):
+    model = random_tree(seed, 9, moving_base)
+    (q,), (qd,), _ = random_state(model, np.random.default_rng(seed), 1)
+    centres = [body.inertia.centre_of_mass for body in model.bodies]
+    joints, at = joint_connections(model, centres, q), state_of(model, centres, q, qd)
+    v = flat_speeds(at)
+    held = [equation for joint in joints for equation in joint.equations]
+    size = np.abs(v).max()
+    assert np.abs(values(held, at)).max() <= 64 * EPS
+    assert np.abs(stacked(held, at) @ v).max() <= 128 * EPS * size
+    for body, joint in zip(model.bodies, joints, strict=True):
+        width = len(joint.free)
+        assert width + len(joint.equations) == 6
+        expected = qd[body.joint.rate : body.joint.rate + width]
+        assert np.abs(stacked(joint.free, at) @ v - expected).max(initial=0.0) <= 128 * EPS * size
+        if body.joint.kind == "revolute":
+            assert np.abs(drifts(joint.free, at)).max() <= 64 * EPS * size**2
+
+
+COUNTS = {"weld": 6, "hinge": 5, "slide": 5, "point": 3}
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0, -1, 0), (1, 0, 0), (0.48, 0.6, -0.64)])
+def test_connections_hold_six_less_their_freedom(axis):
+    """Assembled with a relative turn, the rows are orthonormal forces at the point and moments about axes."""
+    rng = np.random.default_rng(5)
+    at, axis = random_bodies(rng, 2), np.array(axis, dtype=float)
+    point_of, R = rng.normal(size=3), at.places[1].R.T @ at.places[0].R
+    to = at.places[1].R.T @ (at.places[0].c + at.places[0].R @ point_of - at.places[1].c)
+    anchors = Anchors(0, 1, point_of, to, R)
+    made = (weld("a", anchors), hinge("b", anchors, axis), slide("c", anchors, axis), point("d", anchors))
+    for connection in made:
+        assert len(connection.equations) == len(set(connection.reactions)) == COUNTS[connection.kind]
+        assert np.abs(values(connection.equations, at)).max() <= 16 * EPS
+        rows = stacked(connection.equations, at)[:, :6]
+        forces, moments = rows[:, 3:], rows[:, :3] - np.cross(point_of, rows[:, 3:] @ at.places[0].R)
+        both = np.hstack((forces, moments))
+        assert worst(both @ both.T, np.eye(len(both))) <= 32 * EPS
+        freedom = np.hstack((moments @ axis * (connection.kind == "hinge"), 0.0))
+        assert np.abs(freedom).max() <= 16 * EPS
+    along = directions("e", anchors, [np.array((0, 3.0, 0)), np.array((0, 0, 0.1))])
+    assert np.abs(np.linalg.norm(stacked(along.equations, at)[:, 3:6], axis=1) - 1.0).max() <= 8 * EPS
+
+
+def test_a_moment_keeps_its_place_in_the_other_body_while_a_hinge_turns():
+    """lambda of a hinge is along axes that do not turn with the body."""
+    at = random_bodies(np.random.default_rng(7), 2)
+    anchors = Anchors(0, 1, np.zeros(3), np.zeros(3), at.places[1].R.T @ at.places[0].R)
+    axis = np.array((0.0, 0.0, 1.0))
+    joint = hinge("h", anchors, axis)
+    c, s = np.cos(0.7), np.sin(0.7)
+    spun = at.places[0]._replace(R=at.places[0].R @ np.array(((c, -s, 0), (s, c, 0), (0, 0, 1.0))))
+    later = at._replace(places=(spun, *at.places[1:]))
+    moments = [stacked(joint.equations[3:], here)[:, 6:9] for here in (at, later)]
+    assert worst(moments[0], moments[1]) <= 16 * EPS
+    assert worst(moments[0], -(anchors.R @ np.eye(3)[:, :2]).T) <= 16 * EPS

@@ -1,0 +1,163 @@
+"""Free bodies: they balance, joints transmit what they can, and everything has its opposite on the other body."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.busy_robot import busy_robot
+from helpers.oracles import EPS, random_state, robot, run, worst
+from helpers.small_robots import chain
+
+import robodyn
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
+from robodyn.scene.scene import DEFAULT, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+
+ROBOTS = ("puma560", "scara", "cylindrical", "gripper", "two_link_spatial", "satellite", "meshed_arm")
+BUSY = Scene(
+    friction={"shoulder": Friction(2.0, 3.0, -1.0)},
+    rotor={"elbow": Rotor(0.01, 20.0)},
+    spring={"quill": Spring(200.0, 0.1)},
+    payloads=(Payload("spindle", 2.0, (0.1, 0, 0)),),
+    wrenches=(ExternalWrench("spindle", (1.0, -2.0, 3.0), (0.5, 0, 0), (0, 0, -0.2), "world"),),
+    immersed=(Immersed("outer_arm", 0.01, (0.1, 0, 0), (0.1, 0.2, 0.3)),),
+    fluid_density=1000.0,
+)
+
+
+def taken_apart(model, seed=0, scene=DEFAULT):
+    (q,), (qd,), (qdd,) = state = random_state(model, np.random.default_rng(seed), 1)
+    return state, robodyn.free_bodies(model, q, qd, qdd, scene=scene)
+
+
+def balanced(found):
+    """The sums over each body, added here from the actions, beside the largest action of the robot."""
+    actions = [action for body in found.bodies for action in body.actions]
+    force = max(np.abs(a.force).max() for a in actions)
+    moment = max(np.abs(a.moment + np.cross(a.point, a.force)).max() for a in actions)
+    for body in found.bodies:
+        f = np.sum([a.force for a in body.actions], axis=0)
+        n = np.sum([a.moment + np.cross(a.point, a.force) for a in body.actions], axis=0)
+        assert np.abs(f).max() <= 1e-14 * force
+        assert np.abs(n).max() <= 1e-14 * moment
+    return force, moment
+
+
+@pytest.mark.parametrize("free", [False, True])
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_body_is_in_balance(name, free):
+    model = robot(name, free)
+    for seed in range(3):
+        _, found = taken_apart(model, seed)
+        force, moment = balanced(found)
+        assert min(force, moment) > 0.1
+        assert max(found.residual_force, found.residual_moment) <= 1e-14
+
+
+def test_long_chains_and_branching_robots_too():
+    for model in (chain(100, skew=True), busy_robot(), busy_robot(True)):
+        balanced(taken_apart(model)[1])
+
+
+def test_a_wrong_inertia_would_unbalance_it(monkeypatch):
+    """The balance can fail: the inertial forces do not come from the recursion that gives the reactions."""
+    from robodyn.equations.free_body import actions
+
+    monkeypatch.setattr(actions, "inertia_about_centre", lambda I, m, r: 1.001 * I)
+    assert taken_apart(robot("puma560"))[1].residual_moment > 1e-6
+
+
+def test_everything_has_its_opposite():
+    """What a joint does to its body, part by part, is the opposite of what it does to the parent."""
+    _, found = taken_apart(robot("scara"), scene=BUSY)
+    balanced(found)
+    own = {a.symbols: (body, a) for body in found.bodies for a in body.actions if a.symbols[0][-1:].isdigit()}
+    minus = {key: value for key, value in own.items() if key[0].startswith("-")}
+    assert len(minus) == 3 * 2 + 2 + 1 + 1
+    for (force, moment), (parent, action) in minus.items():
+        child, reaction = own[force[1:], moment[1:]]
+        for name in ("force", "moment"):
+            one, other = (body.pose.R @ getattr(a, name) for body, a in ((parent, action), (child, reaction)))
+            assert worst(one, -other, max(1.0, np.abs(other).max())) <= 8 * EPS
+        assert worst(parent.pose.p + parent.pose.R @ action.point, child.pose.p) <= 8 * EPS
+        assert (action.by, reaction.by) == (child.name, parent.name)
+
+
+def test_joints_transmit_nothing_along_their_freedom():
+    for model in (robot("puma560"), robot("scara"), busy_robot()):
+        _, found = taken_apart(model)
+        for row in found.joints:
+            assert row.freedom + row.reactions == 6
+            if row.kind == "revolute":
+                assert abs(row.axis @ row.moment) <= 8 * EPS * np.abs(row.moment).max()
+            if row.kind == "prismatic":
+                assert abs(row.axis @ row.force) <= 8 * EPS * np.abs(row.force).max()
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_as_many_unknowns_as_equations(free):
+    model = robot("puma560", free)
+    _, found = taken_apart(model)
+    assert sum(row.freedom for row in found.joints) == model.n
+    assert sum(row.reactions + row.freedom for row in found.joints) == 6 * len(found.bodies)
+
+
+@pytest.mark.parametrize(("name", "scene"), [("scara", BUSY), ("gripper", DEFAULT), ("puma560", DEFAULT)])
+def test_drives_are_the_torques_of_inverse_dynamics(name, scene):
+    model = robot(name)
+    (q, qd, qdd), found = taken_apart(model, scene=scene)
+    tau = robodyn.inverse_dynamics(model, q[0], qd[0], qdd[0], scene=scene)
+    total = np.zeros(model.n)
+    for row, body in zip(found.joints, model.bodies, strict=True):
+        if row.drive is not None:
+            total[body.joint.rate] += body.joint.multiplier * row.drive
+    assert worst(total, tau) <= 16 * EPS
+    assert worst(list(found.tau.values()), tau) <= 16 * EPS
+
+
+def test_reactions_are_those_of_the_torques_job():
+    model = robot("puma560", True)
+    (q, qd, qdd), found = taken_apart(model)
+    plan = Plan(model, DEFAULT)
+    wrenches = run(plan.wrenches(joints=True), plan, q, qd, qdd)[0, model.n :].reshape(-1, 2, 3)
+    for row, wrench in list(zip(found.joints, wrenches, strict=True))[1:]:
+        assert worst(row.force, wrench[0]) <= 1e-14
+        assert worst(row.moment + row.axis * (row.axis @ wrench[1]), wrench[1]) <= 1e-14
+
+
+def test_a_pendulum_in_closed_form():
+    """Turning at qd, accelerating at qdd: -m a_c, -I_c qdd, and the hinge carries weight and centripetal force."""
+    model = chain(1)
+    found = robodyn.free_bodies(model, [0.0], [2.0], [3.0], scene=Scene(gravity=(0.0, -10.0, 0.0)))
+    m, I = model.bodies[1].inertia.m, model.bodies[1].inertia.I
+    weight, inertia, reaction, drive = found.bodies[1].actions
+    assert worst(weight.force, [0, -10 * m, 0]) <= 4 * EPS
+    assert worst(inertia.force, [0.5 * m * 4, -0.5 * m * 3, 0]) <= 4 * EPS
+    assert worst(inertia.moment, [0, 0, -3 * (I[2, 2] - 0.25 * m)]) <= 16 * EPS
+    assert worst(reaction.force, [-0.5 * m * 4, 10 * m + 0.5 * m * 3, 0]) <= 4 * EPS
+    assert worst(drive.moment, [0, 0, 3 * I[2, 2] + 10 * m * 0.5]) <= 4 * EPS
+    assert np.array_equal(weight.point, [0.5, 0, 0])
+
+
+def test_what_acts_from_outside_stands_where_it_acts():
+    _, found = taken_apart(robot("scara"), scene=BUSY)
+    (pushed,) = (a for a in found.bodies[3].actions if a.kind == "external wrench")
+    assert np.array_equal(pushed.point, [0, 0, -0.2])
+    assert worst(found.bodies[3].pose.R @ pushed.force, [1, -2, 3]) <= 8 * EPS
+    assert worst(found.bodies[3].pose.R @ pushed.moment, [0.5, 0, 0]) <= 8 * EPS
+    (floats,) = (a for a in found.bodies[2].actions if a.kind == "fluid")
+    assert np.array_equal(floats.point, [0.1, 0, 0])
+    assert not floats.moment.any()
+    assert found.bodies[3].mass == robot("scara").bodies[3].inertia.m + 2
+
+
+def test_links_fixed_to_each_other_are_one_body():
+    model = robot("puma")
+    found = taken_apart(model)[1]
+    assert sorted(name for body in found.bodies for name in body.links) == sorted(model.links)
+    assert "tool" in found.bodies[3].links
+
+
+def test_several_states_are_refused():
+    with pytest.raises(InputError, match=r"of one state"):
+        robodyn.free_bodies(robot("scara"), np.zeros((2, 3)))

@@ -1,0 +1,70 @@
+"""The tables of README.md: of effects, rules, robots and errors, and those of timings."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from benchmarks.bench_accuracy import accuracy_table
+from benchmarks.coverage_of_bars import coverage_table
+from benchmarks.derivative_errors import derivatives_table
+
+from helpers.machine import machine
+from helpers.markdown_tables import table
+from helpers.oracles import robot
+from helpers.robot_catalogue import robots_table
+from robodyn.checks.catalogue import RULES
+from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.scene.scene import Scene
+
+TIMED = {
+    "speed": "bench_executors",
+    "streaming": "bench_streaming",
+    "tables": "bench_tables",
+    "startup": "bench_startup",
+    "forward": "bench_forward_dynamics",
+    "precision": "bench_work_precision",
+    "meshes": "bench_cold_mesh",
+    "check": "bench_check",
+    "iftomm": "bench_iftomm",
+}
+
+
+def effects_table() -> str:
+    """Every effect, what it adds to tau, and why a robot that weighs, has and does nothing is without it."""
+    nothing, model = Scene(gravity=(0.0, 0.0, 0.0)), robot("two_link_planar")
+    still = frozenset((source, i) for source in ("qd", "qdd") for i in range(model.n))
+    rows = [(effect.name, effect.adds, effect.why(model, nothing, still).reason) for effect in EFFECTS]
+    return table(("effect", "adds", "off when"), rows, left=(0, 1, 2))
+
+
+def rules_table() -> str:
+    """Every rule of the check."""
+    rows = [(rule.code, rule.name, rule.severity.value, rule.summary) for rule in RULES]
+    return table(("code", "name", "severity", "rule"), rows, left=(0, 1, 2, 3))
+
+
+def steady_tables() -> dict[str, Callable[[], str]]:
+    """What makes the tables that do not depend on how fast the machine is."""
+    return {
+        "effects": effects_table,
+        "rules": rules_table,
+        "robots": robots_table,
+        "accuracy": accuracy_table,
+        "derivatives": derivatives_table,
+    }
+
+
+def timed_tables() -> dict[str, Callable[[], str]]:
+    """What makes the tables that take minutes: of error bars, and those of timings, each by a process of its own."""
+    return {"bars": coverage_table, **{name: partial(measured, script) for name, script in TIMED.items()}}
+
+
+def measured(script: str) -> str:
+    """What a benchmark prints, and on which machine if it does not say so."""
+    command = [sys.executable, "-m", f"benchmarks.{script}"]
+    text = subprocess.run(command, cwd=Path(__file__).parents[1], check=True, stdout=subprocess.PIPE, text=True).stdout
+    return text if "Measured on " in text else f"{text}\n{machine('click')}"

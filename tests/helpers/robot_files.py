@@ -1,0 +1,55 @@
+"""The files of robots/ for tests: their places, their tables as arrays, their descriptions through Pinocchio."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+FOLDER = Path(__file__).parents[2] / "robots"
+REFERENCE = Path(__file__).parents[1] / "data" / "reference"
+NAMES = sorted(path.stem for path in FOLDER.glob("*.urdf"))
+FULL = {
+    "scara_pick_and_place": "scara",
+    "puma_reach": "puma",
+    "puma_polish": "puma",
+    "puma560_sweep": "puma560",
+    "cylindrical_transfer": "cylindrical",
+    "two_link_planar_swing": "two_link_planar",
+    "two_link_spatial_slew": "two_link_spatial",
+    "gripper_pick": "gripper",
+    "satellite_slew": "satellite",
+}
+
+
+def read_csv(name: str) -> dict[str, np.ndarray]:
+    header, *lines = (FOLDER / f"{name}.csv").read_text().splitlines()
+    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
+    return dict(zip(header.split(","), rows.T, strict=True))
+
+
+def element(name: str) -> ET.Element:
+    return ET.parse(FOLDER / f"{name}.urdf").getroot()
+
+
+def model(name: str, root: pin.JointModel | None = None) -> pin.Model:
+    path = str(FOLDER / f"{name}.urdf")
+    return pin.buildModelFromUrdf(path) if root is None else pin.buildModelFromUrdf(path, root)
+
+
+def torques(robot: pin.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+    """Pinocchio's inverse dynamics, row by row; the angles of continuous joints are turned into its (cos, sin)."""
+    data = robot.createData()
+    return np.array(
+        [pin.rnea(robot, data, configuration(robot, row), *rest) for row, *rest in zip(q, qd, qdd, strict=True)]
+    )
+
+
+def configuration(robot: pin.Model, q: np.ndarray) -> np.ndarray:
+    return pin.integrate(robot, pin.neutral(robot), np.asarray(q, dtype=float))
+
+
+def stacked(table: dict[str, np.ndarray], names: list[str]) -> np.ndarray:
+    return np.column_stack([table[name] for name in names])

@@ -1,0 +1,190 @@
+"""Every error bar that a command prints covers the true error in 19 of 20 random cases.
+
+| printed by | bar | covered |
+| --- | --- | --- |
+| `inertia` | arithmetic of volume (and of second moments) | here |
+| `inertia` | rounding of the file | here |
+| `inertia` | tessellation, of the mesh's and of corrected numbers | `accuracy/test_tessellation_bars.py` |
+| `inertia` | overlaps, by columns | `mesh/test_quadrature.py` |
+| `inertia` | holes, by caps and by winding numbers | here, and `mesh/test_quadrature_holes.py` |
+| `inertia --accuracy` | proven arithmetic | here, by the first two |
+| `torques` | error (95 %) of peaks from noisy positions | here |
+| `torques` | what sampling explains of the energy residual | here |
+| `torques --accuracy` | arithmetic, beside the noise above | here |
+| `simulate --accuracy` | expected error | here |
+| `accuracy` | errors of simulated motions, bound of their reference | here |
+
+Asymmetry, drift, differences of executors and quartiles of times are measured: no bar goes with them.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from helpers import mesh_samples as samples
+from helpers.mesh_oracle import rotation
+from helpers.oracles import robot
+from helpers.simulated_robots import pendulum
+from helpers.small_robots import random_tree
+
+import robodyn
+from robodyn.dynamics.plan import plan
+from robodyn.measure.accuracy import motion_reference as reference_module
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy.simulation_ladder import state_errors
+from robodyn.measure.accuracy.torques_within import arithmetic_within
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.load import from_array
+from robodyn.trajectory.robot_motion import motion, sources_of
+
+ENOUGH = 0.95
+
+
+def counts(few: int, many: int):
+    """How many cases; the many are slow."""
+    return pytest.mark.parametrize("count", [few, pytest.param(many, marks=pytest.mark.slow)])
+
+
+def random_motion(rng, n, time):
+    """q, qd and qdd (N, n) of sums of three sines up to 1.5 Hz."""
+    A, w, p = (rng.uniform(low, high, (3, 1, n)) for low, high in ((0.1, 0.5), (1.2, 9.4), (0.0, 6.28)))
+    angle = w * time[:, None] + p
+    return (A * np.sin(angle)).sum(axis=0), (A * w * np.cos(angle)).sum(axis=0), -(A * w**2 * np.sin(angle)).sum(axis=0)
+
+
+def random_body(rng):
+    """A solid of random kind and proportions, anywhere."""
+    solid = [samples.box, samples.tetrahedron, samples.cylinder, samples.torus, samples.uv_sphere][rng.integers(5)]()
+    stretch = 10.0 ** rng.uniform(-2, 0.5, 3)
+    return samples.moved(solid * stretch, 10.0 ** rng.uniform(-1, 5) * rng.normal(size=3), rotation(rng.integers(9999)))
+
+
+def test_arithmetic_of_meshes() -> None:
+    """Bounds are proven: all of them hold. The bodies are thin, and far from the origin."""
+    rng = np.random.default_rng(1)
+    finite = 0
+    for _ in range(60):
+        triangles = from_array(random_body(rng))
+        found, exact = integrate(triangles), integrate(triangles, exact=True).moments
+        off = abs(Fraction(found.volume) - exact.volume) / abs(exact.volume)
+        assert off <= found.bound
+        assert found.bound <= 1e-12
+        finite += found.method != "rational"
+    assert finite >= 20
+
+
+def test_rounding_of_files() -> None:
+    """Corners in float32 or in six decimals, against those that were meant."""
+    rng = np.random.default_rng(2)
+    held = []
+    for _ in range(60):
+        body = random_body(rng) * 1e-3
+        meant = robodyn.mass_properties(body)
+        found = robodyn.mass_properties(samples.binary_stl(body), file_type="stl")
+        if found.closed and not found.repairs:
+            held.append(abs(found.body.volume / meant.body.volume - 1) <= found.rounding)
+    assert len(held) >= 20
+    assert np.mean(held) >= ENOUGH
+
+
+def test_holes() -> None:
+    """Neighbouring faces missing from tori, balls and cylinders of random proportions."""
+    rng = np.random.default_rng(3)
+    held = []
+    for _ in range(40):
+        solid = [samples.uv_sphere, samples.torus, samples.cylinder][rng.integers(3)]()
+        body = samples.moved(solid * rng.uniform(0.7, 1.4, 3), rng.normal(size=3), rotation(rng.integers(9999)))
+        middle = body.mean(axis=1)
+        nearest = np.argsort(((middle - middle[rng.integers(len(body))]) ** 2).sum(axis=1))
+        found = robodyn.mass_properties(np.delete(body, nearest[: rng.integers(1, 12)], axis=0))
+        whole = robodyn.mass_properties(body)
+        held.append(abs(found.body.volume / whole.body.volume - 1) <= (found.union or 1e-12))
+    assert np.mean(held) >= ENOUGH
+
+
+@counts(10, 60)
+@pytest.mark.parametrize("name", ["puma", "scara"])
+def test_peaks_from_noisy_positions(name: str, count: int) -> None:
+    """White noise and encoders, at two sample rates; peaks anywhere, also near an end."""
+    rng, model, held = np.random.default_rng(4), robot(name), []
+    for k in range(count):
+        time = np.arange(0.0, 2.0, (1 / 200, 1 / 800)[k % 2])
+        q, qd, qdd = random_motion(rng, model.n, time)
+        size = 10.0 ** rng.uniform(-5.5, -3.3)
+        data = q + size * rng.standard_normal(q.shape) if k % 4 < 2 else size * np.round(q / size)
+        found = robodyn.torques(model, motion(model, time, data))
+        true = robodyn.inverse_dynamics(model, q, qd, qdd)
+        held += [
+            abs(j.peak - true[j.peak_row - 1, i]) <= j.error_bar for i, j in enumerate(found.joints) if j.error_bar
+        ]
+    assert len(held) >= 2 * count
+    assert np.mean(held) >= ENOUGH
+
+
+def test_what_sampling_explains_of_the_energy() -> None:
+    """The residual of exact motions is that of the trapezoidal rule, which the report estimates to a factor of two."""
+    rng, held = np.random.default_rng(5), []
+    for k in range(40):
+        model = robot(("puma", "scara", "two_link_planar")[k % 3])
+        time = np.linspace(0.0, rng.uniform(0.5, 2.0), rng.integers(100, 400))
+        balance = robodyn.torques(model, motion(model, time, *random_motion(rng, model.n, time))).checks.energy_balance
+        held.append(abs(balance.residual) <= 2 * abs(balance.quadrature) + 1e-12 * balance.turnover)
+    assert np.mean(held) >= ENOUGH
+
+
+@counts(4, 60)
+def test_arithmetic_of_torques(count: int) -> None:
+    """Measured at 64 samples, held at all others."""
+    pytest.importorskip("mpmath")
+    rng, held = np.random.default_rng(6), []
+    for seed in range(count):
+        model = random_tree(seed, n=3)
+        time = np.linspace(0.0, 2.0, 100)
+        block = motion(model, time, *random_motion(rng, model.n, time))
+        way = arithmetic_within(model, block, DEFAULT, 1e-6)
+        tau = robodyn.inverse_dynamics(model, block.q, block.qd, block.qdd, executor="numpy")
+        exact = Multiprecision(plan(model, DEFAULT).torques(), digits=30)(sources_of(block, DEFAULT), len(block))
+        held.append(float(abs(exact - tau.astype(object)).max() / abs(exact).max()) <= way.expected)
+    assert np.mean(held) >= ENOUGH
+
+
+def swinging(rng):
+    """A pendulum of one to three masses let go somewhere, and for how long."""
+    masses = int(rng.integers(1, 4))
+    q = {f"j{k}": rng.uniform(-2.5, 2.5) for k in range(1, masses + 1)}
+    qd = {name: rng.uniform(-2, 2) for name in q}
+    return pendulum(masses=masses), Scene(initial_q=q, initial_qd=qd), rng.uniform(0.2, 0.6)
+
+
+@counts(4, 60)
+def test_simulations_as_accurate_as_asked(count: int) -> None:
+    pytest.importorskip("mpmath")
+    rng, held = np.random.default_rng(7), []
+    for _ in range(count):
+        model, scene, duration = swinging(rng)
+        found = simulate_within(model, scene, duration, 10.0 ** rng.uniform(-10, -2))
+        known = motion_reference(plan(model, found.scene), duration)
+        held.append(state_errors(found, known)[1] <= found.expected_error + 2 * known.bound)
+    assert np.mean(held) >= ENOUGH
+
+
+@counts(3, 40)
+def test_bounds_of_references(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against series with six digits more."""
+    pytest.importorskip("mpmath")
+    rng, cases = np.random.default_rng(8), []
+    for _ in range(count):
+        model, scene, duration = swinging(rng)
+        cases.append((plan(model, scene), duration, motion_reference(plan(model, scene), duration)))
+    monkeypatch.setattr(reference_module, "COARSE", (20, 1e-22))
+    monkeypatch.setattr(reference_module, "FINE", (28, 1e-28))
+    held = []
+    for a_plan, duration, found in cases:
+        times = np.linspace(0.0, duration, 50)
+        held.append(found.error(found.at(times), motion_reference(a_plan, duration).at(times)).max() <= found.bound)
+    assert np.mean(held) >= ENOUGH

@@ -1,0 +1,101 @@
+"""Simulations that are as accurate as asked, and refusals of those that cannot be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers.simulated_robots import pendulum, slide, turntable
+
+import robodyn
+from robodyn.dynamics.plan import plan
+from robodyn.errors import InputError
+from robodyn.measure.accuracy import effort
+from robodyn.measure.accuracy.apart import apart
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulate_within import simulate_within
+from robodyn.measure.accuracy.simulation_ladder import state_errors
+from robodyn.scene.scene import Scene
+
+SWING = Scene(initial_q={"j1": 2.5})
+
+
+@pytest.mark.parametrize("target", [1e-3, 1e-7, 1e-12])
+def test_the_error_is_within_the_expected_one(target):
+    pytest.importorskip("mpmath")
+    model = pendulum(masses=2)
+    found = simulate_within(model, SWING, 0.7, target)
+    _, error = state_errors(found, motion_reference(plan(model, found.scene), 0.7))
+    assert error <= found.expected_error <= target == found.target
+    assert found.notes[-1].startswith(f"accuracy: {target:g} asked, {found.method.name} with ")
+
+
+def test_a_lower_target_takes_no_more_steps():
+    """Steps are counted where the method is the same, which does not depend on the machine."""
+    found = [simulate_within(pendulum(), SWING, 1.0, target) for target in (1e-2, 1e-5, 1e-8, 1e-11)]
+    for a, b in pairwise(found):
+        assert b.expected_error < a.expected_error
+        if a.method == b.method:
+            assert a.steps <= b.steps
+
+
+def test_up_to_a_limit():
+    found = simulate_within(slide(axis=(0, 0, 1)), Scene(), 5.0, 1e-9)
+    assert abs(found.time[-1] - np.sqrt(18 / 9.81)) <= 1e-9
+    assert found.ended
+
+
+@pytest.mark.parametrize(("target", "why"), [(1e-17, "going to steps of"), (1e-15, "cannot be promised")])
+def test_what_rounding_forbids_is_refused(target, why, monkeypatch):
+    monkeypatch.setattr(effort, "ALLOWED", 2.0)
+    with pytest.raises(InputError, match=why):
+        simulate_within(pendulum(masses=2), SWING, 0.7, target)
+
+
+def test_what_grows_too_fast_is_refused(monkeypatch):
+    """After a minute a chaotic motion has lost all that doubles hold; what was reached is told."""
+    monkeypatch.setattr(effort, "ALLOWED", 1.0)
+    with pytest.raises(InputError, match=r"an accuracy of 1e-06 cannot be promised: reached .* after [0-9]+ steps in"):
+        simulate_within(pendulum(masses=2), SWING, 60.0, 1e-6)
+
+
+@pytest.mark.parametrize("case", [(pendulum(masses=2), SWING, 60.0), (*turntable(), 1.0)], ids=["chaotic", "stiff"])
+def test_work_is_counted_and_bounded(case, monkeypatch):
+    """Half a second of counted work: no run begins beyond it, and all evaluations together stay within it."""
+    monkeypatch.setattr(effort, "ALLOWED", 0.5)
+    monkeypatch.setattr(effort, "FIRST", 1e3)
+    done = []
+
+    def counted(*args, most, **how):
+        done.append((how.get("method", "usual"), most))
+        motion = robodyn.simulate(*args, most=most, **how)
+        assert motion.evaluations <= most
+        return motion
+
+    monkeypatch.setattr(effort, "simulate", counted)
+    with pytest.raises(InputError, match="more work than is allowed"):
+        simulate_within(*case, 1e-9)
+    methods = [name for name, _ in done]
+    assert {"usual", "rk4", "gauss6", "radau"} <= set(methods)
+    assert all(0 <= most <= 0.5 / effort.CALLED for _, most in done)
+    assert all(most <= 0.5 / effort.SCIPY for name, most in done if name in ("dop853", "radau", "bdf"))
+    assert len(done) <= 60
+
+
+def test_friction_that_becomes_stiff_on_the_way():
+    """It did not end in seven minutes, and rk4 ends 0.35 rad away; it creeps at the slip speed times 0.8 / 0.6."""
+    found = simulate_within(*turntable(), 0.6, 1e-2)
+    assert found.method.name in ("radau", "bdf")
+    assert abs(found.q[-1, 0] - 0.6e-3 * 0.8 / 0.6) <= 1e-5
+    assert found.expected_error <= 1e-2
+
+
+def test_the_time_at_a_limit_is_a_result():
+    near, far = (robodyn.simulate(slide(axis=(0, 0, 1)), Scene(), 5.0, step=step) for step in (1e-3, 1e-2))
+    late = replace(far, time=np.array([*far.time[:-1], far.time[-1] * 1.01]))
+    assert apart(far, near) <= 1e-9
+    assert 0.009 <= apart(late, near) <= 0.011
+    assert apart(replace(far, ended="another limit at 1 s"), near) == np.inf
+    assert apart(replace(far, ended=""), near) == np.inf

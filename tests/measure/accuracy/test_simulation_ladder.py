@@ -1,0 +1,156 @@
+"""Errors of simulated motions against closed forms, and what else their ladder tells."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from helpers.closed_chains import four_bars
+from helpers.oracles import reference
+from helpers.simulated_robots import pendulum, slide, tumbling
+
+from robodyn.dynamics.plan import plan
+from robodyn.errors import InputError
+from robodyn.measure.accuracy import motion_reference as reference_module
+from robodyn.measure.accuracy import simulation_ladder
+from robodyn.measure.accuracy.ladder import front
+from robodyn.measure.accuracy.motion_error import MotionError
+from robodyn.measure.accuracy.motion_reference import motion_reference
+from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy, state_errors
+from robodyn.scene.scene import Drive, Friction, Scene
+from robodyn.simulation.run import simulate
+
+pytest.importorskip("mpmath")
+
+QUARTER = float(reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"]["90"]) / 4
+SWING = Scene(initial_q={"j1": np.pi / 2})
+PUSHED = replace(SWING, drive={"j1": Drive(torque="push")})
+
+
+@pytest.fixture(autouse=True)
+def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.accuracy.timing.ROUNDS", 1)
+    monkeypatch.setattr(simulation_ladder, "STEPS", (1.6e-2, 4e-3))
+    monkeypatch.setattr(simulation_ladder, "TOLERANCES", (1e-4, 1e-8))
+
+
+def test_pendulum():
+    found = simulation_accuracy(pendulum(), SWING, QUARTER)
+    (ladder,) = found.ladders
+    rungs = {rung.name: rung for rung in ladder.rungs}
+    assert {name.partition(",")[0] for name in rungs} >= {"euler", "verlet", "rk4", "gauss6", "dop853", "radau"}
+    for name, order in (("rk4", 4), ("gauss2", 2), ("verlet", 2)):
+        steps = [rungs[f"{name}, {step} ms"] for step in (16, 4)]
+        assert 0.6 * 4**order <= steps[0].error / steps[1].error <= 1.7 * 4**order
+    assert rungs["rk4, 4 ms"].evaluations == 4 * np.ceil(QUARTER / 4e-3)
+    assert all(rung.operations > rung.evaluations > 0 for rung in ladder.rungs)
+    assert rungs["gauss6, 4 ms"].drift <= 1e-12 < rungs["euler, 4 ms"].drift
+    assert all(rung.errors[0] <= rung.errors[1] for rung in ladder.rungs)
+    assert [rung.error for rung in ladder.front] == sorted((rung.error for rung in ladder.front), reverse=True)
+    assert front(ladder.front) == ladder.front
+    assert "power series of orders 16 and 24" in ladder.reference
+
+
+@pytest.mark.parametrize("step", [0.05, 0.01, 0.001])
+def test_errors_are_the_true_ones(step):
+    """After a quarter of its period the pendulum hangs at zero and moves at a known speed."""
+    a_plan = plan(pendulum(), SWING)
+    known = motion_reference(a_plan, QUARTER)
+    motion = simulate(pendulum(), SWING, QUARTER, method="rk4", step=step)
+    speed = -np.sqrt(2 * 9.81)
+    true = max(abs(motion.q[-1, 0]) / (np.pi / 2), abs(motion.qd[-1, 0] / speed - 1))
+    end, way = state_errors(motion, known)
+    assert true <= end * (1 + 1e-6) + 4e-16
+    assert end <= true * (1 + 1e-6) + 2 * known.bound
+    assert end <= way
+
+
+def test_the_bound_of_the_reference_is_added():
+    known = replace(motion_reference(plan(pendulum(), SWING), QUARTER), bound=0.125, bound_at_end=0.0625)
+    end, way = state_errors(simulate(pendulum(), SWING, QUARTER, method="gauss6", step=0.01), known)
+    assert 0.0625 <= end <= 0.0625 + 1e-6
+    assert 0.125 <= way <= 0.125 + 1e-6
+
+
+def test_references_agree(monkeypatch):
+    """Series and doubles are independent, and each is within its bound."""
+    model, scene = tumbling()
+    a_plan = plan(model, replace(scene, friction={}))
+    times = np.linspace(0.0, 0.1, 40)
+    series = motion_reference(a_plan, 0.1)
+    monkeypatch.setattr(reference_module, "PATIENCE", 0.0)
+    doubles = motion_reference(a_plan, 0.1)
+    assert "gauss6 and dop853" in doubles.how
+    assert series.bound < 1e-15 < doubles.bound < 1e-10
+    off = series.error(doubles.at(times), series.at(times))
+    assert off.max() <= 2 * doubles.bound
+
+
+def test_a_motion_that_ends_at_a_limit():
+    found = simulation_accuracy(slide(axis=(0, 0, 1)), Scene(), 5.0)
+    assert found.notes[0].startswith("compared up to 1.34")
+    assert "reaches its lower limit of -9 m" in found.notes[0]
+    assert all(rung.error <= 1e-13 for rung in found.ladders[0].rungs if rung.name.startswith("rk4"))
+
+
+def test_friction_is_regularised_and_said():
+    scene = Scene(friction={"j1": Friction(forward=3.0, backward=-3.0)}, initial_qd={"j1": 1.5}, slip_speed=0.05)
+    found = simulation_accuracy(slide(), scene, 0.5)
+    assert any(note.startswith("Coulomb friction is regularised") for note in found.notes)
+    assert any(note.startswith("left out: verlet: ") for note in found.notes)
+
+
+def test_kinds_are_compared_with_their_own():
+    model, _ = tumbling()
+    states = np.ones((3, model.nq + model.n))
+    states[:, 0], states[:, 3:7] = 50.0, 0.25
+    measure = MotionError.over(model, states)
+    off = states.copy()
+    off[1, 1] += 0.5
+    off[2, 3] += 0.5
+    assert measure(off, states).tolist() == [0.0, 0.01, 0.5]
+
+
+def test_a_robot_that_cannot_move():
+    from helpers.small_robots import built, link
+
+    with pytest.raises(InputError, match="nothing can move"):
+        simulation_accuracy(built(link("l0", 1.0)), Scene(), 1.0)
+
+
+def test_a_table_is_asked_for():
+    with pytest.raises(InputError, match=r"the scene names 'push', columns of a table \(give the table: --traj FILE\)"):
+        simulation_accuracy(pendulum(), PUSHED, 1.0)
+
+
+def test_tables_are_followed():
+    """A table of a constant torque makes the motion that is known of that torque; its duration is the usual one."""
+    table = {"time": [0.0, 0.1, 0.25], "push": [2.0, 2.0, 2.0]}
+    model, times = pendulum(), np.linspace(0.0, 0.25, 40)
+    known = motion_reference(plan(model, replace(SWING, drive={"j1": Drive(torque=2.0)})), 0.25)
+    found = motion_reference(plan(model, PUSHED), 0.25, partial(simulate, model, PUSHED, table=table))
+    assert "gauss6 and dop853" in found.how
+    assert found.error(found.at(times), known.at(times)).max() <= found.bound + known.bound
+    whole = simulation_accuracy(model, PUSHED, table=table)
+    assert whole.name.endswith(", 0.25 s")
+    rungs = {rung.name: rung for rung in whole.ladders[0].rungs}
+    assert rungs["rk4, 4 ms"].errors[0] <= 1e-9 < rungs["euler, 4 ms"].errors[0]
+
+
+def test_an_initial_state_of_a_table_is_that_of_the_reference():
+    """A series from q = 0, where the motion does not begin, made every method wrong by as much."""
+    model, scene = pendulum(), replace(SWING, initial_q={"j1": "begin"}, initial_qd={})
+    found = simulation_accuracy(model, scene, 0.2, {"time": [0.0, 1.0], "begin": [0.7, 0.0]})
+    assert min(rung.error for rung in found.ladders[0].rungs) <= 1e-12
+
+
+def test_closed_chains():
+    model, scene = four_bars(1)
+    found = simulation_accuracy(model, scene, 0.4)
+    assert found.ladders[0].reference.startswith("gauss6 and dop853, which agree to ")
+    rungs = {rung.name: rung for rung in found.ladders[0].rungs}
+    assert 100 <= rungs["rk4, 16 ms"].error / rungs["rk4, 4 ms"].error <= 700
+    assert rungs["gauss6, 4 ms"].error <= 1e-11

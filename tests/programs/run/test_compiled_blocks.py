@@ -1,0 +1,196 @@
+"""The compiled executor: the same bits whatever the layout, the number of samples, the threads and the neighbours."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from ctypes import CFUNCTYPE, c_int64, c_void_p
+
+import numpy as np
+import pytest
+from helpers.array_layouts import LAYOUTS, PROGRAM, WIDTHS, expected, ready, state
+from helpers.compiled_programs import bits, needs_compiler
+from helpers.oracles import EPS, golden_model, random_state, worst
+
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run import compiled_blocks
+from robodyn.programs.run import job as job_module
+from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
+from robodyn.programs.run.llvm import build, machine
+from robodyn.programs.run.llvm.machine import host
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.scene.scene import Scene
+
+pytestmark = needs_compiler
+
+SAMPLES = [1, 7, 8, 9, 15, 16, 17, BLOCK - 1, BLOCK, BLOCK + 1, 1000, 4097]
+
+
+@pytest.fixture
+def busy_threads(monkeypatch):
+    """Threads start however small the work is."""
+    monkeypatch.setattr(compiled_blocks, "THREAD_WORK", 1)
+
+
+def test_agrees_with_numpy():
+    arrays = state(1000)
+    found, plain = expected(arrays), NumpyBlocks(PROGRAM, WIDTHS)(arrays, 1000)
+    finite = np.isfinite(plain)
+    np.testing.assert_array_equal(np.isfinite(found), finite)
+    assert worst(found[finite], plain[finite]) <= 4 * EPS
+    flagged = {name: values[3::101] for name, values in arrays.items()}
+    np.testing.assert_array_equal(found[3::101], NumpyBlocks(PROGRAM, WIDTHS)(flagged, len(flagged["a"])))
+
+
+def test_arrays_that_change(monkeypatch):
+    """Run again and again on the same arrays, of which each time other samples, or none, are left to NumPy."""
+    left, repair = [], CompiledBlocks._repair
+
+    def spy(self, arrays, samples, result, flagged):
+        left.append(flagged.tolist())
+        repair(self, arrays, samples, result, flagged)
+
+    monkeypatch.setattr(CompiledBlocks, "_repair", spy)
+    arrays, out = state(1000), np.empty((len(PROGRAM.outputs), 1000)).T
+    run = ready().bound(arrays, 1000, out)
+    for shift in (0, 1, 2):
+        for values in arrays.values():
+            values[...] = np.roll(values, shift, axis=0)
+        right = bits(expected(arrays))
+        left.clear()
+        run()
+        np.testing.assert_array_equal(bits(out), right)
+        assert left == [[k for k in range(1000) if not abs(arrays["a"][k, 0]) < 1e6]]
+    arrays["a"][:, 0] = 0.5
+    left.clear()
+    run()
+    assert left == []
+
+
+def test_arrays_that_cannot_be_used_again():
+    arrays, out = state(10), np.empty((len(PROGRAM.outputs), 10)).T
+    for wrong, target in ((np.float32, out), (np.float64, arrays["a"])):
+        with pytest.raises(ValueError, match="again and again"):
+            ready().bound({name: x.astype(wrong, copy=False) for name, x in arrays.items()}, 10, target)
+
+
+@pytest.mark.parametrize("samples", SAMPLES)
+def test_any_number_of_samples(samples, busy_threads):
+    arrays = state(samples)
+    found = expected(arrays)
+    if samples <= 300:
+        apart = [ready()({name: x[[i]] for name, x in arrays.items()}, 1)[0] for i in range(samples)]
+        np.testing.assert_array_equal(bits(found), bits(apart))
+    few = {name: x[: samples // 2] for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(found[: samples // 2]), bits(ready()(few, samples // 2)))
+    last = {name: x[-1:] for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(found[-1:]), bits(ready()(last, 1)))
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_any_layout_and_thread_count(layout, busy_threads):
+    for samples in SAMPLES:
+        arrays = {name: LAYOUTS[layout](values) for name, values in state(samples).items()}
+        right = bits(expected(arrays))
+        for threads in (1, 2, 3, 5):
+            np.testing.assert_array_equal(bits(ready()(arrays, samples, None, threads)), right)
+
+
+@pytest.mark.parametrize("stuck", [["a"], ["b"], ["a", "b"]])
+def test_one_sample_for_all(stuck):
+    """A column that is broadcast has a stride of 0."""
+    arrays = state(300)
+    broadcast = {name: np.broadcast_to(x[7], x.shape) if name in stuck else x for name, x in arrays.items()}
+    np.testing.assert_array_equal(bits(ready()(broadcast, 300)), bits(expected(broadcast)))
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e300])
+@pytest.mark.parametrize("source", "ab")
+def test_one_sample_leaves_the_others(source, value):
+    for at in (0, 5, 127, 128, 299):
+        calm = {name: np.clip(np.nan_to_num(x, nan=1.0), -9, 9) for name, x in state(300).items()}
+        right = expected(calm)
+        calm[source][at] = value
+        found = ready()(calm, 300)
+        np.testing.assert_array_equal(bits(np.delete(found, at, axis=0)), bits(np.delete(right, at, axis=0)))
+        assert (found[at] != right[at]).any()
+
+
+def test_single_precision(busy_threads):
+    run = ready(np.float32)
+    for samples in (1, 15, 17, BLOCK + 1, 1000):
+        arrays = state(samples, np.float32)
+        right = run(arrays, samples)
+        assert right.dtype == np.float32
+        for layout in ("rows", "every third row", "backwards", "unaligned", "other bytes first", "whole pages apart"):
+            other = {name: LAYOUTS[layout](values) for name, values in arrays.items()}
+            for threads in (1, 3):
+                np.testing.assert_array_equal(bits(run(other, samples, None, threads)), bits(right))
+        finite = np.isfinite(right)
+        with np.errstate(all="ignore"):
+            assert worst(right[finite], expected(arrays)[finite]) <= 8 * np.finfo(np.float32).eps
+
+
+def test_many_threads_at_once():
+    """One object, and many callers that share its threads."""
+    run = CompiledBlocks(PROGRAM, WIDTHS)
+    tasks = [state(samples) for samples in range(60, 1200, 30)]
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda arrays: run(arrays, len(arrays["a"]), None, 2), tasks))
+    for arrays, result in zip(tasks, found, strict=True):
+        np.testing.assert_array_equal(bits(result), bits(expected(arrays)))
+
+
+def test_work_is_shared_among_threads(monkeypatch):
+    """No more threads than asked for, and each has work enough."""
+    started = []
+    monkeypatch.setattr(job_module, "the_team", lambda: lambda job, threads: started.append(threads))
+    for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
+        samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
+        ready()(state(samples), samples, None, asked)
+        assert started.pop() == threads
+
+
+@pytest.mark.parametrize("begin", [(0,), (1,), (2,), (2, 0), (3, 1)])
+def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch):
+    """Its own part first, then those after it and before it; a number that has no part does nothing."""
+
+    def some(job, threads):
+        assert threads == 3
+        share = CFUNCTYPE(c_int64, c_void_p, c_int64)(c_int64.from_address(job).value)
+        for number in begin:
+            share(job, number)
+
+    arrays = state(4097)
+    right = expected(arrays)
+    monkeypatch.setattr(job_module, "the_team", lambda: some)
+    np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
+
+
+def test_a_robot_in_blocks_and_at_once():
+    model = golden_model("tree15_bf2_skew0.3")
+    widths = {"q": model.nq, "qd": model.n, "qdd": model.n}
+    program = Plan(model, Scene()).wrenches(joints=True)
+    run = CompiledBlocks(program, widths)
+    assert run.rows > compiled_blocks.MOST_STREAMS
+    samples = 1001
+    arrays = dict(zip(widths, random_state(model, np.random.default_rng(8), samples), strict=True))
+    found = run(arrays, samples)
+    assert worst(found, NumpyBlocks(program, widths)(arrays, samples)) <= 8 * EPS
+    turned = {name: np.asfortranarray(values[::-1]) for name, values in arrays.items()}
+    np.testing.assert_array_equal(bits(run(turned, samples, None, 2)[::-1]), bits(found))
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_other_processors_find_the_same_bits(dtype, monkeypatch):
+    """Code for vectors of half the length: an executor made as if on an older processor."""
+    if "+avx2" not in host().features:
+        pytest.skip("code for AVX2 does not run here")
+    older = host()._replace(cpu="haswell", features="+avx2,+fma")
+    for module in (machine, build):
+        monkeypatch.setattr(module, "host", lambda: older)
+    monkeypatch.setattr(compiled_blocks, "_driver", compiled_blocks._driver.__wrapped__)
+    run = CompiledBlocks(PROGRAM, WIDTHS, dtype)
+    for layout in ("columns", "rows", "backwards"):
+        for samples in (9, 1000):
+            arrays = {name: LAYOUTS[layout](values) for name, values in state(samples, dtype).items()}
+            np.testing.assert_array_equal(bits(run(arrays, samples)), bits(ready(dtype)(arrays, samples)))

@@ -1,0 +1,158 @@
+"""The compiled executor writes what it should, where it should and nowhere else."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers.array_layouts import LAYOUTS, PROGRAM, expected, in_bytes, ready, state
+from helpers.compiled_programs import bits, compiled, needs_compiler
+from helpers.oracles import EPS, worst
+
+from robodyn.programs.run import compiled_blocks
+from robodyn.programs.run.compiled_blocks import BLOCK
+
+pytestmark = needs_compiler
+
+
+@pytest.mark.parametrize("layout", [name for name in LAYOUTS if name not in ("other bytes first", "fewer bits")])
+def test_output_array_of_any_layout(layout, monkeypatch):
+    monkeypatch.setattr(compiled_blocks, "THREAD_WORK", 1)
+    for samples in (1, 9, BLOCK, 1000):
+        arrays = state(samples)
+        out = LAYOUTS[layout](np.full((samples, len(PROGRAM.outputs)), -7.0))
+        assert ready()(arrays, samples, out, 3) is out
+        np.testing.assert_array_equal(bits(out), bits(expected(arrays)))
+
+
+@pytest.mark.parametrize("step", [1, 2, -1])
+@pytest.mark.parametrize("order", "CF")
+def test_nothing_beside_the_output_is_written(order, step):
+    for samples in (1, 7, 9, BLOCK + 5):
+        table = np.full((samples * 2 + 40, 20), -7.0, order=order)
+        inside = table[20 : 20 + samples * abs(step), 6:12][::step]
+        ready()(state(samples), samples, inside)
+        assert np.count_nonzero(table == -7.0) == table.size - inside.size
+        np.testing.assert_array_equal(bits(inside), bits(expected(state(samples))))
+
+
+def test_output_over_an_input(monkeypatch):
+    """In place, shifted by a sample, and laid across."""
+    monkeypatch.setattr(compiled_blocks, "THREAD_WORK", 1)
+    samples = 700
+    right = bits(expected(state(samples)))
+    for shift in (0, 1, -1, 130):
+        for order in "CF":
+            table = np.zeros((samples + 200, 9), order=order)
+            arrays = state(samples)
+            arrays["a"] = table[10 : 10 + samples, 2:5]
+            arrays["a"][...] = state(samples)["a"]
+            out = table[10 + shift : 10 + shift + samples, 1:7] if shift >= 0 else table[9 : 9 + samples, 3:9]
+            assert ready()(arrays, samples, out, 2) is out
+            np.testing.assert_array_equal(bits(out), right)
+
+
+def test_output_over_an_input_of_other_numbers():
+    """Samples that are left to NumPy are read before they are overwritten."""
+    arrays = state(300)
+    table = np.zeros((300, len(PROGRAM.outputs)))
+    arrays["a"] = table.view(table.dtype.newbyteorder())[:, :3]
+    arrays["a"][...] = state(300)["a"]
+    assert ready()(arrays, 300, table) is table
+    np.testing.assert_array_equal(bits(table), bits(expected(state(300))))
+
+
+@pytest.mark.filterwarnings("error")
+def test_numbers_too_large_for_single_precision_warn_as_little_as_others():
+    found = compiled(lambda x: [x * 2.0], 1, np.float32)({"x": np.array([[1e300], [-1e300], [3.0]])}, 3)
+    np.testing.assert_array_equal(found[:, 0], [np.inf, -np.inf, 6.0])
+
+
+def test_inputs_are_not_written_to():
+    arrays = state(200)
+    before = {name: values.copy() for name, values in arrays.items()}
+    for values in arrays.values():
+        values.flags.writeable = False
+    ready()(arrays, 200)
+    for name, values in arrays.items():
+        np.testing.assert_array_equal(bits(values), bits(before[name]))
+
+
+def test_outputs_that_are_inputs_constants_or_repeated():
+    def function(x, y):
+        total = x + y
+        return [total, 2.5, x, total, total * x, 0.0, -y, x * y, x * y + total, x * y - x]
+
+    q = np.array([[1.0, 2.0], [-3.0, 0.0], [0.5, -4.0], [1.5, 1e-17]])
+    for samples in (4, 400):
+        x, y = np.resize(q, (samples, 2)).T
+        found = compiled(function, 2)({"x": np.column_stack((x, y))}, samples)
+        zeros = np.zeros(samples)
+        columns = [x + y, zeros + 2.5, x, x + y, (x + y) * x, zeros, -y, x * y, x * y + (x + y), x * y - x]
+        np.testing.assert_array_equal(found, np.column_stack(columns))
+
+
+def test_no_inputs_no_outputs_no_samples():
+    found = compiled(lambda: [2.5, -1.0, 2.5], 0)({}, 300, None, 2)
+    np.testing.assert_array_equal(found, np.broadcast_to([2.5, -1.0, 2.5], (300, 3)))
+    assert compiled(lambda x: [])({"x": np.zeros((5, 1))}, 5).shape == (5, 0)
+    assert ready()(state(0), 0).shape == (0, len(PROGRAM.outputs))
+    out = np.empty((0, len(PROGRAM.outputs)))
+    assert ready()(state(0), 0, out, 4) is out
+
+
+@pytest.mark.parametrize("inputs", [9, 40, 70])
+@pytest.mark.parametrize("pages", [False, True])
+def test_many_columns(inputs, pages):
+    """As many as are read where they lie, and more; also at distances that share sets of the cache."""
+    run = compiled(lambda *x: [sum(a * b for a, b in pairwise(x)), *x[::-1]], inputs)
+    x = np.random.default_rng(inputs).normal(size=(517, inputs))
+    placed = in_bytes(x, 0, 8192) if pages else np.asfortranarray(x)
+    out = in_bytes(np.zeros((517, inputs + 1)), 0, 8192) if pages else None
+    found = run({"x": placed}, 517, out, 2)
+    np.testing.assert_array_equal(found[:, 1:], x[:, ::-1])
+    assert worst(found[:, 0], (x[:, 1:] * x[:, :-1]).sum(axis=1)) <= 4 * EPS
+    np.testing.assert_array_equal(bits(found), bits(run({"x": x}, 517)))
+
+
+GUARDED = """
+import ctypes, mmap
+import numpy as np
+from robodyn.execute.compiled_blocks import CompiledBlocks
+from robodyn.spatial import sin
+from robodyn.trace.program import trace
+
+LIBC, PAGE = ctypes.CDLL(None), mmap.PAGESIZE
+keep = []
+
+def placed(samples, columns, order):
+    "An array between two pages that may not be touched: the first byte after it, or before it, is forbidden."
+    size = samples * columns * 8
+    room = -(-size // PAGE) * PAGE
+    memory = mmap.mmap(-1, room + 2 * PAGE)
+    address = ctypes.addressof(ctypes.c_char.from_buffer(memory))
+    for page in (address, address + PAGE + room):
+        assert LIBC.mprotect(ctypes.c_void_p(page), PAGE, 0) == 0
+    keep.append(memory)
+    for first in (PAGE, PAGE + room - size):
+        yield np.frombuffer(memory, np.float64, samples * columns, first).reshape((samples, columns), order=order)
+
+run = CompiledBlocks(trace(lambda t: [sin(t.input("x", 0)) * t.input("x", 1), t.input("x", 0)]), {"x": 2})
+for samples in (1, 7, 8, 9, 128, 131, 512):
+    for order in "CF":
+        for x in placed(samples, 2, order):
+            x[...] = np.arange(2 * samples).reshape(samples, 2)
+            for out in placed(samples, 2, order):
+                run({"x": x}, samples, out, 2)
+                assert (out[:, 1] == x[:, 0]).all()
+print("unharmed")
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs mprotect")
+def test_nothing_beside_the_arrays_is_touched():
+    done = subprocess.run([sys.executable, "-c", GUARDED], check=False, capture_output=True, text=True)
+    assert done.stdout == "unharmed\n", done.stderr

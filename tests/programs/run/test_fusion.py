@@ -1,0 +1,169 @@
+"""Fused multiply-add: which products it takes in, how often it stands in the code, and that it is rounded once."""
+
+from __future__ import annotations
+
+import operator
+import random
+from collections import defaultdict
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from helpers.compiled_programs import bits, compiled, needs_compiler, program_of
+from helpers.oracles import golden_model
+
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
+from robodyn.programs.run.llvm.fusion import fused_products
+from robodyn.programs.scalar import ADD, CONSTANT, INPUT, MUL, SUB
+from robodyn.scene.scene import Scene
+
+INPUTS = 4
+
+FUSED = {
+    "a sum": (lambda x, y, z, w: [x * y + z], 1, 0),
+    "a difference": (lambda x, y, z, w: [x * y - z], 1, 0),
+    "a difference from": (lambda x, y, z, w: [z - x * y], 1, 0),
+    "a sum of two products takes in one": (lambda x, y, z, w: [x * y + z * w], 1, 1),
+    "a square": (lambda x, y, z, w: [x * x - y], 1, 0),
+    "a scalar product": (lambda x, y, z, w: [x * y + y * z + z * w + 1.0], 2, 1),
+    "a product used by two sums": (lambda x, y, z, w: [x * y + z, w - x * y], 2, 0),
+    "a product used once goes first": (lambda x, y, z, w: [x * y + z * w, x * y + z], 1, 1),
+    "a product that is wanted itself": (lambda x, y, z, w: [x * y, x * y + z], 0, 1),
+    "a product that is multiplied too": (lambda x, y, z, w: [x * y + z, x * y * w], 0, 2),
+    "a product that is added to itself": (lambda x, y, z, w: [x * y + x * y], 0, 1),
+    "a product under a root": (lambda x, y, z, w: [(x * y).sqrt() + z], 0, 1),
+    "a product with a negative": (lambda x, y, z, w: [-(x * y) + z], 1, 0),
+    "no product": (lambda x, y, z, w: [(x + y) - z / w], 0, 0),
+}
+"""Functions, how many sums take a product in, and how many products are formed."""
+
+STEPS = [operator.add, operator.sub, operator.mul, operator.mul, lambda x, y: -x]
+
+
+def sums_of_products(seed, steps):
+    """A random program of sums, differences and products."""
+    rng = random.Random(seed)
+
+    def outputs(*x):
+        pool = [*x, 0.7]
+        for _ in range(steps):
+            pool.append(rng.choice(STEPS)(rng.choice(pool), rng.choice(pool)))
+        return pool[-rng.randint(1, 3) :]
+
+    return program_of(outputs, INPUTS)
+
+
+def counted(program):
+    """Fused sums and products in the code."""
+    code = kernel_of(program, {"x": INPUTS})
+    return code.count("call <8 x double> @llvm.fma."), code.count(" = fmul ")
+
+
+@pytest.mark.parametrize("name", FUSED)
+def test_which_products_are_fused(name):
+    function, fused, formed = FUSED[name]
+    program = program_of(function, INPUTS)
+    assert len(fused_products(program)) == fused
+    assert counted(program) == (fused, formed)
+
+
+@pytest.mark.parametrize("steps", [5, 20, 80])
+def test_no_product_is_formed_that_sums_take_in(steps):
+    """A product that is taken in is used by sums that take it in, and by nothing else."""
+    several = 0
+    for seed in range(60):
+        program = sums_of_products(seed, steps)
+        taken = fused_products(program)
+        users = defaultdict(list)
+        for k, (op, a, b) in enumerate(program.operations):
+            for operand in (a, b) if op in (ADD, SUB, MUL) else (a,):
+                users[operand].append(k)
+        for product in set(taken.values()):
+            assert program.operations[product][0] is MUL
+            assert product not in program.outputs
+            assert [k for k, of in taken.items() if of == product] == users[product]
+            several += len(users[product]) > 1
+        formed = program.counts.get(MUL, 0) - len(set(taken.values()))
+        assert counted(program) == (len(taken), formed)
+    assert several or steps == 5
+
+
+def test_most_products_of_a_robot_are_fused():
+    program = Plan(golden_model("tree15_bf2_skew0.3"), Scene()).torques()
+    assert len(fused_products(program)) > 0.6 * (program.counts[ADD] + program.counts[SUB])
+
+
+def rounded(exact, dtype):
+    """The number of this type that is nearest to a fraction; of two equally near, the even one."""
+    near = dtype(float(exact))
+    candidates = [near, np.nextafter(near, dtype(np.inf)), np.nextafter(near, dtype(-np.inf))]
+    return min(candidates, key=lambda x: (abs(Fraction(float(x)) - exact), bits(x).item() & 1))
+
+
+def once_rounded(program, row, dtype):
+    """The outputs for one sample in exact arithmetic, rounded as the compiled executor says it rounds."""
+    taken = fused_products(program)
+    formed = set(range(len(program.operations))) - set(taken.values())
+    values = []
+    for k, (op, a, b) in enumerate(program.operations):
+        if op in (INPUT, CONSTANT):
+            exact = Fraction(float(row[b] if op is INPUT else dtype(a)))
+        elif b is None:
+            exact = -values[a]
+        else:
+            exact = {ADD: Fraction.__add__, SUB: Fraction.__sub__, MUL: Fraction.__mul__}[op](values[a], values[b])
+        values.append(Fraction(float(rounded(exact, dtype))) if k in formed else exact)
+    return [float(values[k]) for k in program.outputs]
+
+
+def numbers(count, dtype, seed):
+    """Random numbers; in two of three samples z is the rounded product of x and y, or its negative."""
+    rng = np.random.default_rng(seed)
+    x = (rng.choice([-1.0, 1.0], (count, INPUTS)) * rng.uniform(1.0, 2.0, (count, INPUTS))).astype(dtype)
+    product = x[:, 0] * x[:, 1]
+    x[::3, 2], x[1::3, 2] = product[::3], -product[1::3]
+    return x
+
+
+FORMS = {
+    "x y + z": (lambda x, y, z, w: [x * y + z], lambda x, y, z: x * y + z),
+    "z + x y": (lambda x, y, z, w: [z + x * y], lambda x, y, z: x * y + z),
+    "x y - z": (lambda x, y, z, w: [x * y - z], lambda x, y, z: x * y - z),
+    "z - x y": (lambda x, y, z, w: [z - x * y], lambda x, y, z: z - x * y),
+    "-x y - z": (lambda x, y, z, w: [-(x * y) - z], lambda x, y, z: -(x * y) - z),
+}
+
+
+@needs_compiler
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize("form", FORMS)
+def test_each_form_is_rounded_once(form, dtype):
+    function, exact = FORMS[form]
+    x = numbers(200, dtype, 1)
+    found = compiled(function, INPUTS, dtype)({"x": x}, len(x))[:, 0]
+    expected = [rounded(exact(*(Fraction(float(number)) for number in row[:3])), dtype) for row in x]
+    np.testing.assert_array_equal(found, expected)
+    assert np.count_nonzero(found != exact(*x[:, :3].T)) > 60
+
+
+@needs_compiler
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_random_sums_of_products_to_the_bit(dtype):
+    for seed in range(60):
+        program = sums_of_products(seed, seed % 12 + 1)
+        x = numbers(3, dtype, seed)
+        found = CompiledBlocks(program, {"x": INPUTS}, dtype)({"x": x}, 3)
+        np.testing.assert_array_equal(found, [once_rounded(program, row, dtype) for row in x])
+
+
+@needs_compiler
+def test_products_that_are_not_taken_in_are_rounded():
+    """Nothing is contracted behind our back."""
+    x = numbers(300, np.float64, 2)
+    run = compiled(lambda x, y, z, w: [x * y, x * y + z, z - x * y, x * y * w + z * w], INPUTS)
+    product, total, difference, last = run({"x": x}, 300).T
+    np.testing.assert_array_equal(product, x[:, 0] * x[:, 1])
+    np.testing.assert_array_equal(total, x[:, 0] * x[:, 1] + x[:, 2])
+    np.testing.assert_array_equal(difference, x[:, 2] - x[:, 0] * x[:, 1])
+    assert (last != x[:, 0] * x[:, 1] * x[:, 3] + x[:, 2] * x[:, 3]).any()

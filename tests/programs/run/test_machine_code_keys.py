@@ -1,0 +1,136 @@
+"""Machine code is found again by all that it depends on, and by nothing less."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.compiled_programs import needs_compiler, program_of
+
+from robodyn.programs.program import Program
+from robodyn.programs.run.compiled_blocks import CompiledBlocks, content_of
+from robodyn.programs.run.llvm import build
+from robodyn.programs.run.llvm.machine import Host
+
+pytestmark = needs_compiler
+PROGRAM = program_of(lambda x, y: [x * 2.5 + y, y.sin()], 2)
+X = np.random.default_rng(3).uniform(-2, 2, (50, 2))
+
+
+@pytest.fixture
+def built(monkeypatch, tmp_path):
+    """Names of the functions that are compiled, in an empty cache, as they are."""
+    monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path))
+    names = []
+    compile_it = build.machine_code
+
+    def machine_code(ir):
+        names.append("kernel" if "@kernel(" in ir else "run")
+        return compile_it(ir)
+
+    monkeypatch.setattr(build, "machine_code", machine_code)
+    return names
+
+
+def results(program=PROGRAM, widths=2, dtype=np.float64):
+    return CompiledBlocks(program, {"x": widths}, dtype)({"x": X.astype(dtype)}, len(X))
+
+
+def test_program_is_compiled_once(built):
+    first = results()
+    assert built.count("kernel") == 1
+    np.testing.assert_array_equal(results(), first)
+    assert built.count("kernel") == 1
+
+
+def test_without_a_cache_it_is_compiled_each_time(built, monkeypatch):
+    monkeypatch.setenv("ROBODYN_CACHE", "0")
+    np.testing.assert_array_equal(results(), results())
+    assert built.count("kernel") == 2
+
+
+@pytest.mark.parametrize("size", [0, 1000])
+def test_damaged_machine_code_is_made_again(built, tmp_path, size):
+    first = results()
+    for path in (tmp_path / "objects").iterdir():
+        path.write_bytes(path.read_bytes()[:size])
+    np.testing.assert_array_equal(results(), first)
+    np.testing.assert_array_equal(results(), first)
+    assert built.count("kernel") == 2
+
+
+def _other(**changes):
+    return Program(**{"operations": PROGRAM.operations, "outputs": PROGRAM.outputs, **changes})
+
+
+def _with(place, operation):
+    return _other(operations=(*PROGRAM.operations[:place], operation, *PROGRAM.operations[place + 1 :]))
+
+
+CONSTANT = next(k for k, (op, _, _) in enumerate(PROGRAM.operations) if op == "constant")
+SINE = next(k for k, (op, _, _) in enumerate(PROGRAM.operations) if op == "sin")
+CONTENTS = {
+    "constant by one bit": content_of(_with(CONSTANT, ("constant", np.nextafter(2.5, 3.0), None)), {"x": 2}, "f8"),
+    "sign of a zero": content_of(_with(CONSTANT, ("constant", -0.0, None)), {"x": 2}, "f8"),
+    "zero": content_of(_with(CONSTANT, ("constant", 0.0, None)), {"x": 2}, "f8"),
+    "operation": content_of(_with(SINE, ("cos", *PROGRAM.operations[SINE][1:])), {"x": 2}, "f8"),
+    "order of the outputs": content_of(_other(outputs=PROGRAM.outputs[::-1]), {"x": 2}, "f8"),
+    "columns of the source": content_of(PROGRAM, {"x": 3}, "f8"),
+    "number format": content_of(PROGRAM, {"x": 2}, "f4"),
+    "as it is": content_of(PROGRAM, {"x": 2}, "f8"),
+}
+
+
+def test_every_part_of_a_program_changes_the_key():
+    keys = {build.code_key(content) for content in CONTENTS.values()}
+    assert len(keys) == len(CONTENTS)
+    assert build.code_key(content_of(PROGRAM, {"x": 2, "unused": 5}, np.float64)) in keys
+
+
+@pytest.mark.parametrize("field", Host._fields)
+def test_every_part_of_the_machine_changes_the_key(built, monkeypatch, field):
+    expected = results()
+    here = build.host()
+    key = build.code_key(CONTENTS["as it is"])
+    monkeypatch.setattr(build, "host", lambda: here._replace(**{field: "another"}))
+    other = build.code_key(CONTENTS["as it is"])
+    assert other.content == key.content
+    assert other.maker != key.maker
+    np.testing.assert_array_equal(results(), expected)
+    assert built.count("kernel") == 2, "machine code of another machine is not run"
+
+
+def test_every_module_that_makes_machine_code_changes_the_key(monkeypatch, tmp_path):
+    """A copy of the package with one byte more in any of its modules has another digest."""
+    package = Path(build.__file__).parent.parent
+    for path in package.rglob("*.py"):
+        copy = tmp_path / path.relative_to(package)
+        copy.parent.mkdir(exist_ok=True)
+        copy.write_bytes(path.read_bytes())
+    monkeypatch.setattr(build, "__file__", str(tmp_path / "llvm" / "build.py"))
+    digest = build.generator.__wrapped__
+    assert digest() == build.generator()
+    changed = set()
+    for path in tmp_path.rglob("*.py"):
+        text = path.read_bytes()
+        path.write_bytes(text + b"\n")
+        changed.add(digest())
+        path.write_bytes(text)
+    assert len(changed) == len(list(package.rglob("*.py")))
+    assert digest() not in changed
+
+
+def test_another_version_of_robodyn_makes_its_own_code(built, monkeypatch):
+    expected = results()
+    monkeypatch.setattr(build, "generator", lambda: "another")
+    np.testing.assert_array_equal(results(), expected)
+    assert built.count("kernel") == 2
+
+
+def test_without_its_sources_robodyn_keeps_no_machine_code(built, monkeypatch, tmp_path):
+    """For nothing would tell the code of one version from that of the next."""
+    monkeypatch.setattr(build, "generator", lambda: "")
+    np.testing.assert_array_equal(results(), results())
+    assert built.count("kernel") == 2
+    assert not list(tmp_path.iterdir())

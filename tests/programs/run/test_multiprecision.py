@@ -1,0 +1,217 @@
+"""The multiprecision executor: as many digits as asked, exact inputs, an arithmetic of its own, and no exceptions."""
+
+from __future__ import annotations
+
+import math
+import sys
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
+from helpers.program_values import evaluated
+from helpers.random_programs import BINARY, UNARY
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
+from robodyn.programs.program import trace
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.programs.vectors import cos, exp, sin
+from robodyn.scene.scene import Scene
+
+MODELS = reference("golden_inverse_dynamics")["models"]
+INF, NAN = math.inf, math.nan
+WIDE = mpmath.MPContext()
+WIDE.dps = 300
+doubles = st.floats(-1e3, 1e3, allow_subnormal=False)
+
+
+def values(function, *inputs, digits=50):
+    """What a function of scalars gives for one sample."""
+    program = trace(lambda tape: function(*(tape.input("x", i) for i in range(len(inputs)))))
+    return Multiprecision(program, digits=digits)({"x": [inputs]}, 1)[0]
+
+
+def torques(model, state, digits=50, gravity=(0.0, 0.0, -9.81)):
+    program = Plan(model, Scene(gravity=tuple(gravity))).torques()
+    return Multiprecision(program, digits=digits)(dict(zip(("q", "qd", "qdd"), state, strict=True)), len(state[0]))
+
+
+def error(found, expected):
+    """|found - expected| with 300 digits."""
+    if isinstance(expected, Fraction):
+        expected = WIDE.mpf(expected.numerator) / expected.denominator
+    return abs(WIDE.convert(found) - expected)
+
+
+def last_digit(digits):
+    return WIDE.mpf(10) ** (1 - digits)
+
+
+@settings(deadline=None)
+@given(doubles, doubles, st.sampled_from([15, 50, 200]))
+def test_identities(a, b, digits):
+    def sides(a, b):
+        yield sin(a) * sin(a) + cos(a) * cos(a), 1.0
+        yield sin(a + b), sin(a) * cos(b) + cos(a) * sin(b)
+        yield cos(a - b), cos(a) * cos(b) + sin(a) * sin(b)
+        yield (a * a).sqrt(), a.sign() * a
+        yield exp(sin(a) + sin(b)), exp(sin(a)) * exp(sin(b))
+        yield 1.0 / exp(cos(a)), exp(-cos(a))
+
+    found = values(lambda a, b: [x for pair in sides(a, b) for x in pair], a, b, digits=digits)
+    for left, right in zip(found[::2], found[1::2], strict=True):
+        assert error(left, right) <= 8 * (1 + abs(a) + abs(b)) * last_digit(digits)
+
+
+@settings(deadline=None)
+@given(st.sampled_from(sorted(BINARY)), doubles, doubles, st.sampled_from([3, 50]))
+def test_arithmetic_of_fractions(op, a, b, digits):
+    """Even with fewer digits than a double has, the inputs are what they are."""
+    assume(op != "div" or b != 0)
+    found = values(lambda x, y: [BINARY[op](x, y)], a, b, digits=digits)[0]
+    expected = BINARY[op](Fraction(a), Fraction(b))
+    assert error(found, expected) <= abs(WIDE.convert(found)) * last_digit(digits)
+
+
+def _series(x, first, step, sign):
+    """x^k / k! for k = first, first + step, ..., each times `sign` that of the one before."""
+    return sum(sign**n * x ** (first + step * n) / math.factorial(first + step * n) for n in range(100))
+
+
+SERIES = {"exp": (0, 1, 1), "sin": (1, 2, -1), "cos": (0, 2, -1)}
+
+
+@pytest.mark.parametrize("x", [1.0, -0.3, 2.5, 1e-9])
+@pytest.mark.parametrize("op", SERIES)
+def test_power_series_in_fractions(op, x):
+    found = values(lambda x: [UNARY[op](x)], x, digits=70)[0]
+    assert error(found, _series(Fraction(x), *SERIES[op])) <= abs(WIDE.convert(found)) * last_digit(70)
+
+
+@pytest.mark.parametrize("x", [2.0, 0.3, 1e-300, 1e300])
+def test_square_root_of_integers(x):
+    exact = Fraction(x)
+    scale = 10**350
+    root = Fraction(math.isqrt(int(exact * scale**2)), scale)
+    assert error(values(lambda x: [x.sqrt()], x)[0], root) <= WIDE.sqrt(x) * last_digit(50)
+
+
+def test_two_digit_counts_share_the_digits_of_the_fewer():
+    """And no more: the torques of an arm lose a digit or two on the way."""
+    model = golden_model("puma560_corke")
+    state = random_state(model, np.random.default_rng(5), 4)
+    exact = torques(model, state, digits=80)
+    largest = max(abs(x) for x in exact.ravel())
+    for digits in (5, 16, 30, 50):
+        off = max(abs(a - b) for a, b in zip(exact.ravel(), torques(model, state, digits).ravel(), strict=True))
+        assert 0.01 * last_digit(digits) <= off / largest <= 10 * last_digit(digits)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_golden_torques(name):
+    """The description is read in doubles, which leaves a rounding or two of the largest torque."""
+    model = golden_model(name)
+    for case in MODELS[name]["cases"]:
+        state = [[case[key]] for key in ("q", "qd", "qdd")]
+        tau = torques(model, state, gravity=case["gravity"])[0]
+        assert worst(tau, case["tau"], max(np.abs(case["tau"]).max(), 1e-3)) <= 4 * EPS
+
+
+def test_golden_torques_of_the_puma_that_ships():
+    model = robot("puma560")
+    assert model.n == 6
+    for case in MODELS["puma560_corke"]["cases"]:
+        tau = torques(model, [[case[key]] for key in ("q", "qd", "qdd")], gravity=case["gravity"])[0]
+        assert worst(tau, case["tau"]) <= 4 * EPS
+
+
+@pytest.mark.parametrize("name", ["puma560_corke", "tree15_bf2_skew0.3"])
+def test_agrees_with_plain_floats(name):
+    model = golden_model(name)
+    program = Plan(model, Scene()).torques()
+    state = random_state(model, np.random.default_rng(6), 3)
+    expected = [evaluated(program, {"q": q, "qd": qd, "qdd": qdd}) for q, qd, qdd in zip(*state, strict=True)]
+    assert worst(torques(model, state), expected) <= 8 * EPS
+
+
+CORNERS = {
+    "a division by zero": (lambda x, y: [x / y], [((1, 0), INF), ((-2, 0), -INF), ((0, 0), NAN), ((NAN, 0), NAN)]),
+    "a zero without a sign": (lambda x, y: [x / y], [((1, -0.0), INF), ((INF, 0), INF), ((3, -INF), 0)]),
+    "infinite operands": (lambda x, y: [x * y], [((INF, 0), NAN), ((INF, -2), -INF), ((NAN, 0), NAN)]),
+    "a difference": (lambda x, y: [x - y], [((INF, INF), NAN), ((1, INF), -INF), ((1, NAN), NAN)]),
+    "a square root": (lambda x: [x.sqrt()], [((-1,), NAN), ((-INF,), NAN), ((INF,), INF), ((-0.0,), 0), ((NAN,), NAN)]),
+    "a sine": (lambda x: [sin(x)], [((INF,), NAN), ((-INF,), NAN), ((NAN,), NAN)]),
+    "a cosine": (lambda x: [cos(x)], [((INF,), NAN), ((NAN,), NAN), ((0,), 1)]),
+    "an exponential": (lambda x: [exp(x)], [((INF,), INF), ((-INF,), 0), ((NAN,), NAN), ((0,), 1)]),
+    "a sign": (lambda x: [x.sign()], [((5e-324,), 1), ((-INF,), -1), ((-0.0,), 0), ((NAN,), NAN)]),
+    "a negative": (lambda x: [-x], [((INF,), -INF), ((NAN,), NAN)]),
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_where_a_real_number_has_no_answer(corner):
+    function, cases = CORNERS[corner]
+    for inputs, expected in cases:
+        found = values(function, *map(float, inputs))[0]
+        assert type(found).__name__ == "mpf"
+        np.testing.assert_equal(float(found), float(expected))
+
+
+def test_beyond_the_range_of_doubles():
+    """Nothing overflows but functions of what a double could not hold."""
+    found = values(lambda x: [exp(x * 1000.0) / exp(x * 999.0), (x * 1e-300) * 1e-300], 1.0)
+    assert error(found[0], _series(Fraction(1), 0, 1, 1)) <= 9 * last_digit(50)
+    assert error(found[1], Fraction(1e-300) ** 2) == 0 < found[1]
+    far = values(lambda x: [sin(x * x), cos(-x * x), exp(x * x), exp(-x * x), exp(exp(x)), sin(x)], 1e200)
+    np.testing.assert_equal([float(x) for x in far[:5]], [NAN, NAN, INF, 0.0, INF])
+    assert 0 < abs(far[5]) < 1
+
+
+def test_inputs_are_exact():
+    """Doubles, single-precision numbers, integers and numbers with more digits than the run works with."""
+    third = WIDE.mpf(1) / 3
+    program = trace(lambda tape: [tape.input("x", 0), tape.input("x", 0) - 0.25])
+    rows = np.array([[0.1], [np.float32(0.1)], [7], [third]], dtype=object)
+    found = Multiprecision(program, digits=40)({"x": rows}, 4)
+    assert [error(a, b) for a, b in zip(found[:, 0], [0.1, float(np.float32(0.1)), 7, third], strict=True)] == [0] * 4
+    assert 0 < error(found[3, 1], Fraction(1, 12)) <= last_digit(40)
+    single = Multiprecision(program)({"x": np.array([[0.1]], dtype=np.float32)}, 1)
+    assert float(single[0, 0]) == float(np.float32(0.1))
+
+
+def test_mpmath_keeps_its_own_precision():
+    before = mpmath.mp.dps
+    with mpmath.workdps(5):
+        third = values(lambda x: [x / 3.0], 1.0)[0]
+        assert mpmath.mp.dps == 5
+    assert mpmath.mp.dps == before
+    assert error(third, Fraction(1, 3)) <= last_digit(50)
+    assert error(third * 3, 1) <= last_digit(49)
+
+
+def test_shapes_and_outputs_that_are_no_operations():
+    program = trace(lambda tape: [tape.input("x", 1), 2.5, tape.input("x", 1), tape.input("x", 0) * 2.0])
+    found = Multiprecision(program)({"x": np.array([[1.0, 2.0], [3.0, 4.0]])[:, ::-1]}, 2)
+    np.testing.assert_array_equal(found.astype(float), [[1.0, 2.5, 1.0, 4.0], [3.0, 2.5, 3.0, 8.0]])
+    assert {type(x).__name__ for x in found.ravel()} == {"mpf"}
+    assert Multiprecision(program)({"x": np.empty((0, 2))}, 0).shape == (0, 4)
+
+
+PROGRAM = trace(lambda tape: [tape.input("x", 0)])
+
+
+def test_without_mpmath(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mpmath", None)
+    with pytest.raises(InputError) as caught:
+        Multiprecision(PROGRAM)
+    assert str(caught.value).endswith('mpmath, which is not installed (pip install "robodyn[exact]")')
+
+
+@pytest.mark.parametrize("digits", [0, -3])
+def test_no_digits(digits):
+    with pytest.raises(InputError, match=f"^{digits} digits hold no number"):
+        Multiprecision(PROGRAM, digits=digits)

@@ -1,0 +1,183 @@
+"""The numpy executor: the same bits whatever the block size, the layout and the number of samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.oracles import EPS, golden_model, random_state, worst
+from helpers.program_values import evaluated
+
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
+from robodyn.programs.program import trace
+from robodyn.programs.run import numpy_blocks
+from robodyn.programs.run.numpy_blocks import LARGEST, NumpyBlocks
+from robodyn.programs.vectors import exp, sign
+from robodyn.scene.scene import Scene
+
+MODEL = golden_model("puma560_corke")
+WIDTHS = {"q": 6, "qd": 6, "qdd": 6}
+PROGRAM = Plan(MODEL, Scene()).torques()
+
+
+def _state(samples, seed=8):
+    return dict(zip(WIDTHS, random_state(MODEL, np.random.default_rng(seed), samples), strict=True))
+
+
+def _one_by_one(state, samples):
+    runner = NumpyBlocks(PROGRAM, WIDTHS)
+    return np.concatenate([runner({k: v[i : i + 1] for k, v in state.items()}, 1) for i in range(samples)])
+
+
+def test_agrees_with_the_simplest_executor():
+    state = _state(40)
+    found = NumpyBlocks(PROGRAM, WIDTHS)(state, 40)
+    expected = [evaluated(PROGRAM, {k: v[i] for k, v in state.items()}) for i in range(40)]
+    assert worst(found, expected) <= 8 * EPS
+
+
+@pytest.mark.parametrize("block", [1, 2, 7, 8, 64, 99, 100, 101, 4096])
+def test_block_size_changes_no_bit(block):
+    state = _state(100)
+    runner = NumpyBlocks(PROGRAM, WIDTHS)
+    runner.block = block
+    np.testing.assert_array_equal(runner(state, 100), _one_by_one(state, 100))
+
+
+@pytest.mark.parametrize("more", [-1, 0, 1])
+def test_around_the_end_of_a_block(more):
+    runner = NumpyBlocks(PROGRAM, WIDTHS)
+    samples = runner.block + more
+    state = _state(samples)
+    found = runner(state, samples)
+    last = {k: v[-1:] for k, v in state.items()}
+    np.testing.assert_array_equal(found[-1:], runner(last, 1))
+    np.testing.assert_array_equal(
+        found[: samples // 2], runner({k: v[: samples // 2] for k, v in state.items()}, samples // 2)
+    )
+
+
+def test_no_samples_and_one():
+    runner = NumpyBlocks(PROGRAM, WIDTHS)
+    assert runner(_state(0), 0).shape == (0, 6)
+    assert runner(_state(1), 1).shape == (1, 6)
+    assert inverse_dynamics(MODEL, np.empty((0, 6)), np.empty((0, 6)), np.empty((0, 6))).shape == (0, 6)
+
+
+def _unaligned(x):
+    raw = np.empty(x.nbytes + 1, dtype=np.uint8)
+    out = raw[1:].view(np.float64).reshape(x.shape)
+    out[...] = x
+    return out
+
+
+def _read_only(x):
+    x = x.copy()
+    x.flags.writeable = False
+    return x
+
+
+LAYOUTS = {
+    "columns first": np.asfortranarray,
+    "every third row": lambda x: np.repeat(x, 3, axis=0)[::3],
+    "backwards": lambda x: np.ascontiguousarray(x[::-1])[::-1],
+    "part of a wider table": lambda x: np.hstack((x, x, x))[:, x.shape[1] : 2 * x.shape[1]],
+    "not aligned": _unaligned,
+    "read only": _read_only,
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_layout_changes_no_bit(layout):
+    state = _state(77)
+    other = {name: LAYOUTS[layout](values) for name, values in state.items()}
+    expected = NumpyBlocks(PROGRAM, WIDTHS)(state, 77)
+    np.testing.assert_array_equal(NumpyBlocks(PROGRAM, WIDTHS)(other, 77), expected)
+    np.testing.assert_array_equal(inverse_dynamics(MODEL, *other.values()), expected)
+
+
+def test_inputs_are_not_written_to():
+    state = _state(50)
+    before = {name: values.copy() for name, values in state.items()}
+    NumpyBlocks(PROGRAM, WIDTHS)(state, 50)
+    for name, values in state.items():
+        np.testing.assert_array_equal(values, before[name])
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_output_array_of_any_layout(order):
+    state = _state(30)
+    expected = NumpyBlocks(PROGRAM, WIDTHS)(state, 30)
+    out = np.full((30, 6), np.nan, order=order)
+    assert NumpyBlocks(PROGRAM, WIDTHS)(state, 30, out) is out
+    np.testing.assert_array_equal(out, expected)
+
+
+def test_output_array_of_inverse_dynamics():
+    state = _state(24)
+    expected = inverse_dynamics(MODEL, *state.values())
+    strided = np.full((24, 12), np.nan)[:, ::2]
+    assert inverse_dynamics(MODEL, *state.values(), out=strided) is strided
+    np.testing.assert_array_equal(strided, expected)
+    cube = np.full((6, 2, 3, 4), np.nan).T
+    shaped = [values.reshape(4, 3, 2, 6) for values in state.values()]
+    assert inverse_dynamics(MODEL, *shaped, out=cube) is cube
+    np.testing.assert_array_equal(cube, expected.reshape(4, 3, 2, 6))
+
+
+@pytest.mark.parametrize("out", [np.empty((24, 5)), np.empty((6, 24)), np.empty((24, 6), dtype=np.float32)])
+def test_output_array_that_does_not_fit(out):
+    with pytest.raises(InputError, match="out has shape"):
+        inverse_dynamics(MODEL, *_state(24).values(), out=out)
+
+
+def test_inputs_broadcast():
+    state = _state(12)
+    expected = inverse_dynamics(MODEL, state["q"], np.zeros((12, 6)), state["qdd"])
+    np.testing.assert_array_equal(inverse_dynamics(MODEL, state["q"], 0, state["qdd"]), expected)
+    one = inverse_dynamics(MODEL, state["q"][0], state["qd"][:, None], state["qdd"])
+    assert one.shape == (12, 12, 6)
+    single = inverse_dynamics(MODEL, state["q"][0], state["qd"][5], state["qdd"][7])
+    np.testing.assert_array_equal(one[5, 7], single)
+
+
+def test_outputs_that_are_inputs_constants_or_repeated():
+    def outputs(tape):
+        x, y = tape.input("q", 0), tape.input("q", 1)
+        total = x + y
+        return [total, 2.5, x, total, total * x, 0.0, -y, exp(sign(y))]
+
+    q = np.array([[1.0, 2.0], [-3.0, 0.0], [0.5, -4.0]])
+    found = NumpyBlocks(trace(outputs), {"q": 2})({"q": q}, 3)
+    x, y = q.T
+    expected = [x + y, np.full(3, 2.5), x, x + y, (x + y) * x, np.zeros(3), -y, np.exp(np.sign(y))]
+    np.testing.assert_array_equal(found, np.column_stack(expected))
+
+
+def test_rows_are_reused():
+    """A long chain of operations needs few rows, and blocks shrink as programs need more."""
+
+    def chain(tape):
+        x = tape.input("q", 0)
+        for k in range(1000):
+            x = (x + float(k)) * 0.5
+        return [x]
+
+    runner = NumpyBlocks(trace(chain), {"q": 1})
+    assert runner.rows <= 4
+    assert runner.block == numpy_blocks.LARGEST
+    rows = NumpyBlocks(PROGRAM, WIDTHS).rows
+    assert rows < PROGRAM.size / 4
+
+
+@pytest.mark.parametrize("shift", [-100, 0, 100])
+def test_output_over_an_input(shift):
+    """More samples than a block holds, written some rows from where they are read."""
+    samples = 3 * LARGEST
+    memory = np.linspace(-3.0, 3.0, samples + 200)[:, None]
+    program = trace(lambda tape: [tape.input("q", 0) * 2.0 + 1.0])
+    given, out = memory[100 : 100 + samples], memory[100 + shift : 100 + shift + samples]
+    expected = given * 2.0 + 1.0
+    assert NumpyBlocks(program, {"q": 1})({"q": given}, samples, out) is out
+    np.testing.assert_array_equal(out, expected)

@@ -1,0 +1,143 @@
+"""One runner for many threads: every call gets its own results, and is told the executor that made them."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier, Thread
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.compiled_programs import needs_compiler, program_of
+
+import robodyn
+from robodyn.dynamics.plan import plan
+from robodyn.programs.run import runner
+from robodyn.programs.run.choice import Choice
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.runner import Runner
+
+PROGRAM = program_of(lambda x, y: [(x * y + x).sin() * y + x * x, x / (y * y + 1.0)], 2)
+WIDTHS = {"x": 2}
+THREADS = 16
+
+
+@pytest.fixture(autouse=True)
+def _fresh(monkeypatch, tmp_path):
+    monkeypatch.setenv("ROBODYN_CACHE", str(tmp_path))
+
+
+def _elsewhere(job):
+    """Runs a job in another thread, and waits for its end."""
+    thread = Thread(target=job)
+    thread.start()
+    thread.join()
+
+
+@needs_compiler
+def test_a_call_is_told_its_own_executor_whatever_others_ask_meanwhile(monkeypatch):
+    """Another thread has its way while machine code is made, and after the choice, before the run."""
+    x = np.random.default_rng(1).normal(size=(100, 2))
+    a_runner = Runner(PROGRAM, WIDTHS)
+    meanwhile = []
+
+    def by_numpy():
+        meanwhile.append(a_runner.run({"x": x}, len(x), executor="numpy").choice)
+
+    class Interrupted(CompiledBlocks):
+        def __init__(self, *given):
+            super().__init__(*given)
+            _elsewhere(by_numpy)
+
+        def __call__(self, *given):
+            _elsewhere(by_numpy)
+            return super().__call__(*given)
+
+    monkeypatch.setattr("robodyn.programs.run.compiled_blocks.CompiledBlocks", Interrupted)
+    found = a_runner.run({"x": x}, len(x), executor="compiled")
+    assert found.choice == ("compiled", "as asked")
+    assert meanwhile == [("numpy", "as asked")] * 2
+    np.testing.assert_array_equal(found.values, CompiledBlocks(PROGRAM, WIDTHS)({"x": x}, len(x)))
+
+
+def _at_once(jobs):
+    """What the jobs return, all begun at the same moment, each in a thread of its own."""
+    barrier = Barrier(len(jobs))
+
+    def begun(job):
+        barrier.wait()
+        return job()
+
+    with ThreadPoolExecutor(len(jobs)) as pool:
+        return list(pool.map(begun, jobs))
+
+
+@needs_compiler
+def test_results_are_those_of_the_executor_that_is_told(monkeypatch):
+    """Threads with samples, sizes and executors of their own; those that leave the choice turn to machine code."""
+    monkeypatch.setattr("robodyn.programs.run.choice.START", 1e-3)
+    a_runner = Runner(PROGRAM, WIDTHS)
+    by = {"numpy": NumpyBlocks(PROGRAM, WIDTHS), "compiled": CompiledBlocks(PROGRAM, WIDTHS)}
+
+    def job(number):
+        def run():
+            rng, wrong, told = np.random.default_rng(number), 0, set()
+            for _ in range(40):
+                samples = int(rng.integers(1, 700))
+                x = rng.normal(size=(samples, 2))
+                executor = str(rng.choice(["auto", "numpy", "compiled"]))
+                found = a_runner.run({"x": x}, samples, executor=executor)
+                told.add((executor, found.choice.executor))
+                wrong += not np.array_equal(found.values, by[found.choice.executor]({"x": x}, samples))
+            return wrong, told
+
+        return run
+
+    found = _at_once([job(number) for number in range(THREADS)])
+    assert [wrong for wrong, _ in found] == [0] * THREADS
+    told = set().union(*(told for _, told in found))
+    assert {("numpy", "numpy"), ("compiled", "compiled"), ("auto", "compiled")} <= told
+    assert not told & {("numpy", "compiled"), ("compiled", "numpy")}
+
+
+@needs_compiler
+def test_machine_code_is_made_once_by_many_threads(monkeypatch):
+    made = []
+
+    class Counted(CompiledBlocks):
+        def __init__(self, *given):
+            made.append(given)
+            super().__init__(*given)
+
+    monkeypatch.setattr("robodyn.programs.run.compiled_blocks.CompiledBlocks", Counted)
+    a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((5, 2))
+    _at_once([lambda: a_runner({"x": x}, 5, executor="compiled")] * THREADS)
+    assert len(made) == 1
+
+
+def test_no_sample_is_lost_from_the_count(monkeypatch):
+    """By the samples so far it is known when machine code would have paid."""
+    a_runner, x = Runner(PROGRAM, WIDTHS), np.ones((3, 2))
+    seen = []
+    monkeypatch.setattr(runner, "choice", lambda work: (seen.append(work), Choice("numpy", "little"))[1])
+    _at_once([lambda: [a_runner({"x": x}, 3, threads=1) for _ in range(200)]] * THREADS)
+    a_runner({"x": x}, 3, threads=1)
+    assert (seen[-1].samples, seen[-1].runs, seen[-1].blocks) == tuple(k * (200 * THREADS + 1) for k in (3, 1, 1))
+
+
+@pytest.mark.parametrize("executor", ["numpy", pytest.param("compiled", marks=needs_compiler)])
+def test_torques_of_many_threads_on_one_robot(executor):
+    """From the first call on: no program is there yet."""
+    model = busy_robot.__wrapped__()
+    rng = np.random.default_rng(3)
+    inputs = [rng.normal(size=(3, 200 + 50 * k, model.n)) for k in range(THREADS)]
+    columns = [{name: rng.normal(size=len(states[0])) for name in BUSY_SCENE.columns} for states in inputs]
+
+    def torques(k):
+        return robodyn.inverse_dynamics(model, *inputs[k], scene=BUSY_SCENE, columns=columns[k], executor=executor)
+
+    plan.cache_clear()
+    found = _at_once([lambda k=k: torques(k) for k in range(THREADS)])
+    for k in range(THREADS):
+        np.testing.assert_array_equal(found[k], torques(k))

@@ -1,0 +1,138 @@
+"""What a process of its own does that has no llvmlite, one that does not load, or no need of it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from helpers.command_line import write_arm
+from helpers.compiled_programs import needs_compiler
+from helpers.oracles import REFERENCE
+from helpers.processes import python
+
+ROBOT = str(REFERENCE / "urdf" / "puma560_corke.urdf")
+WORK = f"""
+import json, sys
+import numpy as np
+import robodyn
+from robodyn.execute.runner import Runner
+from robodyn.plan import Plan
+from robodyn.scene import DEFAULT
+model = robodyn.load({ROBOT!r})
+q = np.random.default_rng(5).uniform(-2, 2, (50, 6))
+sources = {{"q": q, "qd": q, "qdd": q}}
+program = Plan(model, DEFAULT).torques()
+def runner():
+    return Runner(program, dict.fromkeys(sources, 6))
+def told(**figures):
+    print(json.dumps({{**figures, "loaded": sorted({{name.partition(".")[0] for name in sys.modules}})}}))
+"""
+LACKING = {
+    "not installed": "import sys; sys.modules['llvmlite'] = None\n",
+    "does not load": """
+import sys
+class Broken:
+    def find_spec(self, name, *_):
+        if name == "llvmlite.binding":
+            raise OSError("libLLVM.so: cannot open shared object file\\nand more")
+sys.meta_path.insert(0, Broken())
+""",
+}
+PROBLEMS = {
+    "not installed": "llvmlite is not installed; pip install llvmlite",
+    "does not load": "llvmlite does not load (libLLVM.so: cannot open shared object file); pip install llvmlite",
+}
+EVERYTHING = """
+tau = robodyn.inverse_dynamics(model, q, q, q)
+M, b = robodyn.mass_matrix(model, q), robodyn.bias_forces(model, q, q)
+ours = all((runner()(sources, 50, expected=10**9) == tau).all() for _ in range(3))
+errors = []
+for _ in range(2):
+    try:
+        robodyn.inverse_dynamics(model, q, q, q, executor="compiled")
+    except robodyn.RobodynError as error:
+        errors.append(str(error))
+residual = float(abs((M @ q[..., None])[..., 0] + b - tau).max())
+told(ours=ours, residual=residual, largest=float(abs(tau).max()), errors=errors)
+"""
+
+
+def _told(done):
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(params=LACKING)
+def lack(request):
+    if request.param == "does not load":
+        pytest.importorskip("llvmlite")
+    return request.param
+
+
+def test_everything_works_and_large_work_says_so_once(lack, tmp_path):
+    done = python(LACKING[lack] + WORK + EVERYTHING, ROBODYN_CACHE=tmp_path)
+    told = _told(done)
+    assert told["ours"]
+    assert told["residual"] < 1e-13 * told["largest"]
+    problem = PROBLEMS[lack]
+    assert told["errors"] == [f"the compiled executor cannot run: {problem} (choose auto or numpy)"] * 2
+    assert done.stderr.count("Warning") == 1
+    assert f"RobodynWarning: large work goes without machine code, tens of times slower: {problem}\n" in done.stderr
+
+
+def test_the_command_works(lack, tmp_path):
+    write_arm(tmp_path)
+    call = ["robodyn", "torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv")]
+    done = python(f"{LACKING[lack]}\nsys.argv = {call!r}\nfrom robodyn.cli.main import main; main()")
+    assert "shoulder" in done.stdout
+    assert done.stderr == ""
+
+
+def test_the_command_shows_robodyns_warnings_wherever_they_come_from(tmp_path):
+    """And nobody else's: by their category, not by the module that warns."""
+    write_arm(tmp_path)
+    call = ["robodyn", "torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv")]
+    done = python(f"""
+import sys, warnings
+import robodyn.execute.runner as runner
+from robodyn.errors import RobodynWarning
+before = runner.choice
+def elsewhere(work):
+    warnings.warn("this goes slowly", RobodynWarning)
+    warnings.warn("not for users", RuntimeWarning)
+    return before(work)
+runner.choice = elsewhere
+sys.argv = {call!r}
+from robodyn.cli.main import main; main()""")
+    assert set(done.stderr.splitlines()) == {"warning: this goes slowly"}
+
+
+def test_little_work_loads_no_compiler_and_looks_at_no_cache(tmp_path):
+    code = "for _ in range(20): robodyn.inverse_dynamics(model, q, q, q)\ntold()"
+    told = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
+    assert not {"llvmlite", "platformdirs"} & set(told["loaded"])
+    assert not list(tmp_path.iterdir())
+
+
+@needs_compiler
+def test_a_compiler_that_would_not_pay_is_not_loaded(tmp_path):
+    """Not even where machine code is kept: the same work gives the same digits in a warm and a cold process."""
+    code = """
+told(executor=runner().run(sources, 50, expected=10_000).choice.executor)
+"""
+    make = 'told(same=runner()(sources, 50, executor="compiled").shape)'
+    first = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
+    python(WORK + make, ROBODYN_CACHE=tmp_path)
+    again = _told(python(WORK + code, ROBODYN_CACHE=tmp_path))
+    for told in (first, again):
+        assert told["executor"] == "numpy"
+        assert "llvmlite" not in told["loaded"]
+
+
+@needs_compiler
+def test_large_work_compiles(tmp_path):
+    code = """
+told(executor=runner().run(sources, 50, expected=10**9).choice.executor)
+"""
+    first, second = (_told(python(WORK + code, ROBODYN_CACHE=tmp_path)) for _ in range(2))
+    assert first == second
+    assert first["executor"] == "compiled"

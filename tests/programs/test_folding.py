@@ -1,0 +1,143 @@
+"""Folding changes nothing: random expressions as floats and as traced programs agree to the last bit."""
+
+from __future__ import annotations
+
+import math
+import operator
+
+import numpy as np
+import pytest
+from helpers.program_values import evaluated
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from robodyn.programs.program import trace
+from robodyn.programs.run.exponential import exponential
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.scalar import Traced
+from robodyn.programs.vectors import cos, exp, sign, sin
+
+CONSTANTS = [0.0, -0.0, 1.0, -1.0, 2.0, -0.5, 3.7, -1e-3, 1e8]
+BINARY = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+
+
+def _exp(x):
+    with np.errstate(over="ignore"):
+        return float(exponential(np.array([x]))[0])
+
+
+OF_TRACED = {"neg": operator.neg, "sin": sin, "cos": cos, "exp": exp, "sign": sign}
+OF_FLOATS = OF_TRACED | {"sin": math.sin, "cos": math.cos, "exp": math.exp}
+OF_NUMPY = OF_TRACED | {"sin": lambda x: float(np.sin(x)), "cos": lambda x: float(np.cos(x)), "exp": _exp}
+INPUTS = 4
+
+
+def _of_either(name):
+    """An elementary function of traced scalars, and NumPy's of constants: libm's may differ in the last bit."""
+    return lambda x: OF_TRACED[name](x) if isinstance(x, Traced) else OF_NUMPY[name](x)
+
+
+OF_TRACED_WITH_NUMPY = {name: _of_either(name) for name in OF_TRACED}
+
+
+leaves = st.one_of(
+    st.tuples(st.just("input"), st.integers(0, INPUTS - 1)), st.tuples(st.just("constant"), st.sampled_from(CONSTANTS))
+)
+expressions = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.tuples(st.sampled_from(sorted(BINARY)), inner, inner),
+        st.tuples(st.sampled_from(sorted(OF_TRACED)), inner),
+    ),
+    max_leaves=25,
+)
+values = st.lists(
+    st.one_of(st.sampled_from(CONSTANTS), st.floats(-1e3, 1e3, allow_subnormal=False)),
+    min_size=INPUTS,
+    max_size=INPUTS,
+)
+
+
+def compute(tree, inputs, unary):
+    """The value of an expression; with floats every intermediate value must be finite."""
+    op, *rest = tree
+    if op == "input":
+        return inputs[rest[0]]
+    if op == "constant":
+        return rest[0]
+    parts = [compute(part, inputs, unary) for part in rest]
+    result = (BINARY if op in BINARY else unary)[op](*parts)
+    if isinstance(result, float) and not math.isfinite(result):
+        raise OverflowError
+    return result
+
+
+def checked(tree, inputs, unary):
+    try:
+        return compute(tree, inputs, unary)
+    except (ZeroDivisionError, OverflowError):
+        return None
+
+
+def traced(tree, unary=OF_TRACED):
+    """The program of an expression; one whose constants alone are not finite is no test."""
+    try:
+        return trace(lambda tape: [compute(tree, [tape.input("x", i) for i in range(INPUTS)], unary)])
+    except (ZeroDivisionError, OverflowError):
+        return None
+
+
+@settings(deadline=None, max_examples=1500)
+@given(expressions, values)
+def test_in_plain_floats(tree, inputs):
+    expected, program = checked(tree, inputs, OF_FLOATS), traced(tree)
+    assume(expected is not None and program is not None)
+    assert evaluated(program, {"x": inputs}) == [expected]
+
+
+@settings(deadline=None, max_examples=1000)
+@given(expressions, st.lists(values, min_size=1, max_size=5))
+def test_in_numpy_blocks(tree, samples):
+    program = traced(tree, OF_TRACED_WITH_NUMPY)
+    expected = [checked(tree, row, OF_NUMPY) for row in samples]
+    assume(program is not None and any(value is not None for value in expected))
+    found = NumpyBlocks(program, {"x": INPUTS})({"x": np.array(samples)}, len(samples))[:, 0].tolist()
+    assert all(value is None or value == other for value, other in zip(expected, found, strict=True))
+
+
+RULES = {
+    "x + 0": (lambda x, y: x + 0.0, "x"),
+    "0 + x": (lambda x, y: 0.0 + x, "x"),
+    "x - 0": (lambda x, y: x - 0.0, "x"),
+    "0 - x": (lambda x, y: 0.0 - x, "neg"),
+    "x * 1": (lambda x, y: x * 1.0, "x"),
+    "x * -1": (lambda x, y: x * -1.0, "neg"),
+    "x / 1": (lambda x, y: x / 1.0, "x"),
+    "x * 0": (lambda x, y: 0 * x, 0.0),
+    "0 / x": (lambda x, y: 0.0 / x, 0.0),
+    "x - x": (lambda x, y: x - x, 0.0),
+    "-(-x)": (lambda x, y: operator.neg(-x), "x"),
+    "-(x - y)": (lambda x, y: -(x - y), "sub"),
+    "x + -y": (lambda x, y: x + -y, "sub"),
+    "-x + y": (lambda x, y: -x + y, "sub"),
+    "x - -y": (lambda x, y: x - -y, "add"),
+    "(-x) (-y)": (lambda x, y: (-x) * (-y), "mul"),
+    "cos(-x)": (lambda x, y: cos(-x), "cos"),
+}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_rule(rule):
+    """Each leaves the one operation that is needed, or none."""
+    function, expected = RULES[rule]
+    seen = []
+    program = trace(lambda tape: seen.append(function(tape.input("s", 0), tape.input("s", 1))) or seen)
+    if isinstance(expected, float):
+        assert seen == [expected]
+        assert not isinstance(seen[0], Traced)
+    assert program.counts == ({} if expected == "x" or isinstance(expected, float) else {expected: 1})
+
+
+def test_signs_move_outward_and_meet():
+    program = trace(lambda tape: [-tape.input("s", 0) * tape.input("s", 1) + sin(-tape.input("s", 2))])
+    assert program.counts == {"mul": 1, "sin": 1, "add": 1, "neg": 1}

@@ -1,0 +1,139 @@
+"""What must not change torques: links split in two, the order of the file, the attitude of the whole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.busy_robot import busy_parts, busy_robot
+from helpers.oracles import EPS, random_state, run, worst
+from helpers.small_robots import body_numbers, joint, link, random_tree_parts, urdf
+
+from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Scene
+
+
+def _pair(first, second, seed=1):
+    """tau and M of two robots with the same joints in the same state, whatever the order of their coordinates."""
+    q, qd, qdd = random_state(first, np.random.default_rng(seed), 20)
+    order = [first.rates.index(name) for name in second.rates]
+    back = np.argsort(order)
+    other = inverse_dynamics(second, q[:, order], qd[:, order], qdd[:, order])[:, back]
+    M = mass_matrix(second, q[:, order])[:, back][:, :, back]
+    return inverse_dynamics(first, q, qd, qdd), other, mass_matrix(first, q), M
+
+
+def _agree(first, second, eps=4):
+    tau, other, M, M_other = _pair(first, second)
+    assert worst(other, tau) <= eps * EPS
+    assert worst(M_other, M) <= eps * EPS
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (0.4, -1.2, 2.0)], ids=["along", "turned"])
+def test_a_link_split_in_two_by_a_fixed_joint(turn):
+    """The second half stands in a frame of its own; its numbers are the same in space."""
+    rng = np.random.default_rng(2)
+    m, c, six = body_numbers(rng)
+    m2, c2, six2 = body_numbers(rng)
+    R, p = rotation_from_rpy(*turn), np.array([0.2, -0.1, 0.3])
+    halves = [
+        link("l1", m, c, six),
+        link("half", m2, c2, six2),
+        joint("glue", "l1", "half", "fixed", (1, 0, 0), p, turn),
+    ]
+    centre = R @ c2 + p
+    I, I2 = (np.array([[a, b, d], [b, e, f], [d, f, g]]) for a, b, d, e, f, g in (six, six2))
+    total, mean = m + m2, (m * np.array(c) + m2 * centre) / (m + m2)
+
+    def shifted(mass, inertia, place):
+        r = place - mean
+        return inertia + mass * (r @ r * np.eye(3) - np.outer(r, r))
+
+    whole = (shifted(m, I, np.array(c)) + shifted(m2, R @ I2 @ R.T, centre))[np.triu_indices(3)]
+    rest = [link("l0"), link("l2", *body_numbers(rng)), joint("j1", "l0", "l1", axis=(0.6, 0, 0.8))]
+    rest.append(joint("j2", "l1", "l2", "prismatic", (0, 0.8, 0.6), (0.3, 0.2, 0.1), (1, 2, 3)))
+    _agree(load(urdf(link("l1", total, mean, whole), *rest)), load(urdf(*halves, *rest)))
+
+
+def test_joints_carried_by_the_second_half():
+    """The same joint hangs on a link or on an empty frame fixed to it."""
+    rng = np.random.default_rng(3)
+    parts = [link("l0"), link("l1", *body_numbers(rng)), link("l2", *body_numbers(rng)), joint("j1", "l0", "l1")]
+    direct = joint("j2", "l1", "l2", axis=(1, 0, 0), xyz=(0.5, 0.25, -0.75), rpy=(0, 0, np.pi / 2))
+    frame = [link("frame"), joint("mount", "l1", "frame", "fixed", xyz=(0.5, 0.25, -0.75), rpy=(0, 0, np.pi / 2))]
+    first, second = load(urdf(*parts, direct)), load(urdf(*parts, *frame, joint("j2", "frame", "l2", axis=(1, 0, 0))))
+    tau, other, M, M_other = _pair(first, second)
+    np.testing.assert_array_equal(other, tau)
+    np.testing.assert_array_equal(M_other, M)
+    assert second.links["frame"].body == second.links["l1"].body
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_order_of_the_file(seed):
+    """Links and joints shuffled: the same torques joint by joint, in the order in which the file names the joints."""
+    rng = np.random.default_rng(seed)
+    parts = random_tree_parts(rng, 9)
+    shuffled = [parts[k] for k in rng.permutation(len(parts))]
+    first, second = load(urdf(*parts)), load(urdf(*shuffled))
+    named = [part.split('"')[1] for part in shuffled if part.startswith("<joint") and 'type="fixed"' not in part]
+    assert list(second.joint_names) == named
+    assert sorted(named) == sorted(first.joint_names)
+    _agree(first, second)
+
+
+def test_the_order_of_the_file_with_mimic_joints_and_transmissions():
+    for seed in range(3):
+        order = np.random.default_rng(seed).permutation(len(busy_parts()))
+        _agree(busy_robot(), load(urdf(*(busy_parts()[k] for k in order))))
+
+
+def test_bodies_stand_after_their_parents():
+    for seed in range(5):
+        model = load(urdf(*random_tree_parts(np.random.default_rng(seed), 30, branching=5)))
+        assert model.parents[0] == -1
+        assert all(0 <= parent < i for i, parent in enumerate(model.parents) if i)
+
+
+@pytest.mark.parametrize("turn", [(0.3, -0.7, 2.9), (np.pi / 2, 0, 0), (0, np.pi / 2, 0.4)])
+def test_the_whole_robot_turned_with_gravity(turn):
+    parts = random_tree_parts(np.random.default_rng(4), 8)
+    upright = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed")))
+    tilted = load(urdf(link("world"), *parts, joint("mount", "world", "l0", "fixed", rpy=turn)))
+    R, gravity = rotation_from_rpy(*turn), np.array([1.0, -2.0, -9.0])
+    state = random_state(upright, np.random.default_rng(5), 20)
+    first, second = Plan(upright, Scene(tuple(gravity))), Plan(tilted, Scene(tuple((R @ gravity).tolist())))
+    one, two = run(first.wrenches(), first, *state), run(second.wrenches(), second, *state)
+    n = upright.n
+    assert worst(two[:, :n], one[:, :n]) <= 8 * EPS
+    assert worst(two[:, n : n + 3], one[:, n : n + 3] @ R.T) <= 8 * EPS
+    assert worst(two[:, n + 3 :], one[:, n + 3 :] @ R.T) <= 8 * EPS
+
+
+def test_a_free_base_turned_with_gravity():
+    """Rotating the ground's axes changes no torque but the force on the base, which turns with them."""
+    model = busy_robot(True)
+    q, qd, qdd = random_state(model, np.random.default_rng(6), 10)
+    turn = np.array([0.3, -0.7, 2.9])
+    R = rotation_from_rpy(*turn)
+    s, c = np.sin(turn / 2), np.cos(turn / 2)
+    h = _product(_product([0, 0, s[2], c[2]], [0, s[1], 0, c[1]]), [s[0], 0, 0, c[0]])
+    turned = [x.copy() for x in (q, qd, qdd)]
+    turned[0][:, :3] = q[:, :3] @ R.T
+    turned[0][:, 3:7] = [_product(h, row) for row in q[:, 3:7]]
+    for x, other in zip(turned[1:], (qd, qdd), strict=True):
+        x[:, 3:6] = other[:, 3:6] @ R.T
+    tau = inverse_dynamics(model, q, qd, qdd)
+    expected = tau.copy()
+    expected[:, 3:6] = tau[:, 3:6] @ R.T
+    gravity = tuple((R @ [0, 0, -9.81]).tolist())
+    assert worst(inverse_dynamics(model, *turned, scene=Scene(gravity)), expected) <= 16 * EPS
+
+
+def _product(a, b):
+    """Hamilton's product of quaternions x y z w."""
+    x, y, z, w = a
+    i, j, k, r = b
+    vector = [w * i + x * r + y * k - z * j, w * j + y * r + z * i - x * k, w * k + z * r + x * j - y * i]
+    return [*vector, w * r - x * i - y * j - z * k]

@@ -1,0 +1,151 @@
+"""Bodies fixed to each other: sums in every order, boxes of boxes, holes, and the cart of robots/composite.urdf."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+from helpers.mass_clouds import floats, joined, random_cloud, within
+from helpers.oracles import EPS, ROBOTS, robot, worst
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robodyn.errors import InputError
+from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
+from robodyn.robot.joints import placement
+from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.properties import composite
+from robodyn.solids.inertia.solids import box, cylinder, sphere
+
+BITS = Fraction(1, 2**106)
+HERE = (IDENTITY, ZERO)
+
+
+def _poses(seed, count, far=1.0):
+    rng = np.random.default_rng(seed)
+    return [(rotation_from_rpy(*rng.uniform(-3, 3, 3)), far * rng.normal(size=3)) for _ in range(count)]
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.integers(0, 10**6), st.sampled_from([1.0, 1e4, 1e8]))
+def test_the_sum_of_clouds_is_the_cloud_of_all_points(seed, far):
+    clouds = [random_cloud(seed + k) for k in range(3)]
+    poses = _poses(seed, 3, far)
+    every = joined(*(cloud.placed(*pose) for cloud, pose in zip(clouds, poses, strict=True)))
+    found = composite((cloud.properties, pose) for cloud, pose in zip(clouds, poses, strict=True))
+    assert found.mass == every.mass
+    np.testing.assert_array_equal(found.com, floats(every.com))
+    assert within(found.S_exact, every.second(every.com), BITS)
+
+
+def test_every_order_gives_the_same_bits():
+    parts = [(random_cloud(k).properties, pose) for k, pose in enumerate(_poses(1, 4, 100.0))]
+    results = [composite(some) for some in permutations(parts)]
+    for other in results[1:]:
+        assert other.mass == results[0].mass
+        for name in ("com", "S_c", "S_low"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(results[0], name))
+
+
+def test_plus_is_the_composite_in_one_frame():
+    one, two, three = (random_cloud(k).properties for k in range(3))
+    whole = composite((body, HERE) for body in (one, two, three))
+    for some in ((one + two) + three, one + (two + three)):
+        assert some.mass == whole.mass
+        assert worst(some.com, whole.com) <= EPS
+        assert worst(some.S_c, whole.S_c) <= 4 * EPS
+
+
+@pytest.mark.parametrize("edges", [(1.0, 2.0, 3.0), (1.0, 1e-6, 1e-6), (0.3, 0.2, 1e-6)])
+def test_a_box_is_eight_octants(edges):
+    x, y, z = edges
+    octant = box(x / 2, y / 2, z / 2, density=7.0)
+    signs = product((-1, 1), repeat=3)
+    whole = composite((octant, (IDENTITY, np.array([i * x, j * y, k * z]) / 4)) for i, j, k in signs)
+    expected = box(x, y, z, density=7.0)
+    assert abs(whole.mass - expected.mass) <= 4 * EPS * expected.mass
+    assert abs(whole.volume - expected.volume) <= 4 * EPS * expected.volume
+    assert (np.abs(whole.S_c - expected.S_c) <= 8 * EPS * expected.S_c).all()
+    assert not whole.com.any()
+
+
+def test_needles_laid_end_to_end_aslant_are_a_longer_needle():
+    """The parts meet with the rounding of their places, which shows in the second order only."""
+    half = box(0.5, 1e-6, 1e-6, mass=1)
+    R = rotation_from_rpy(0.3, 0.4, 0.5)
+    whole = composite((half, (R, R @ np.array([x, 0, 0]))) for x in (-0.25, 0.25))
+    expected = box(1.0, 1e-6, 1e-6, mass=2).principal.moments
+    assert (np.abs(whole.principal.moments - expected) <= 32 * EPS * expected).all()
+
+
+def test_a_hole_takes_away_what_its_plug_adds():
+    plate, plug = box(0.2, 0.1, 0.01, density=2700), cylinder(0.02, 0.01, density=2700).moved(np.array([0.05, 0.01, 0]))
+    drilled = plate - plug
+    assert drilled.mass == plate.mass - plug.mass
+    assert drilled.volume == plate.volume - plug.volume
+    whole = drilled + plug
+    assert abs(whole.mass - plate.mass) <= EPS * plate.mass
+    assert worst(whole.S_c, plate.S_c) <= 4 * EPS
+    assert np.abs(whole.com).max() <= EPS * 0.05
+    assert drilled.com[0] < 0
+
+
+def test_a_hollow_ball():
+    outer, inner = 0.3, 0.2
+    shell = sphere(outer, density=1) - sphere(inner, density=1)
+    expected = 2 * shell.mass / 5 * (outer**5 - inner**5) / (outer**3 - inner**3)
+    assert worst(shell.inertia, expected * np.eye(3)) <= 16 * EPS
+
+
+def test_volumes_and_surfaces_add_up_where_all_are_known():
+    one, two = box(1, 1, 1, mass=1), sphere(1, mass=2)
+    assert (one + two).volume == one.volume + two.volume
+    assert (one + two).area == one.area + two.area
+    assert (one + random_cloud(1).properties).volume is None
+
+
+def test_parts_without_mass():
+    ghost = from_inertia(0.0, ZERO, np.zeros((3, 3)))
+    body = random_cloud(3).properties
+    np.testing.assert_array_equal((body + ghost).S_exact, body.S_exact)
+    assert composite(()).mass == 0
+    assert not (ghost + ghost).com.any()
+    with pytest.raises(InputError, match="add up to zero"):
+        body - body.moved(np.ones(3))
+
+
+def test_a_part_in_a_skewed_frame_is_refused():
+    with pytest.raises(InputError, match="not orthogonal"):
+        composite([(box(1, 1, 1, mass=1), (IDENTITY * 1.01, ZERO))])
+
+
+SOLIDS = {
+    "deck": box(0.6, 0.4, 0.02, mass=12),
+    "mast": cylinder(0.05, 0.5, mass=6),
+    "left_wheel": cylinder(0.12, 0.04, mass=3),
+    "right_wheel": cylinder(0.12, 0.04, mass=3),
+    "left_outrigger": box(0.3, 0.05, 0.05, mass=1.5),
+    "right_outrigger": box(0.3, 0.05, 0.05, mass=1.5),
+    "fin": box(0.3, 0.01, 0.2, mass=1.2),
+    "ball": sphere(0.08, mass=4),
+}
+
+
+def test_the_cart_of_solids_is_what_its_description_says():
+    model, links = robot("composite"), {link.name: link for link in load_description(ROBOTS / "composite.urdf").links}
+    assert links.keys() == SOLIDS.keys()
+    parts = []
+    for name, solid in SOLIDS.items():
+        inertial, frame = links[name].inertial, model.links[name]
+        R, p = placement(inertial.origin)
+        parts.append((solid.placed(R, p), (frame.R, frame.p)))
+    whole, expected = composite(parts), model.bodies[0].inertia
+    assert abs(whole.mass - 32.2) <= 2 * EPS * 32.2
+    assert worst(whole.moments.mc, expected.mc) <= 8 * EPS
+    assert worst(whole.moments.I, expected.I) <= 8 * EPS
+    lateral = whole.principal.axes[np.argmax(np.abs(whole.principal.axes[:, 1]))]
+    assert np.abs(lateral - [0, 1, 0]).max() <= 8 * EPS
+    assert abs(whole.com[1]) <= EPS * 0.25

@@ -1,0 +1,50 @@
+"""Closed surfaces that cannot be wound are refused with the reason, wherever a mesh is read."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.command_line import run
+from helpers.mesh_samples import binary_stl, box, flipped, moved
+from helpers.one_sided import SURFACES, klein_bottle
+
+import robodyn
+from robodyn.errors import MeshError
+
+REASON = "form surfaces with one side only, like a Moebius strip or a Klein bottle"
+ROBOT = """<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
+  iyz="0"/></inertial><visual><geometry><mesh filename="klein.stl"/></geometry></visual></link></robot>"""
+
+
+@pytest.mark.parametrize("surface", SURFACES.values(), ids=SURFACES.keys())
+def test_one_sided_surfaces_are_refused(surface):
+    rng = np.random.default_rng(1)
+    surface = rng.permutation(surface)
+    surface[::3] = flipped(surface[::3])
+    with pytest.raises(MeshError, match=f"{len(surface)} of {len(surface)} faces {REASON}"):
+        robodyn.mass_properties(surface)
+
+
+def test_one_beside_a_sound_body_is_refused():
+    with pytest.raises(MeshError, match=f"1920 of 1932 faces {REASON}"):
+        robodyn.mass_properties(np.concatenate([box(), moved(klein_bottle(), (9, 0, 0))]))
+
+
+def test_the_command_refuses_one_and_offers_a_sheet(tmp_path):
+    path = tmp_path / "klein.stl"
+    path.write_bytes(binary_stl(klein_bottle()))
+    outcome = run("inertia", str(path))
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {path}: 1920 of 1920 faces {REASON}")
+    assert run("inertia", str(path), "--shell", "0.001").status == 0
+
+
+def test_a_link_that_uses_one_is_refused_and_check_says_why(tmp_path):
+    (tmp_path / "klein.stl").write_bytes(binary_stl(klein_bottle()))
+    path = tmp_path / "robot.urdf"
+    path.write_text(ROBOT)
+    outcome = run("inertia", str(path), "--link", "l", "--geometry", "visual")
+    assert outcome.status == 2
+    assert REASON in outcome.err
+    assert REASON in run("inertia", str(path), "--compare").out
+    assert "1920 faces in surfaces with one side only" in run("check", str(path)).out

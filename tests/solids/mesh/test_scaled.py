@@ -1,0 +1,73 @@
+"""Triangles stretched along their axes, as <mesh scale="..."> of URDF asks for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import mesh_samples
+
+from robodyn.errors import MeshError
+from robodyn.solids.mesh.closed import fingerprint
+from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.scaled import scaled
+from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.solids.mesh_mass import mass_properties
+
+EPS = np.finfo(float).eps
+WEDGE = mesh_samples.tetrahedron()
+
+
+def memory(corners=WEDGE):
+    return MemoryTriangles("wedge", corners)
+
+
+def test_nothing_to_do():
+    given = memory()
+    assert scaled(given, (1, 1, 1)) is given
+
+
+def test_a_common_factor_changes_the_scale_and_no_coordinate():
+    found = scaled(MemoryTriangles("wedge", WEDGE, 24, 0.0254, ("note",)), (0.001, 0.001, 0.001))
+    assert found.scale == 0.0254 * 0.001
+    assert (found.name, found.count, found.significand, found.notes) == ("wedge", 4, 24, ("note",))
+    np.testing.assert_array_equal(found.array(), WEDGE)
+
+
+@pytest.mark.parametrize("factors", [(0.5, 2, 4), (-0.5, 2, 4), (1, -1, 1), (-1, -1, 3), (-2, -2, -2), (3, 1, 1)])
+def test_moments_are_those_of_the_stretched_body(factors):
+    """V' = |det A| V, c' = A c, S' = |det A| A S A for A = diag(factors), mirror images included."""
+    A, det = np.diag(factors), abs(np.prod(factors))
+    before = mass_properties(WEDGE, density=1).body
+    part = mass_properties(WEDGE, density=1, scale=factors)
+    assert (part.closed, part.repairs) == (True, ())
+    assert part.body.volume == pytest.approx(det * before.volume, rel=8 * EPS)
+    np.testing.assert_allclose(part.body.com, A @ before.com, rtol=8 * EPS)
+    expected = det * A @ before.S_c @ A
+    np.testing.assert_allclose(part.body.S_c, expected, rtol=0, atol=32 * EPS * np.abs(expected).max())
+    corners = WEDGE * factors
+    np.testing.assert_array_equal((part.lo, part.hi), (corners.min(axis=(0, 1)), corners.max(axis=(0, 1))))
+
+
+def test_a_mirror_image_stays_wound_outwards():
+    found = scaled(memory(), (-1, 1, 1))
+    assert fingerprint(found).closed
+    (block,) = found.blocks()
+    np.testing.assert_array_equal(block, WEDGE[:, ::-1] * (-1, 1, 1))
+
+
+def test_blocks_of_a_file(tmp_path):
+    path = tmp_path / "ball.stl"
+    path.write_bytes(mesh_samples.binary_stl(mesh_samples.uv_sphere()))
+    found = scaled(load_triangles(path), (1.0, 1.0, 3.0))
+    np.testing.assert_array_equal(np.concatenate(list(found.blocks(100))), found.array())
+
+
+@pytest.mark.parametrize("factors", [(0, 1, 1), (1, np.nan, 1), (1, 1, np.inf)])
+def test_refused(factors):
+    with pytest.raises(MeshError, match="leaves no volume"):
+        scaled(memory(), factors)
+
+
+def test_a_part_in_millimetres_is_not_doubted():
+    assert mass_properties(100 * WEDGE, scale=(0.001,) * 3).warnings == ()
+    assert len(mass_properties(100 * WEDGE).warnings) == 1
