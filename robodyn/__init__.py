@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.dynamics.inverse import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
+    from robodyn.equations.dae.dae import dae as dae
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.errors import RobodynError as RobodynError
     from robodyn.loads.torques import torques as torques
@@ -45,6 +46,7 @@ _HOMES = {
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
+    "equations.dae.dae": ("dae",),
     "equations.free_body.bodies": ("free_bodies",),
     "errors": ("RobodynError",),
     "loads.torques": ("torques",),
