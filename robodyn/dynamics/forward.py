@@ -36,7 +36,7 @@ def forward_dynamics(
 ) -> Floats:
     """qdd = M(q)^-1 (tau - c(q, qd) - g(q) - friction - springs + J^T w), M with payloads and rotors.
 
-    The recursion of `robodyn.dynamics.recursions.articulated_body`, traced once per model and scene, and once more
+    The articulated-body algorithm (ABA), traced once per model and scene, and once more
     without speeds or torques, then run over all samples. Coulomb friction is that of the motion, none at rest, so it
     holds nothing still.
 

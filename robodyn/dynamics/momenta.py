@@ -93,7 +93,7 @@ def momenta(
 ) -> Momenta:
     """Mass centre, linear and angular momentum, kinetic and potential energy: `p = sum m v`, `L = sum r x m v + I w`.
 
-    The momentum recursion of `robodyn.dynamics.recursions.momentum`, traced once per model, scene and view, then run
+    The recursion of momenta, traced once per model, scene and view, then run
     over all samples. `L` about a point c is `L_o - c x p`; velocities are always those relative to the ground, also
     where frame or point move with a link.
 

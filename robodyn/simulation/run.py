@@ -67,7 +67,7 @@ def simulate(
             and wrenches are straight between them, or held, as the scene says.
         step: s; of a method with a fixed step; by default 1 ms, or less where friction, a drive or a spring needs it.
         rtol: of an adaptive method.
-        method: a name of `robodyn.simulation.methods.METHODS`; by default "rk4", "radau" where that needs
+        method: a name that `robodyn simulate --help` lists; by default "rk4", "radau" where that needs
             too many steps, with `rtol` "dop853".
         executor: "numpy", "compiled", or "auto": the quicker.
         most: evaluations of the equations of motion that it may take.

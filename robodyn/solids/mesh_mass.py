@@ -96,9 +96,8 @@ def mass_properties(
 ) -> Part:
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
-    The integrals are sums over tetrahedra (see `robodyn.solids.mesh.integrate`); that the surface is closed is proven
-    by its boundary chain. What is wrong with it is repaired where that can be done (see `robodyn.solids.mesh.repair`),
-    and said.
+    The integrals are sums over tetrahedra; that the surface is closed is proven by its boundary chain. What is wrong
+    with it is repaired where that can be done, and said.
 
     Args:
         source: name of a mesh file, `-` for standard input, its bytes, or triangles (m, 3, 3).
@@ -115,7 +114,7 @@ def mass_properties(
         shell: thickness [m]: the surface is taken as a sheet of this thickness, closed or not.
         scale: factors along the mesh's axes, as URDF's <mesh> has them; negative ones give a mirror image.
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
-            where triangles are few (see `robodyn.solids.mesh.shape`).
+            where triangles are few.
         symmetrize: average the body over the planes and axes of symmetry that hold (see `symmetrized`).
         heard: is told how many triangles of a binary STL have been read, whenever some have; it is read several times.
 

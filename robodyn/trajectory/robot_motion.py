@@ -63,7 +63,8 @@ def read_motion(
 
     Args:
         path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
-        derivatives: how missing velocities and accelerations are derived; see `robodyn.trajectory.reading`.
+        derivatives: how missing velocities and accelerations are derived: "auto", "given" (not at all), "spline",
+            "savgol" or "central".
         ignore_extra: leave unknown columns out instead of refusing them.
         hold: where joints without columns are held: "rest" (nearest to zero within the limits), a position for all, or
             positions by joint; None refuses them.

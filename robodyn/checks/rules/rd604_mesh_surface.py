@@ -52,10 +52,10 @@ RULE = Rule(
     summary="Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.",
     explanation="""Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
 coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
-their header counts; surfaces with one side only; faces wound against their neighbours; open edges (by the boundary
-chain, see `robodyn.solids.mesh.closed`); and shells that reach into another, as far as a few points of each show. The
-last four are a remark where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a
-file `open.stl`, a box without lid; the good one beside `closed.stl`.""",
+their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
+boundary chain; and shells that reach into another, as far as a few points of each show. The last four are a remark
+where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a file `open.stl`, a box
+without lid; the good one beside `closed.stl`.""",
     bad=a_mesh("open.stl"),
     good=a_mesh("closed.stl"),
     check=check,
