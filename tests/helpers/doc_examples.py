@@ -1,7 +1,8 @@
-"""The examples of README.md: fenced blocks that are run, and what they print put in their places.
+"""The examples of README.md and docs/: fenced blocks that are run, and what they print put in their places.
 
-`console` blocks are commands after `$ ` with their output; `pycon` blocks are Python after `>>> `; in `sh` blocks there
-are commands without their output. All of them run in one folder, in which robots/ is that of the repository.
+`console` blocks are commands after `$ `, continued after `> `, with their output; `pycon` blocks are Python after
+`>>> `; in `sh` blocks there are commands without their output. The blocks of a page share one folder, in which robots/
+is that of the repository, and the names that they define in Python.
 """
 
 from __future__ import annotations
@@ -14,30 +15,41 @@ import os
 import re
 import subprocess
 import sys
+from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
-ELSEWHERE = ("pip install .", 'pip install ".[test]"', "pytest")
-"""Commands that `.ci/run` runs instead."""
+GENERATED = ("reference/commands.md", "reference/python.md", "reference/rules/")
+"""Pages in docs/ that are written when Sphinx starts; see `docs/generated_pages.py`."""
+ELSEWHERE = re.compile(r"pip install|pytest|python -m pytest|sphinx-build|ruff |mypy |git |cd |\.ci/run|pre-commit")
+"""How commands begin that install, test or build; `.ci/run` does that instead."""
+
+
+def hand_written() -> list[Path]:
+    """Return every page that is kept in the repository: README.md, those beside it and those in docs/."""
+    docs = ROOT / "docs"
+    pages = [page for page in docs.rglob("*.md") if not page.relative_to(docs).as_posix().startswith(GENERATED)]
+    return [*sorted(ROOT.glob("*.md")), *sorted(pages)]
 
 
 def blocks(text: str, language: str) -> list[str]:
-    """The fenced blocks of a language."""
+    """Return the fenced blocks of a language."""
     return [found[2] for found in FENCE.finditer(text) if found[1] == language]
 
 
 def commands(block: str) -> list[str]:
-    """The commands of a console block, continued lines included."""
-    return [found[1] for found in re.finditer(r"^\$ ((?:.*\\\n)*.*)$", block, re.MULTILINE)]
+    """Return the commands of a console block, continued lines included."""
+    return [found[1] for found in re.finditer(r"^\$ ((?:.*(?:\\\n|\n(?=> )))*.*)$", block, re.MULTILINE)]
 
 
 def regenerated(text: str, folder: Path) -> str:
-    """The text with the output of every example as it is now."""
+    """Return the text with the output of every example as it is now."""
     (folder / "robots").symlink_to(ROOT / "robots", target_is_directory=True)
-    shown = {"console": _console, "pycon": _session, "sh": _quiet}
+    names: dict[str, object] = {}
+    shown = {"console": _console, "pycon": partial(_session, names), "sh": _quiet}
 
     def block(found: re.Match[str]) -> str:
         return f"```{found[1]}\n{shown[found[1]](found[2], folder)}```" if found[1] in shown else found[0]
@@ -46,10 +58,10 @@ def regenerated(text: str, folder: Path) -> str:
 
 
 def ran(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """A shell command where nothing is a terminal, its errors among what it prints."""
+    """Run a shell command where nothing is a terminal, its errors among what it prints."""
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     return subprocess.run(
-        ["sh", "-c", command],
+        ["sh", "-c", command.replace("\n> ", "\n")],
         cwd=folder,
         env={**os.environ, "PATH": path, "COLUMNS": "80", "LC_ALL": "C.UTF-8"},
         stdin=subprocess.DEVNULL,
@@ -65,17 +77,16 @@ def _console(block: str, folder: Path) -> str:
 
 
 def _quiet(block: str, folder: Path) -> str:
-    """The block as it is; its commands but those of ELSEWHERE must succeed."""
+    """Return the block as it is; its commands but those of ELSEWHERE must succeed."""
     for line in block.splitlines():
         for command in (part.strip() for part in line.partition("#")[0].split("&&")):
-            if command and command not in ELSEWHERE:
+            if command and not ELSEWHERE.match(command):
                 done = ran(command, folder)
                 assert done.returncode == 0, f"{command}: {done.stdout}"
     return block
 
 
-def _session(block: str, folder: Path) -> str:
-    names: dict[str, object] = {}
+def _session(names: dict[str, object], block: str, folder: Path) -> str:
     examples = doctest.DocTestParser().get_examples(block)
     before = Path.cwd()
     os.chdir(folder)
@@ -93,12 +104,12 @@ def _prompted(source: str) -> str:
 def _shown(source: str, names: dict[str, object]) -> str:
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
-        exec(compile(source, "<README.md>", "single"), names)
+        exec(compile(source, "<page>", "single"), names)
     return out.getvalue()
 
 
 def same(found: str, expected: str) -> bool:
-    """Whether two texts say the same, numbers to 1e-9; in lines with rounding errors (below 1e-12) only words count."""
+    """Tell whether two texts agree, numbers to 1e-9; in lines with rounding errors (below 1e-12) only words count."""
     pairs = list(zip_longest(found.splitlines(), expected.splitlines(), fillvalue=""))
     return all(_same_line(ours, theirs) for ours, theirs in pairs)
 

@@ -1,4 +1,4 @@
-"""The tables of README.md: of effects, rules, robots and errors, and those of timings."""
+"""The tables of docs/: of effects, robots and errors, and those of timings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from helpers.machine import machine
 from helpers.markdown_tables import table
 from helpers.oracles import robot
 from helpers.robot_catalogue import robots_table
-from robodyn.checks.catalogue import RULES
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.scene.scene import Scene
 
@@ -41,17 +40,10 @@ def effects_table() -> str:
     return table(("effect", "adds", "off when"), rows, left=(0, 1, 2))
 
 
-def rules_table() -> str:
-    """Every rule of the check."""
-    rows = [(rule.code, rule.name, rule.severity.value, rule.summary) for rule in RULES]
-    return table(("code", "name", "severity", "rule"), rows, left=(0, 1, 2, 3))
-
-
 def steady_tables() -> dict[str, Callable[[], str]]:
     """What makes the tables that do not depend on how fast the machine is."""
     return {
         "effects": effects_table,
-        "rules": rules_table,
         "robots": robots_table,
         "accuracy": accuracy_table,
         "derivatives": derivatives_table,
