@@ -32,7 +32,7 @@ HEAD = ("format", "bytes per triangle", "robodyn", "trimesh", "ratio")
 LARGE = 5_000_000
 PEAK = """
 import sys
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 sum(len(block) for block in load_triangles(sys.argv[1]).blocks())
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """

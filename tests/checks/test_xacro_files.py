@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from time import sleep
 
 import pytest
 import xacro
@@ -110,6 +112,17 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+def _opened(pipe: Path, reader: Future[bytes]) -> int:
+    """Return the writing end of a pipe when it is read; raise what ended the reader if it never comes to that."""
+    while True:
+        try:
+            return os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError as error:
+            if error.errno != errno.ENXIO or reader.done():
+                raise AssertionError(reader.result()) from error
+            sleep(0.01)
+
+
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
 def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) -> None:
     """While one file waits for what it includes, streams are as they were, and others are expanded."""
@@ -118,7 +131,7 @@ def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) 
     streams = sys.stdout, sys.stderr
     with ThreadPoolExecutor(5) as pool:
         waiting = pool.submit(expanded, str(slow))
-        end = os.open(tmp_path / "parts" / "slow.xacro", os.O_WRONLY)  # returns when it is read
+        end = _opened(tmp_path / "parts" / "slow.xacro", waiting)
         try:
             meanwhile = sys.stdout, sys.stderr
             found = list(pool.map(lambda k: expanded(str(robot), args={"kilo": str(k)}), range(1, 5)))

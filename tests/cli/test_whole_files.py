@@ -151,7 +151,7 @@ def test_a_pipe_is_written_to(tmp_path: Path, write: Write) -> None:
 
 STREAM = """
 import sys
-from robodyn.whole_file import write_whole
+from robodyn.support.files import write_whole
 print("before", flush=True)
 write_whole(sys.argv[1], b"whole\\n")
 print("after")
@@ -173,7 +173,7 @@ def test_standard_output_is_written_to_in_its_order(tmp_path: Path, name: str) -
 
 KILLED = """
 import os, signal, sys
-from robodyn.whole_file import whole_file
+from robodyn.support.files import whole_file
 with whole_file(sys.argv[1]) as stream:
     stream.write(b"half")
     stream.flush()
@@ -200,7 +200,7 @@ BATCH = """
 import os, signal, sys
 from unittest import mock
 from robodyn.cli.main import main
-from robodyn.whole_file import whole_file
+from robodyn.support.files import whole_file
 def killed(*_, **__):
     with whole_file("a.csv") as stream:
         stream.write(b"half")

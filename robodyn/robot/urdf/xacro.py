@@ -28,7 +28,7 @@ _MARK = "\x1e"
 _PROCESS = """
 import json, sys
 sys.path[:], question = json.load(sys.stdin)
-from robodyn.urdf.xacro import answer, bound_memory
+from robodyn.robot.urdf.xacro import answer, bound_memory
 bound_memory()
 print("\x1e" + json.dumps(answer(*question)))
 """

@@ -132,9 +132,9 @@ PROGRAMS = """
 import sys
 from hashlib import blake2b
 from robodyn import load
-from robodyn.plan import plan
-from robodyn.scene import DEFAULT
-from robodyn.self_checks import laws
+from robodyn.dynamics.plan import plan
+from robodyn.scene.scene import DEFAULT
+from robodyn.dynamics.balance import laws
 for path in sys.argv[1:]:
     a_plan = plan(load(path), DEFAULT)
     print(path, *(blake2b(repr(p).encode(), digest_size=8).hexdigest() for p in (a_plan.wrenches(True), laws(a_plan))))

@@ -18,7 +18,7 @@ from robodyn.support.cache import FORGOTTEN, ObjectCache
 WRITER = """
 import sys
 from pathlib import Path
-from robodyn.execute.object_cache import Key, ObjectCache
+from robodyn.support.cache import Key, ObjectCache
 objects, contents = ObjectCache(Path(sys.argv[1])), [bytes([k]) * 2_000_000 for k in range(4)]
 print("ready", flush=True)
 while True:
@@ -54,8 +54,8 @@ def test_process_killed_while_it_writes(tmp_path):
 BUILDER = """
 import hashlib
 import numpy as np
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.trace.program import trace
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.program import trace
 x = np.linspace(-3.0, 3.0, 1000)[:, None]
 run = CompiledBlocks(trace(lambda tape: [tape.input("x", 0).sin() * 0.3 + 1.7]), {"x": 1})
 print(hashlib.sha256(run({"x": x}, len(x)).tobytes()).hexdigest())

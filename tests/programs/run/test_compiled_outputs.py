@@ -121,9 +121,9 @@ def test_many_columns(inputs, pages):
 GUARDED = """
 import ctypes, mmap
 import numpy as np
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.spatial import sin
-from robodyn.trace.program import trace
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.vectors import sin
+from robodyn.programs.program import trace
 
 LIBC, PAGE = ctypes.CDLL(None), mmap.PAGESIZE
 keep = []

@@ -14,8 +14,8 @@ from robodyn.programs.run.llvm.machine import LEVELS, Host
 pytestmark = needs_compiler
 BITS = """
 import numpy as np
-from robodyn.execute.compiled_blocks import CompiledBlocks
-from robodyn.trace.program import trace
+from robodyn.programs.run.compiled_blocks import CompiledBlocks
+from robodyn.programs.program import trace
 def outputs(tape):
     x, y = tape.input("x", 0), tape.input("x", 1)
     return [x * y + x.sin() / y, (x * x + y * y).sqrt(), (x * y).exp() * y.cos() - x]

@@ -15,9 +15,9 @@ WORK = f"""
 import json, sys
 import numpy as np
 import robodyn
-from robodyn.execute.runner import Runner
-from robodyn.plan import Plan
-from robodyn.scene import DEFAULT
+from robodyn.programs.run.runner import Runner
+from robodyn.dynamics.plan import Plan
+from robodyn.scene.scene import DEFAULT
 model = robodyn.load({ROBOT!r})
 q = np.random.default_rng(5).uniform(-2, 2, (50, 6))
 sources = {{"q": q, "qd": q, "qdd": q}}
@@ -93,7 +93,7 @@ def test_the_command_shows_robodyns_warnings_wherever_they_come_from(tmp_path):
     call = ["robodyn", "torques", str(tmp_path / "arm.urdf"), str(tmp_path / "arm.csv")]
     done = python(f"""
 import sys, warnings
-import robodyn.execute.runner as runner
+import robodyn.programs.run.runner as runner
 from robodyn.errors import RobodynWarning
 before = runner.choice
 def elsewhere(work):

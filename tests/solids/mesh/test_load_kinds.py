@@ -134,7 +134,7 @@ def test_no_permission_by_the_word_of_the_system(tmp_path, monkeypatch):
 
 READ = """
 import sys
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 read = load_triangles("-", file_type=sys.argv[1] if len(sys.argv) > 1 else None)
 print(read.name, read.count, sum(len(block) for block in read.blocks()), sum(len(block) for block in read.blocks()))
 """

@@ -12,7 +12,7 @@ from helpers.mesh_samples import binary_stl, torus
 COUNT = 5_000_000
 READ = """
 import sys
-from robodyn.mesh.load import load_triangles
+from robodyn.solids.mesh.load import load_triangles
 read = load_triangles(sys.argv[1], file_type="stl")
 print(sum(len(block) for _ in range(2) for block in read.blocks()))
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
@@ -20,7 +20,7 @@ print(next(line.split()[1] for line in open("/proc/self/status") if line.startsw
 
 MEASURE = """
 import sys
-from robodyn.part import mass_properties
+from robodyn.solids.mesh_mass import mass_properties
 print(mass_properties(sys.argv[1]).triangles)
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """
