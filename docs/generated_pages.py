@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import json
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import click
 
@@ -54,6 +56,7 @@ def pages() -> Iterator[tuple[str, str]]:
     """Yield the name and the text of every generated page."""
     yield "reference/commands.md", commands_page()
     yield "reference/python.md", python_page()
+    yield "reference/json_keys.md", json_page()
     yield "reference/rules/index.md", rules_page()
     for rule in RULES:
         yield f"reference/rules/{rule.code.lower()}.md", rule_page(rule)
@@ -164,6 +167,37 @@ def python_page() -> str:
         for name in names:
             lines += ["", *_entry(name)]
     return "\n".join([*lines, ""])
+
+
+def json_page() -> str:
+    """Return the page that lists the keys of every JSON document, by their schemas."""
+    lines = [
+        "# JSON keys",
+        "",
+        "What `--format json` prints, by [the schemas](json.md); `[]` stands for each item of a list, `*` for a name.",
+    ]
+    for path in sorted((Path(__file__).parent / "reference" / "schemas").glob("*.json")):
+        schema = json.loads(path.read_text(encoding="utf-8"))
+        rows = [f"| `{key}` | {kind} | {escaped(text)} |" for key, kind, text in _keys(schema, "")]
+        lines += ["", f"## {path.name.partition('.')[0]}", "", f"`{schema['title']}`", ""]
+        lines += ["| key | type | meaning |", "| --- | --- | --- |", *rows]
+    return "\n".join([*lines, ""])
+
+
+def _keys(schema: dict[str, Any], path: str) -> Iterator[tuple[str, str, str]]:
+    """Yield path, type and description of each key of a schema, depth first."""
+    for one in schema.get("anyOf", ()):
+        yield from _keys(one, path)
+    if "items" in schema:
+        yield from _keys(schema["items"], f"{path}[]")
+    inner = dict(schema.get("properties", {}))
+    if isinstance(schema.get("additionalProperties"), dict):
+        inner["*"] = schema["additionalProperties"]
+    for name, value in inner.items():
+        here = f"{path}.{name}" if path else name
+        kind = value.get("type", "any")
+        yield here, kind if isinstance(kind, str) else " or ".join(kind), value.get("description", "")
+        yield from _keys(value, here)
 
 
 def _entry(name: str) -> Iterator[str]:

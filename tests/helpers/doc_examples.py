@@ -22,7 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
-GENERATED = ("reference/commands.md", "reference/python.md", "reference/rules/")
+GENERATED = ("reference/commands.md", "reference/python.md", "reference/json_keys.md", "reference/rules/")
 """Pages in docs/ that are written when Sphinx starts; see `docs/generated_pages.py`."""
 ELSEWHERE = re.compile(r"pip install|pytest|python -m pytest|sphinx-build|ruff |mypy |git |cd |\.ci/run|pre-commit")
 """How commands begin that install, test or build; `.ci/run` does that instead."""

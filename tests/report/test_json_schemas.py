@@ -1,0 +1,61 @@
+"""What commands print as JSON is what the published schemas say, no key more and none less."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import run
+from jsonschema import Draft202012Validator
+
+ROOT = Path(__file__).parents[2]
+SCHEMAS = ROOT / "docs" / "reference" / "schemas"
+SWEEP = "torques robots/puma560.urdf robots/puma560_sweep.csv"
+TUMBLE = "simulate robots/rigid_body.urdf --scene robots/rigid_body_tumble.toml --duration 0.05"
+COMMANDS = (
+    ("torques", "torques robots/scara.urdf robots/scara_pick_and_place.csv --explain --accuracy 1e-9"),
+    ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
+    ("torques", "torques robots/puma.urdf robots/puma_encoder.csv --sizing"),
+    ("torques", "torques robots/gripper.urdf robots/gripper_pick.csv --scene robots/gripper.toml"),
+    ("torques_batch", "torques robots/puma.urdf robots/puma_reach.csv robots/puma_polish.csv --out OUT/"),
+    ("simulate", "simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1"),
+    ("simulate", TUMBLE),
+    ("simulate", "simulate robots/puma560.urdf --scene robots/puma560_power_cut.toml --duration 0.1"),
+    ("inertia", "inertia robots/meshes/torn_block.stl robots/meshes/worn_pad.stl robots/meshes/open_tray.stl"),
+    ("inertia", "inertia robots/meshed_arm.urdf --link forearm --geometry visual"),
+    ("inertia_robot", "inertia robots/meshed_arm.urdf --at elbow=0.5"),
+    ("inertia_robot", "inertia robots/meshed_arm.urdf --link forearm"),
+    ("inertia_comparison", "inertia robots/meshed_arm.urdf --compare"),
+    ("check", "check robots/puma.urdf robots/scara.urdf"),
+    ("info", "info robots/gripper.urdf"),
+    ("fbd", "fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2"),
+    ("equations", "equations robots/puma560.urdf"),
+    ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
+    ("equations_dae", "equations robots/gripper.urdf --form dae"),
+)
+
+
+def schema(name: str) -> Any:
+    return json.loads((SCHEMAS / f"{name}.schema.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(("name", "command"), COMMANDS)
+def test_documents_are_as_their_schemas_say(name, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    outcome = run(*command.replace("OUT", str(tmp_path)).split(), "--format", "json")
+    Draft202012Validator(schema(name)).validate(json.loads(outcome.out))
+
+
+def test_every_schema_is_sound_and_used():
+    names = {path.name.removesuffix(".schema.json") for path in SCHEMAS.iterdir()}
+    assert names == {name for name, _ in COMMANDS}
+    for name in names:
+        Draft202012Validator.check_schema(schema(name))
+
+
+@pytest.mark.parametrize("name", ["torques", "simulate", "inertia"])
+def test_unknown_and_missing_keys_are_found(name):
+    validator = Draft202012Validator(schema(name))
+    assert list(validator.iter_errors({"surprise": 1}))
