@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -9,19 +11,103 @@ import click
 
 from robodyn.checks.asked import Asked
 from robodyn.checks.baseline import compared, write_baseline
-from robodyn.checks.project import check_tasks, tasks_for
+from robodyn.checks.project import Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import Checked, Options
-from robodyn.cli.check_fix import fix_files
-from robodyn.cli.check_options import OPTIONS, check_flags
 from robodyn.cli.check_report import report
-from robodyn.cli.failures import complain
-from robodyn.cli.files import check_names, source_of
-from robodyn.cli.options import PATH, lookup
+from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
+from robodyn.cli.options import DESCRIPTION, PATH, lookup
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
-from robodyn.cli.screen import show
+from robodyn.cli.screen import complain, show
+from robodyn.errors import InputError
+from robodyn.report.fixes_check import check_diff, fix_lines
+from robodyn.robot.urdf.sources import is_xacro
+from robodyn.support.files import write_whole
+
+
+class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """Codes of rules, or their beginnings, between commas."""
+
+    name = "codes"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        codes = [code.strip() for code in str(value).split(",")]
+        return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
+
+
+class Programs(Codes):
+    """Names of programs, between commas."""
+
+    name = "names"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        return tuple(code.lower() for code in super().convert(value, param, ctx))
+
+
+CODES, PROGRAMS = Codes(), Programs()
+FORMATS = ("text", "json", "sarif", "junit", "github")
+_OPTIONS = (
+    click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; default all."),
+    click.option("--ignore", type=CODES, metavar="CODES", help="Rules not to run."),
+    click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
+    click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
+    click.option("--statistics", is_flag=True, help="Count findings by rule in place of listing them."),
+    DESCRIPTION,
+    click.option("--target", "targets", type=PROGRAMS, metavar="NAMES", help="What mujoco, drake, gz, kdl, isaac do."),
+    click.option("--against", metavar="REF", help="Compare the dynamics with the file's version at a git revision."),
+    click.option("--trajectory", type=PATH, metavar="FILE", help="Hold the limits against the loads along a motion."),
+    click.option(
+        "--config", type=PATH, metavar="FILE", help="Settings, in place of robodyn.toml or pyproject.toml above a file."
+    ),
+    click.option("--baseline", type=PATH, metavar="FILE", help="Pass over the findings that this file has."),
+    click.option("--write-baseline", is_flag=True, help="Write today's findings to the file of --baseline."),
+    click.option("--fix", is_flag=True, help="Edit the files where an edit is right and leaves the dynamics alone."),
+    click.option("--unsafe-fixes", is_flag=True, help="With --fix or --diff: edits that change the dynamics, too."),
+    click.option("--diff", is_flag=True, help="Print what --fix would change, and change nothing."),
+)
+
+
+def OPTIONS(command: Callable[..., Any]) -> Callable[..., Any]:
+    """All of them, in this order."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:
+    """Raise if options do not go together."""
+    stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
+    wrong = [
+        (plain and lookup()["xacro_args"], "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
+        (flags["write_baseline"] and not flags["baseline"], "--write-baseline needs --baseline FILE"),
+        (flags["unsafe_fixes"] and not (flags["fix"] or flags["diff"]), "--unsafe-fixes needs --fix or --diff"),
+        (flags["fix"] and stdin and not flags["diff"], "--fix cannot edit standard input; --diff shows the edit"),
+        (flags["statistics"] and flags["form"] != "text", "--statistics is text; leave --format out"),
+    ]
+    for is_wrong, what in wrong:
+        if is_wrong:
+            raise click.UsageError(what, click.get_current_context())
+
+
+def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
+    """Edit the files, or show how they would be; the return value is whether there is such a difference to show."""
+    files = []
+    with robots_done(len(tasks), "fixing") as done:
+        for task in tasks:
+            with suppress(InputError):  # the check says why
+                files.append(fix_task(task, unsafe))
+            done()
+    changed = [one for one in files if one.after != one.before]
+    for one in changed:
+        if diff:
+            show(check_diff(one))
+        else:
+            write_whole(one.file, one.after)
+    for line in fix_lines(files, "would fix" if diff else "fixed"):
+        click.echo(line, err=True)
+    return diff and bool(changed)
 
 
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")

@@ -8,12 +8,11 @@ from typing import Any
 
 import click
 
-from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
-from robodyn.cli.meter import metered
+from robodyn.cli.progress import metered
 from robodyn.cli.reports import reported
-from robodyn.cli.screen import page, show
+from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.report.json_inertia import inertia_json

@@ -10,7 +10,7 @@ from io import TextIOWrapper
 
 import click
 
-from robodyn.cli.failures import reported
+from robodyn.cli.screen import reported
 from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 

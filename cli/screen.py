@@ -1,12 +1,19 @@
-"""What is written on standard output, and how the terminal wants it."""
+"""What is written on the terminal, and how failures end: one line on standard error and an exit status."""
 
 from __future__ import annotations
 
 import os
+import re
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import NoReturn
 
-from robodyn.report.table import PLAIN, Page
+import click
+
+from robodyn.errors import RobodynError
+from robodyn.report.table import PLAIN, Page, printable
+from robodyn.support.wording import alternatives
 
 
 def page() -> Page:
@@ -31,3 +38,73 @@ def discard_output() -> None:
     """Let what is still to be written on standard output, at the latest when Python ends, go nowhere."""
     with suppress(AttributeError, OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """Turn what is raised inside into one line and an exit status."""
+    try:
+        yield
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else "robodyn"
+        fail(f"{_sentence(error)} (try: {command} --help)")
+    except click.ClickException as error:
+        fail(_sentence(error))
+    except (RobodynError, MemoryError) as error:
+        fail(str(error) or "out of memory")
+    except BrokenPipeError:
+        discard_output()
+        sys.exit(0)
+    except OSError as error:
+        discard_output()
+        fail(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
+    except (KeyboardInterrupt, click.Abort):
+        sys.exit(130)
+    except Exception as error:
+        from traceback import extract_tb
+
+        place = extract_tb(error.__traceback__)[-1]
+        where = f"{os.path.basename(place.filename)}:{place.lineno}"
+        fail(f"internal error at {where}: {type(error).__name__}: {error} (please report this line with the files)")
+
+
+def fail(message: str) -> NoReturn:
+    """Print one line of error and exit with status 2."""
+    complain(message)
+    sys.exit(2)
+
+
+def complain(error: object) -> None:
+    """Print one line of error; by `print`, which stands above a progress bar."""
+    if sys.stderr is not None:
+        print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+
+
+def _sentence(error: click.ClickException) -> str:
+    if isinstance(error, click.NoSuchOption) and error.possibilities:
+        near = alternatives(error.option_name, error.possibilities, "options")
+        return f"no such option {error.option_name!r}; {near}"
+    text = " ".join(error.format_message().split()).rstrip(".")
+    for pattern, plain in _PLAIN.items():
+        text = re.sub(pattern, plain, text)
+    return text[:1].lower() + text[1:] + _meant(error)
+
+
+_PLAIN = {
+    "is not a valid (float|float range)$": "is no number",
+    "is not a valid (integer|integer range)$": "is no whole number",
+    r"is not in the range x>=(\S+)$": r"is less than \1",
+}
+"""Sentences of click in words that need no mathematics."""
+_OPTIONS = {(".toml",): "--scene", (".csv", ".tsv", ".parquet", ".npz"): "--traj"}
+"""Options that take files which are given without one."""
+
+
+def _meant(error: click.ClickException) -> str:
+    """By which option a file is taken that is one too many."""
+    found = re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", error.message)
+    if found is None or not isinstance(error, click.UsageError) or error.ctx is None:
+        return ""
+    known = {name for each in error.ctx.command.params for name in each.opts}
+    options = [option for suffixes, option in _OPTIONS.items() if found[1].lower().endswith(suffixes)]
+    return f"; did you mean {options[0]} {found[1]}?" if options and options[0] in known else ""

@@ -11,15 +11,13 @@ from typing import Any
 
 import click
 
-from robodyn.cli.batch.jobs import Job, jobs_of
+from robodyn.cli.batch.jobs import Job, Setup, jobs_of
 from robodyn.cli.batch.processes import worked_here
-from robodyn.cli.batch.setup import Setup
-from robodyn.cli.batch_progress import files_done
-from robodyn.cli.failures import complain
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.options import payloads
+from robodyn.cli.progress import files_done
 from robodyn.cli.reading_options import reading
-from robodyn.cli.screen import page, show
+from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.programs.run.llvm.machine import compiler
@@ -27,7 +25,7 @@ from robodyn.report.json_batch import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
 from robodyn.support.input_file import read_input
-from robodyn.support.workers import processes
+from robodyn.support.threads import processes
 
 
 def run_batch(

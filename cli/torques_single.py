@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any
 
-from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
+import click
+
+from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.options import Vector
+from robodyn.cli.progress import watched
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import drawing, pictured, reported
 from robodyn.cli.screen import page, show
-from robodyn.cli.sinks import sinks
+from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.result import Result
-from robodyn.loads.torques import torques
+from robodyn.loads.torques import Sink, torques
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.threads import behind
+from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion
+from robodyn.trajectory.write import open_writer
+
+if TYPE_CHECKING:
+    from robodyn.measure.accuracy.torques_within import Arithmetic
 
 
 def run_single(
@@ -38,14 +52,10 @@ def run_single(
         model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
         said = ""
         if example:
-            from robodyn.cli.example import write_example
-
             write_example(trajectory, model, scene)
             said = f"\nwritten: {trajectory}, an example motion to begin with\n"
         way = None
         if accuracy is not None:
-            from robodyn.cli.accuracy_asked import arithmetic_for
-
             way = arithmetic_for(accuracy, trajectory, model, scene)
             options["executor"] = way.executor or options["executor"]
         names = output_names(model, options["reactions"], options["momentum"] is not None)
@@ -68,3 +78,50 @@ def run_single(
 
         show(torques_text(result, options["explain"], page()) + said)
     return result
+
+
+@contextmanager
+def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> Iterator[list[Sink]]:
+    """Functions to call with the time and the columns of each block; a file is there whole when all ends well."""
+    with ExitStack() as stack:
+        writers: list[Sink] = []
+        if out is not None:
+            writer = stack.enter_context(open_writer(out, names))
+            writers.append(stack.enter_context(behind(writer.write)))
+        yield [*writers, stack.enter_context(watched(reader))]
+
+
+def write_example(path: str, model: Model, scene: Scene) -> None:
+    """Write an example motion of a robot to a file that is not there yet; warn of limits that no example keeps.
+
+    Raises:
+        InputError: the file is there, or cannot be written.
+    """
+    from robodyn.loads.example_motion import example_motion, overloaded
+    from robodyn.trajectory.write import open_writer
+
+    if path == STANDARD_INPUT or os.path.lexists(path):
+        what = "--example writes a new file, and this one is there already"
+        raise InputError(what, remedy="leave --example out, or name another file", file=path)
+    names, time, columns = example_motion(model, scene)
+    with open_writer(path, names) as writer:
+        writer.write(time, columns)
+    for line in overloaded(model, scene, columns):
+        click.echo(f"warning: {line}", err=True)
+
+
+def arithmetic_for(target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
+    """By the first block of the trajectory, which is read once more for the torques.
+
+    Raises:
+        InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.
+    """
+    from robodyn.measure.accuracy.torques_within import arithmetic_within
+
+    if trajectory == STANDARD_INPUT:
+        raise InputError("--accuracy reads the trajectory twice", remedy="name a file", file="<stdin>")
+    with read_motion(trajectory, model, scene, **reading()) as reader:
+        for block in reader.blocks():
+            if len(block):
+                return arithmetic_within(model, block, scene, target)
+    raise InputError("the trajectory has no samples", file=trajectory)

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
-from robodyn.cli.batch.jobs import Job
-from robodyn.cli.batch.setup import Setup
+from robodyn.cli.batch.jobs import Job, Setup
 from robodyn.cli.batch.work import failed, run_job
 from robodyn.errors import InputError
 from robodyn.loads.many import Outcome

@@ -12,8 +12,7 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from threading import current_thread, main_thread
 
-from robodyn.cli.batch.jobs import Job
-from robodyn.cli.batch.setup import Setup
+from robodyn.cli.batch.jobs import Job, Setup
 from robodyn.cli.batch.work import failed, run_job
 from robodyn.loads.many import Outcome
 from robodyn.support.files import remove_abandoned

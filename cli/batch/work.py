@@ -7,8 +7,7 @@ import os
 from contextlib import ExitStack, suppress
 from typing import Any
 
-from robodyn.cli.batch.jobs import Job
-from robodyn.cli.batch.setup import VERSION, Setup
+from robodyn.cli.batch.jobs import VERSION, Job, Setup
 from robodyn.errors import InputError, RobodynError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
@@ -17,7 +16,7 @@ from robodyn.report.json_torques import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
 from robodyn.support.doubts import Doubt
 from robodyn.support.files import write_whole
-from robodyn.support.read_ahead import behind
+from robodyn.support.threads import behind
 from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import open_writer
 

@@ -14,7 +14,7 @@ from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
 from robodyn.robot.urdf.description import Description, Inertial, Joint, Link
 from robodyn.solids.inertia.exact import Floats
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 _NEAR = 2e-3
 """How far a frame may be from its mirror image, relative to the robot's size."""

@@ -15,7 +15,7 @@ from robodyn.programs.vectors import length
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.exact import Floats
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""

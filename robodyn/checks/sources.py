@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from robodyn.errors import InputError
-from robodyn.support.workers import cores, processes
+from robodyn.support.threads import cores, processes
 
 R = TypeVar("R")
 T = TypeVar("T")

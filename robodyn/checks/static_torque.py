@@ -12,7 +12,7 @@ from robodyn.checks.static_sweep import Sweep, around
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.exact import Floats
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 STARTS = 4
 MOST_BODIES = 150

@@ -2,21 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from robodyn.dynamics.accelerations import acceleration_program
 from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
+from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
-from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.plan import Plan, applied, plan
+from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.articulated_body import articulated_body
+from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
+from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
-from robodyn.robot.model import Model
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import Scalar
+from robodyn.robot.kinematics import motions
+from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Wrench
+from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
+
+
+def acceleration_program(plan: Plan) -> Program:
+    """The program of qdd from q, qd and tau, which is another input; `plan.still` may name its entries too."""
+    refuse_loops(plan.scene)
+    model, scene, still = aligned(plan.model), plan.scene, plan.still
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        sample = replace(Plan(model, scene, still).sample(tape), qdd=(0.0,) * model.n)
+        tau = [0.0 if ("tau", i) in still else tape.input("tau", i) for i in range(model.n)]
+        return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
+
+    return trace(outputs)
+
+
+def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Sequence[float]) -> list[Scalar]:
+    """qdd of one sample, in whatever scalar it is made of.
+
+    Args:
+        sample: of a model of `aligned`.
+        terms: without acceleration.
+        tau: n scalars.
+        rotors: n reflected rotor inertias.
+    """
+    model = sample.model
+    joints = motions(model, sample.q, terms.qd, terms.qdd)
+    biases = inertial_wrenches(model.parents, joints, terms.inertias, terms.gravity)
+    for i, wrench in terms.wrenches:
+        biases[i] = Wrench(biases[i].f - wrench.f, biases[i].n - wrench.n)
+    forces = list(tau)
+    for i, torque in terms.at_joint.items():
+        joint = model.bodies[i].joint
+        forces[joint.rate] = forces[joint.rate] - joint.multiplier * torque
+    free = [(joint, joint.R.T @ joints[i].R) for i, joint in _floating(model)]
+    for joint, turn in free:
+        place = slice(joint.rate + 3, joint.rate + 6)
+        forces[place] = turn.T @ np.array(forces[place])
+    qdd = articulated_body(model, joints, terms.inertias, biases, forces, rotors)
+    for joint, turn in free:
+        place = slice(joint.rate + 3, joint.rate + 6)
+        qdd[place] = turn @ np.array(qdd[place])
+    return qdd
+
+
+def _floating(model: Model) -> list[tuple[int, Joint]]:
+    return [(i, body.joint) for i, body in enumerate(model.bodies) if body.joint.kind == "floating"]
+
 
 Floats = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.plan import Plan, applied, plan
-from robodyn.dynamics.recursions.system_matrices import mass_matrix as mass_matrix_of
+from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model

@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
-from robodyn.dynamics.recursions.newton_euler import newton_euler
-from robodyn.dynamics.recursions.projection import joint_torques
+from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.dynamics.inverse import mass_runner
-from robodyn.equations.identifiers import identifiers
-from robodyn.equations.jobs import bias_plan, check_equations
+from robodyn.equations.jobs import bias_plan, check_equations, identifiers
 from robodyn.equations.polynomial import TooLargeError
 from robodyn.equations.trigonometric import Forms, largest
 from robodyn.errors import InputError
@@ -181,3 +180,13 @@ def _difference(expression: Any, symbols: Symbols, states: Numbers, expected: Nu
     function = module().lambdify(list(symbols.values()), expression, "numpy")
     worst = float(np.abs(function(*states.T) - expected).max())
     return worst / scale if worst else 0.0
+
+
+def decimal(expression: Any) -> Any:
+    """The same expression with floats of 17 digits for its fractions; exponents stay."""
+    sympy = module()
+    if expression.is_Rational:
+        return expression if expression.is_Integer else sympy.Float(expression, 17)
+    if expression.is_Pow:
+        return sympy.Pow(decimal(expression.base), expression.exp)
+    return expression.func(*map(decimal, expression.args)) if expression.args else expression

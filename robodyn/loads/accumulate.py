@@ -15,19 +15,19 @@ from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import Still
 from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, plan
+from robodyn.loads.doubts import Openness, carried
 from robodyn.loads.energy import EnergyLedger
 from robodyn.loads.figures import (
     base_loads,
+    check_figures,
+    check_loads,
     effect_reports,
     joint_load,
     joint_of_rates,
     position_of_rates,
     shares_at_peaks,
 )
-from robodyn.loads.held_base import carried
-from robodyn.loads.overflow import check_figures, check_loads
 from robodyn.loads.result import Checks, Result
-from robodyn.loads.sampling_doubts import Openness
 from robodyn.loads.statistics import Statistics
 from robodyn.programs.run.choice import Choice
 from robodyn.programs.run.runner import Run, Runner

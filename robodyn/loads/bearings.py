@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.loads.extremes import Greatest
 from robodyn.loads.sizing_result import BearingLoad, Component, Vector
-from robodyn.loads.statistics import Integrals, resultant
+from robodyn.loads.statistics import Greatest, Integrals, resultant
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
 

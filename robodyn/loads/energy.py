@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.loads.result import EnergyBalance
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 Floats = NDArray[np.float64]
 

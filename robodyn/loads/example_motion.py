@@ -12,7 +12,7 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.robot.limits import binding, coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 Floats = NDArray[np.float64]
 

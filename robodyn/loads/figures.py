@@ -1,20 +1,46 @@
-"""From gathered statistics to the figures that a motor-sizing engineer reads."""
+"""From gathered statistics to the figures that a motor-sizing engineer reads; loads that overflow."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError
 from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad
 from robodyn.loads.statistics import FOUNDATION, Statistics
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
+
+REMEDY = "are masses, lengths, times and the motion in SI units?"
+
+
+def check_loads(loads: NDArray[np.float64], names: Sequence[str], first_row: int, file: str | None) -> None:
+    """Raise if a load of some sample is not finite.
+
+    Args:
+        loads: (N, k), column by column of `names`; sample 0 is the data row `first_row`.
+
+    Raises:
+        InputError: naming the first row and its load.
+    """
+    if not np.isfinite(loads).all():
+        row, column = np.argwhere(~np.isfinite(loads))[0]
+        raise InputError(f"row {first_row + row}: {names[column]} overflows", remedy=REMEDY, file=file)
+
+
+def check_figures(figures: Iterable[ArrayLike], peaks: ArrayLike, file: str | None) -> None:
+    """Raise if a power, a square or an integral over the motion is not finite though the loads were."""
+    if not all(np.isfinite(values).all() for values in figures):
+        largest = float(np.abs(peaks).max(initial=0.0))
+        what = f"the loads are finite, their squares or powers overflow; the largest is {largest:.3g}"
+        raise InputError(what, remedy=REMEDY, file=file)
+
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from robodyn.robot.limits import Coverage, within
 from robodyn.support.doubts import Doubt
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 Status = Literal["computed", "finished before", "failed"]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from robodyn.dynamics.effects.effect import Still
 from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
 from robodyn.dynamics.plan import plan
-from robodyn.loads.extremes import Extremes
-from robodyn.loads.overflow import check_loads
+from robodyn.loads.figures import check_loads
 from robodyn.loads.result import MomentumReport, Range
+from robodyn.loads.statistics import Extremes
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene

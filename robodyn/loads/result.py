@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from robodyn.dynamics.effects.effect import Verdict
 from robodyn.robot.limits import Coverage, Excess, reached_beyond, within
 from robodyn.support.doubts import TOO_FEW, Doubt
-from robodyn.support.ties import BEYOND
+from robodyn.support.floats import BEYOND
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:

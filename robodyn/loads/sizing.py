@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 from robodyn.dynamics.inverse import mass_matrix, torque_runner
 from robodyn.dynamics.plan import plan
 from robodyn.loads.bearings import BearingPass
-from robodyn.loads.extremes import Extremes, Greatest
-from robodyn.loads.gear_trains import train_of
-from robodyn.loads.motor_use import MotorPass
+from robodyn.loads.motors import MotorPass, train_of
 from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import Exceeded, FoundationLoad, JointSizing, Level, MotorLoad, Sizing
-from robodyn.loads.statistics import Integrals, resultant
+from robodyn.loads.statistics import Extremes, Greatest, Integrals, resultant
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
-from robodyn.support.ties import BEYOND, steady
+from robodyn.support.floats import BEYOND, steady
 from robodyn.trajectory.motion import Trajectory
 
 Floats = NDArray[np.float64]

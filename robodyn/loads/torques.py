@@ -15,7 +15,7 @@ from robodyn.loads.accumulate import Options, Pass
 from robodyn.loads.result import Result
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.read_ahead import ahead
+from robodyn.support.threads import ahead
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion

@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 from robodyn.report.ticks import plain_numbers
-from robodyn.support.library_messages import treated_warnings
+from robodyn.support.libraries import treated_warnings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

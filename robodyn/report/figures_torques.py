@@ -14,7 +14,7 @@ from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 from robodyn.support.wording import shortened
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import Any
 
 from robodyn.report.json_torques import limits_data
 from robodyn.report.limits_words import simulation_limits
+from robodyn.simulation.joint_use import deepest, held
 from robodyn.simulation.loop_figures import PARTS, LoopFigures
-from robodyn.simulation.remarks import deepest, held
 from robodyn.simulation.result import Simulation
 
 

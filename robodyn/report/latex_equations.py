@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from robodyn.equations.closed import Closed
-from robodyn.equations.decimals import decimal
+from robodyn.equations.closed import Closed, decimal
 from robodyn.programs.run.symbolic import module
 from robodyn.report.text_equations import checked
 

@@ -11,7 +11,7 @@ from robodyn.report.document import Level, Verdict
 from robodyn.report.table import Content, Page, is_noise, number, printable
 from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
 from robodyn.support.doubts import Doubt
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
 if TYPE_CHECKING:

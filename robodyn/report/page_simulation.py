@@ -27,7 +27,7 @@ from robodyn.report.table import drift_text, is_noise, number, printable, relati
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.loads.figures import joint_of_rates
-from robodyn.loads.gear_trains import load_torque, motor_torque, train_of
 from robodyn.loads.history import Curves, Floats
+from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Block, Facts, Figure, Gallery, Heading, Level, Verdict

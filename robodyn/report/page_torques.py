@@ -33,7 +33,7 @@ from robodyn.report.text_joints import share_table
 from robodyn.report.text_torques import base_table, load_table
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.loads.doubts import energy_doubt
 from robodyn.loads.result import Result
-from robodyn.loads.sampling_doubts import energy_doubt
 from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph, Table, Verdict
 from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes

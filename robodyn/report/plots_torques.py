@@ -16,7 +16,7 @@ from robodyn.report.limits_words import effort_use, offenders, worst_joint
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, printable
 from robodyn.robot.model import Model
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 PLOTTED = 12
 """Joints that have plots: those beyond limits, and the most loaded of the others up to so many."""

@@ -17,7 +17,7 @@ from robodyn.solids.composite_mass import Combination
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.solids.inertia.view import View
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

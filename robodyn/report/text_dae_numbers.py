@@ -9,7 +9,7 @@ from robodyn.equations.dae.equations import Across
 from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, Page, number, printable, relative_text
 from robodyn.solids.inertia.eigen import eigen
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 MOST = 16
 """Rows of a table."""

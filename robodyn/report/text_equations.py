@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from robodyn.equations.closed import STATES, Closed
-from robodyn.equations.decimals import decimal
+from robodyn.equations.closed import STATES, Closed, decimal
 from robodyn.equations.ode import Ode
 from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
 

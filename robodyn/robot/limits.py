@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.support.doubts import Doubt
-from robodyn.support.ties import BEYOND
+from robodyn.support.floats import BEYOND
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Joint, Model

@@ -17,11 +17,9 @@ from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.robot.model import Model
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.simulation.events import dense_touches, first_passed
+from robodyn.simulation.events import Limits, dense_touches, first_passed
 from robodyn.simulation.fixed import Motion
-from robodyn.simulation.limits import Limits
-from robodyn.simulation.method_options import TooMuchError
-from robodyn.simulation.methods import Method
+from robodyn.simulation.methods import Method, TooMuchError
 from robodyn.simulation.rows import NEAR
 from robodyn.simulation.table import Signal
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from robodyn.dynamics.accelerations import accelerations
 from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing
 from robodyn.dynamics.loops.turning import local_rates, moved, unit

@@ -17,10 +17,8 @@ from robodyn.programs.run.choice import EXECUTORS, Work, times
 from robodyn.programs.run.llvm.machine import compiler, one_line
 from robodyn.programs.run.repeated import SINGLE, CompiledSteps, NumpySteps
 from robodyn.simulation.equations import STATE, Equations
-from robodyn.simulation.events import first_passed, hermite_touches
-from robodyn.simulation.limits import Limits
-from robodyn.simulation.method_options import TooMuchError
-from robodyn.simulation.methods import Method
+from robodyn.simulation.events import Limits, first_passed, hermite_touches
+from robodyn.simulation.methods import Method, TooMuchError
 from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.table import Signal

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.simulation.fixed import SHORTER, Motion
-from robodyn.simulation.method_options import How, TooMuchError
-from robodyn.simulation.methods import method_named
+from robodyn.simulation.methods import How, TooMuchError, method_named
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 from robodyn.support.doubts import Doubt
 

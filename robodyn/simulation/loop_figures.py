@@ -15,7 +15,7 @@ from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing
 from robodyn.dynamics.loops.find import NOTHING, jacobian
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.sparse import total
+from robodyn.dynamics.recursions.composite_body import total
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS

@@ -12,7 +12,7 @@ from robodyn.dynamics.effects.effect import Effect, Verdict
 from robodyn.robot.limits import Coverage, Excess, within
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.simulation.free import is_free
+from robodyn.simulation.conserving import is_free
 from robodyn.simulation.joint_use import JointUse, doubts, joint_use, limits_checked
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method

@@ -20,9 +20,9 @@ from robodyn.simulation.fixed import SHORTER, stepper
 from robodyn.simulation.loop_figures import check_closed
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.rows import Piece, pieces
-from robodyn.simulation.slip import with_friction
+from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
-from robodyn.support.workers import cores
+from robodyn.support.threads import cores
 
 Floats = NDArray[np.float64]
 TOGETHER = 64

@@ -20,19 +20,17 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import adaptive_motion
+from robodyn.simulation.conserving import check_free, check_leapfrog
 from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.events import Limits
 from robodyn.simulation.fixed import FixedSteps, Motion
 from robodyn.simulation.follow import Free, followed
-from robodyn.simulation.free import check_free
-from robodyn.simulation.joint_use import assumed
-from robodyn.simulation.leapfrog import check_leapfrog
-from robodyn.simulation.limits import Limits
+from robodyn.simulation.joint_use import assumed, deepest, held
 from robodyn.simulation.loop_figures import loop_figures
-from robodyn.simulation.method_options import How, how_of
-from robodyn.simulation.remarks import deepest, held
+from robodyn.simulation.methods import How, how_of
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.singular import passing_notes, start_doubts
-from robodyn.simulation.slip import with_friction
+from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 
 Floats = NDArray[np.float64]

@@ -10,8 +10,8 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
+from robodyn.simulation.conserving import kept
 from robodyn.simulation.equations import STATE, Equations, Given, Rates, State
-from robodyn.simulation.free import kept
 from robodyn.simulation.methods import Method
 
 REST = 2.0**-16

@@ -21,10 +21,9 @@ from helpers.oracles import worst
 import robodyn
 from robodyn.dynamics.inverse import torque_runner
 from robodyn.dynamics.plan import Plan, plan
-from robodyn.measure.speed.executors import available, build_times
+from robodyn.measure.speed.executors import available, build_times, laid_out, random_sources
 from robodyn.measure.speed.peers import bare_scene, following, library_tasks
 from robodyn.measure.speed.result import Timing
-from robodyn.measure.speed.samples import laid_out, random_sources
 from robodyn.measure.speed.timing import repeated, taking_turns
 
 OURS = {"Two links": "two_link_planar", "SCARA": "scara"}

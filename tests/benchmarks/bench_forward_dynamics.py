@@ -18,10 +18,10 @@ from helpers.markdown_tables import main, table
 from helpers.oracles import worst
 
 import robodyn
-from robodyn.dynamics.accelerations import acceleration_program
+from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
+from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.peers import bare_description, following
-from robodyn.measure.speed.samples import random_sources
 from robodyn.measure.speed.timing import taking_turns
 
 HEAD = (

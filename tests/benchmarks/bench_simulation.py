@@ -18,8 +18,8 @@ from helpers.markdown_tables import main, table
 
 import robodyn
 from robodyn.dynamics.plan import plan
+from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.peers import bare_description
-from robodyn.measure.speed.samples import random_sources
 from robodyn.measure.speed.timing import taking_turns
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named

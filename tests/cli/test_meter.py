@@ -13,7 +13,7 @@ from helpers.mesh_samples import binary_stl, box, moved, torus
 from helpers.processes import environment
 from helpers.terminals import on_terminal
 
-from robodyn.cli.meter import Meter
+from robodyn.cli.progress import Meter
 from robodyn.solids.mesh import one_shell
 from robodyn.solids.mesh.load import load_triangles
 from robodyn.solids.mesh_mass import mass_properties

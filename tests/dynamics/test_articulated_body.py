@@ -16,11 +16,10 @@ from helpers.oracles import EPS, frictionless, golden_model, random_state, refer
 from helpers.program_values import evaluated
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
-from robodyn.dynamics.accelerations import acceleration_program, accelerations
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
-from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.forward import acceleration_program, accelerations, forward_by_factorisation, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.dynamics.recursions.aligned import aligned

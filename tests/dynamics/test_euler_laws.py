@@ -8,7 +8,7 @@ import sympy
 from helpers.oracles import EPS, random_state, worst
 from helpers.small_robots import chain
 
-from robodyn.dynamics.recursions.euler_laws import (
+from robodyn.dynamics.recursions.euler import (
     about_body_point,
     about_fixed_point,
     about_mass_centre,

@@ -10,8 +10,7 @@ from helpers.example_robots import real
 from helpers.oracles import EPS, frictionless, golden_model, random_state, robot, worst
 
 import robodyn
-from robodyn.dynamics.accelerations import acceleration_program
-from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.forward import acceleration_program, forward_by_factorisation, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError

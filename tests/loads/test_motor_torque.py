@@ -11,11 +11,11 @@ from helpers.small_robots import built, joint, link
 from scipy.integrate import trapezoid
 
 from robodyn.errors import SceneError
-from robodyn.loads.gear_trains import allowed
+from robodyn.loads.motors import allowed
 from robodyn.loads.torques import torques
 from robodyn.scene.motor import Motor
 from robodyn.scene.scene import Rotor, Scene
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 from robodyn.trajectory.robot_motion import motion
 
 SIZING = reference("sizing")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from helpers.command_line import write_arm
 
-from robodyn.loads.extremes import Greatest
+from robodyn.loads.statistics import Greatest
 from robodyn.loads.torques import torques
 from robodyn.robot.assemble import load
 from robodyn.scene.motor import Motor

@@ -10,7 +10,7 @@ from helpers.command_line import ROBOTS, run
 from helpers.oracles import robot
 from scipy.integrate import trapezoid
 
-from robodyn.loads.gear_trains import train_of
+from robodyn.loads.motors import train_of
 from robodyn.loads.sizing_result import Exceeded
 from robodyn.report.text_sizing import in_words
 from robodyn.scene.read import load_scene

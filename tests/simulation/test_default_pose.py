@@ -18,7 +18,7 @@ from robodyn.errors import InputError
 from robodyn.robot.assemble import load
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.scene.scene import Scene
-from robodyn.simulation.limits import Limits
+from robodyn.simulation.events import Limits
 
 NO_ACCELERATION = ("heavy_top", "romeo", "romeo_laas_small")
 """Upright, two axes of the heavy top are one; joints of the others carry no inertia."""

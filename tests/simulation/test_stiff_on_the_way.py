@@ -14,7 +14,7 @@ from robodyn.report.json_simulation import simulation_json
 from robodyn.report.text_simulation import simulation_text
 from robodyn.scene.scene import Drive, Friction
 from robodyn.simulation import follow
-from robodyn.simulation.method_options import TooMuchError
+from robodyn.simulation.methods import TooMuchError
 
 CREEP = 1e-3 * 0.8 / 0.6
 """rad/s under 0.8 of the friction, of v / sqrt(v^2 + slip^2) = 0.8."""
@@ -85,8 +85,7 @@ def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
 
 def test_a_bound_on_evaluations_tells_how_far_they_came():
     from robodyn.dynamics.plan import plan
-    from robodyn.simulation.method_options import How
-    from robodyn.simulation.methods import method_named
+    from robodyn.simulation.methods import How, method_named
     from robodyn.simulation.run import integrated, start_of
     from robodyn.simulation.table import Signal
 

@@ -14,7 +14,7 @@ from helpers.mesh_files import dae
 from robodyn.report.pictures.visuals import _of_meshes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.mesh.load import load_triangles
-from robodyn.support.library_messages import heard, treated_warnings
+from robodyn.support.libraries import heard, treated_warnings
 
 NAME = "robodyn.tests.library"
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from robodyn.support.read_ahead import ahead, behind
+from robodyn.support.threads import ahead, behind
 
 
 def counted(stop: int, made: list[int]) -> Iterator[int]:

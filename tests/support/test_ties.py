@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robodyn.support.ties import HALF_UP, first_largest, first_of_ties, ranked, steady
+from robodyn.support.floats import HALF_UP, first_largest, first_of_ties, ranked, steady
 
 ROUNDING = 1e-14
 """What the last digits of numbers may be off, relatively."""

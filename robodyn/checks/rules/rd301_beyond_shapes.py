@@ -14,7 +14,7 @@ from robodyn.checks.rule import Fault, Rule, Severity, Stage
 from robodyn.checks.unit_slips import slips
 from robodyn.solids.inertia.boxes import Box
 from robodyn.solids.inertia.exact import Floats
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 from robodyn.support.wording import figure
 
 FAR = 4.0

@@ -10,8 +10,7 @@ from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.loops.closure import Closure, Held, Relative, held
 from robodyn.dynamics.loops.least_change import LeastChange
 from robodyn.dynamics.plan import loads
-from robodyn.dynamics.recursions.composite_body import composite_body, rates_inward
-from robodyn.dynamics.recursions.sparse import Root, SingularError
+from robodyn.dynamics.recursions.composite_body import Root, SingularError, composite_body, rates_inward
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar, vector
 from robodyn.robot.model import Joint, Model

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robodyn.dynamics.recursions.sparse import known_zero, total
+from robodyn.dynamics.recursions.composite_body import known_zero, total
 from robodyn.programs.vectors import Scalar, sqrt
 
 Rows = list[dict[int, Scalar]]

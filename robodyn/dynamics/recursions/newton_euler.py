@@ -1,11 +1,15 @@
-"""The recursive Newton-Euler algorithm, once, for any scalar."""
+"""The recursive Newton-Euler algorithm (RNEA), once, for any scalar: wrenches, torques, mass matrix and bias."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
 
 from robodyn.dynamics.recursions.euler import euler
-from robodyn.programs.vectors import ZERO, Array, cross, skew
+from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew
+from robodyn.robot.kinematics import motions
+from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.solids.inertia.moments import Inertia
 
@@ -72,3 +76,58 @@ def inertial_wrenches(
         f.append(body.m * a[-1] + U[-1] @ body.mc)
         n.append(cross(body.mc, a[-1]) + euler(body.I, w[-1], wd[-1]))
     return [Wrench(*pair) for pair in zip(f, n, strict=True)]
+
+
+def joint_torques(
+    model: Model, motions: Sequence[Motion], reactions: Sequence[Wrench], at_joint: Mapping[int, Scalar]
+) -> list[Scalar]:
+    """The generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
+
+    Revolute `axis . n`, prismatic `axis . f`; a floating joint gives the moment in the body's axes and the force in the
+    parent's, which are dual to its rates. A mimic joint's torque is reflected onto its master by its multiplier.
+
+    Args:
+        motions, reactions: as `newton_euler` takes and returns them.
+        at_joint: by body, torque added at its joint (friction, rotor, spring).
+
+    Returns:
+        n scalars [N m or N].
+    """
+    tau: list[Scalar] = [0.0] * model.n
+    for i, body in enumerate(model.bodies):
+        joint, reaction = body.joint, reactions[i]
+        if joint.kind == "floating":
+            force = joint.R.T @ (motions[i].R @ reaction.f)
+            tau[joint.rate : joint.rate + 6] = [*reaction.n, *force]
+        elif joint.kind != "fixed":
+            along = joint.axis @ (reaction.n if joint.kind == "revolute" else reaction.f)
+            tau[joint.rate] = tau[joint.rate] + joint.multiplier * (along + at_joint.get(i, 0.0))
+    return tau
+
+
+def mass_matrix(model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Sequence[float]) -> Array:
+    """M(q): column j is the torque of a unit acceleration of coordinate j alone, without speed or gravity.
+
+    `M e_j = ID(q, 0, e_j)`; the recursion sees a robot at rest, so a traced column holds only what the bodies beyond
+    coordinate j add, and the upper triangle is the lower one's mirror image.
+
+    Args:
+        q: nq scalars.
+        inertias: of each body.
+        armature: n reflected rotor inertias, added on the diagonal [kg m^2].
+
+    Returns:
+        (n, n), symmetric by construction.
+
+    Accuracy: 1e-14 of the largest entry.
+    """
+    n = model.n
+    rest = [0.0] * n
+    M = np.zeros((n, n), dtype=object)
+    for j in range(n):
+        unit = [float(k == j) for k in range(n)]
+        joints = motions(model, q, rest, unit)
+        column = joint_torques(model, joints, newton_euler(model.parents, joints, inertias), {})
+        M[j:, j] = M[j, j:] = column[j:]
+        M[j, j] = M[j, j] + armature[j]
+    return M

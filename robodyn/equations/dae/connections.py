@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.equations.dae.equations import Across, Along, Equation
 from robodyn.programs.vectors import Array, product
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,16 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.equations.dae.closed import closed_state
-from robodyn.equations.dae.comparison import Comparison, compared
 from robodyn.equations.dae.consistent import Residuals, residuals
-from robodyn.equations.dae.counts import Counts, counted
+from robodyn.equations.dae.counts import Comparison, Counts, compared, counted
 from robodyn.equations.dae.elimination import Step, steps
 from robodyn.equations.dae.posed import Posed, posed
-from robodyn.equations.dae.rank import Rank
-from robodyn.equations.dae.reactions import joint_wrenches
 from robodyn.equations.dae.reduction import Reduced, accelerations_along, reduced
-from robodyn.equations.dae.solve import Solution, rank_of, solved
-from robodyn.equations.dae.system import Matrices
+from robodyn.equations.dae.solve import Rank, Solution, rank_of, solved
+from robodyn.equations.dae.system import Matrices, joint_wrenches
 from robodyn.equations.jobs import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all, product

@@ -1,8 +1,8 @@
-"""A robot in a scene and a state as a system of single bodies."""
+"""A robot in a scene and a state as a system of single bodies, its joints and loops as connections."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +11,105 @@ from numpy.typing import NDArray
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import armatures
 from robodyn.dynamics.plan import applied
-from robodyn.equations.dae.joints import joint_connections, loop_connections, mimic_connections
+from robodyn.equations.dae.connections import PLAIN, Anchors, Connection, directions, hinge, point, slide, weld
+from robodyn.equations.dae.equations import Along, Equation, Sum, Turn
 from robodyn.equations.dae.state import State, state_of
 from robodyn.equations.dae.system import Matrices, System, matrices
 from robodyn.equations.jobs import bias_plan
-from robodyn.programs.vectors import Scalar, length
-from robodyn.robot.model import Model
-from robodyn.scene.scene import Scene
+from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, length, product, rotation_from_rpy
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import Loop, Scene
+
+
+def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:
+    """One for each body's joint, in the order of the bodies; where a joint is floating, one without equations.
+
+    Args:
+        centres: (3,) mass centre of each body, in its frame [m].
+        q: nq scalars near which the angles of hinges are (they count turns).
+    """
+    found = []
+    for i, body in enumerate(model.bodies):
+        joint, j = body.joint, body.parent
+        from_parent = joint.p - (centres[j] if j >= 0 else ZERO)
+        near = joint.multiplier * q[joint.coordinate] + joint.offset if joint.coordinate >= 0 else 0.0
+        found.append(_joint(joint, Anchors(i, j, -centres[i], from_parent, joint.R), near))
+    return tuple(found)
+
+
+def _joint(joint: Joint, anchors: Anchors, near: Scalar) -> Connection:
+    body, other, own, to, R = anchors
+    if joint.kind == "fixed":
+        return weld(joint.name, anchors, "fixed")
+    if joint.kind == "floating":
+        turns = [Turn(body, other, e, R) for e in PLAIN.vectors]
+        moves = [Along(body, other, own, to, product(R, e)) for e in PLAIN.vectors]
+        return Connection(joint.name, "floating", body, other, (), (), (*turns, *moves))
+    if joint.kind == "revolute":
+        return hinge(joint.name, anchors, joint.axis, "revolute", [Turn(body, other, joint.axis, R, near)])
+    return slide(joint.name, anchors, joint.axis, "prismatic", [Along(body, other, own, to, product(R, joint.axis))])
+
+
+def mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Connection]:
+    """For each joint that follows another, one equation: q_follower - multiplier q_master - offset = 0."""
+    number = {body.joint.name: i for i, body in enumerate(model.bodies)}
+    for i, body in enumerate(model.bodies):
+        joint = body.joint
+        if joint.mimics is None:
+            continue
+        master: Equation = joints[number[joint.mimics]].free[0]
+        rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, master)), -joint.offset)
+        name = f"{joint.name} follows {joint.mimics}"
+        yield Connection(name, "mimic", i, body.parent, (rule,), ("F" if joint.kind == "prismatic" else "M",))
+
+
+def loop_connections(model: Model, centres: Sequence[Array], loops: Sequence[Loop]) -> Iterator[Connection]:
+    """The closures of a scene."""
+    for loop in loops:
+        body, R, place = _frame(model, centres, loop.link, loop.point)
+        other, R_o, to = _frame(model, centres, loop.to, loop.to_point)
+        if loop.kind == "hinge":
+            axis, to_axis = _unit(product(R, np.array(loop.axis))), _unit(product(R_o, np.array(loop.to_axis)))
+            yield hinge(loop.name, Anchors(body, other, place, to, _turn_between(axis, to_axis)), axis)
+        elif loop.kind == "weld":
+            turn = product(R_o, rotation_from_rpy(*loop.rpy), R.T)
+            yield weld(loop.name, Anchors(body, other, place, to, turn))
+        elif loop.directions:
+            along = [product(R_o, np.array(n)) for n in loop.directions]
+            yield directions(loop.name, Anchors(body, other, place, to, IDENTITY), along)
+        else:
+            yield point(loop.name, Anchors(body, other, place, to, product(R_o, R.T)))
+
+
+def _frame(model: Model, centres: Sequence[Array], link: str, at: Sequence[float]) -> tuple[int, Array, Array]:
+    """The body of a link, or the ground; the link's axes in the body's, and a point of it from the mass centre."""
+    if link not in model.links:
+        return -1, IDENTITY, np.array(at, dtype=float)
+    body, R, p = model.links[link]
+    return body, R, p + product(R, np.array(at, dtype=float)) - centres[body]
+
+
+def _unit(axis: Array) -> Array:
+    unit: Array = axis / np.sqrt(product(axis, axis))
+    return unit
+
+
+def _turn_between(a: Array, b: Array) -> Array:
+    """A rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a.
+
+    Where they are opposite, half a turn about a vector across them.
+    """
+    middle = a + b
+    if np.abs(middle).max() < 1e-6:
+        middle = np.cross(a, np.eye(3)[int(np.argmin(np.abs(a)))])
+        return _half_turn(_unit(middle))
+    turn: Array = product(_half_turn(_unit(middle)), _half_turn(a))
+    return turn
+
+
+def _half_turn(axis: Array) -> Array:
+    return 2.0 * np.outer(axis, axis) - np.eye(3)
+
 
 Floats = NDArray[np.float64]
 

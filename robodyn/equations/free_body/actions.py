@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import at_rest
-from robodyn.dynamics.recursions.euler_laws import (
+from robodyn.dynamics.recursions.euler import (
     about_mass_centre,
     acceleration_of_point,
     first_law,

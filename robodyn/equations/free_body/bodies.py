@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.arrays import arrays_of, still
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import applied, plan
-from robodyn.dynamics.recursions.newton_euler import newton_euler
-from robodyn.dynamics.recursions.projection import joint_torques
+from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.equations.free_body.actions import (
     Applied,
     Cut,

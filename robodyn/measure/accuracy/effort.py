@@ -17,11 +17,10 @@ from robodyn.programs.run.llvm.machine import compiler
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import Equations
-from robodyn.simulation.method_options import TooMuchError
-from robodyn.simulation.methods import Method, method_named
+from robodyn.simulation.methods import Method, TooMuchError, method_named
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import simulate
-from robodyn.simulation.slip import with_friction
+from robodyn.simulation.stiffness import with_friction
 
 CODE = 2e-9
 """Seconds of machine code per operation, one step after another."""

@@ -15,12 +15,14 @@ from robodyn.measure.accuracy.mesh_methods import (
     by_box,
     by_chance,
     by_columns,
+    by_decimation,
+    by_hull,
     by_triangles,
     by_voxels,
     by_winding_numbers,
     inertia,
+    union_with_a_copy,
 )
-from robodyn.measure.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
 from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.measure.accuracy.timing import timed
 from robodyn.solids.inertia.exact import exact, fraction

@@ -1,19 +1,24 @@
-"""Ways to find the moments of a solid, from the crudest to the exact one."""
+"""Ways to find the moments of a solid, from the crudest to the exact one; and of surfaces in place of the given one."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from robodyn.programs.vectors import Array, product
+from robodyn.errors import MeshError
+from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.inertia.exact import exact
 from robodyn.solids.mesh.columns import Lattice
 from robodyn.solids.mesh.exact import Moments
 from robodyn.solids.mesh.excess import directions
 from robodyn.solids.mesh.indexed import merged
+from robodyn.solids.mesh.integrate import integrate
 from robodyn.solids.mesh.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.pieces import Pieces, pieces
 from robodyn.solids.mesh.sweep import swept
-from robodyn.solids.mesh.triangles import Floats, Triangles
+from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.solids.mesh.union import manifold
 from robodyn.solids.mesh.winding_tree import WindingTree
 
 _TESTS = 1 << 18
@@ -122,3 +127,61 @@ def _turn(p: Floats, start: Floats, end: Floats) -> Floats:
         p[..., 0] - start[:, 0]
     )
     return turned
+
+
+def by_hull(corners: Floats) -> Moments:
+    """Of the convex hull.
+
+    Raises:
+        scipy.spatial.QhullError: the corners lie in a plane.
+    """
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(corners.reshape(-1, 3))
+    faces = hull.points[hull.simplices]
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    inwards = (normals * hull.equations[:, :3]).sum(axis=1) < 0
+    faces[inwards] = faces[inwards, ::-1]
+    return _about_origin(faces)
+
+
+def by_decimation(corners: Floats, tolerance: float) -> Moments:
+    """Of the body with fewer triangles, none of which is farther off than this share of the box's diagonal.
+
+    Raises:
+        MeshError: the surface is no manifold.
+    """
+    solid = _manifold(corners)
+    away = tolerance * length(np.ptp(corners, axis=(0, 1)))
+    mesh = solid.simplify(away).to_mesh64()
+    return _about_origin(mesh.vert_properties[:, :3][mesh.tri_verts])
+
+
+def union_with_a_copy(corners: Floats) -> Any:
+    """The body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
+
+    Raises:
+        MeshError: the surface is no manifold.
+    """
+    from manifold3d import Manifold, OpType
+
+    solid = _manifold(corners)
+    moved = solid.translate(tuple(np.ptp(corners, axis=(0, 1)) / 5))
+    return Manifold.batch_boolean([solid, moved], OpType.Add).volume()
+
+
+def _manifold(corners: Floats) -> Any:
+    mesh = merged(corners)
+    solid = manifold(mesh.vertices, mesh.faces)
+    if solid is None or not hasattr(solid, "simplify"):
+        raise MeshError("the surface is no manifold" if solid is None else "manifold3d is older than 3.1")
+    return solid
+
+
+def _about_origin(corners: Floats) -> Moments:
+    """The integral over a closed surface."""
+    found = integrate(MemoryTriangles("surface", np.ascontiguousarray(corners)))
+    r, V = found.reference, found.volume
+    first = found.first + V * r
+    mixed = np.outer(found.first, r)
+    return Moments(V, first, found.S + mixed + mixed.T + V * np.outer(r, r))

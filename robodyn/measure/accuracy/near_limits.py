@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.measure.accuracy.motion_error import MotionError
-from robodyn.simulation.events import lowest_of_cubic
-from robodyn.simulation.limits import Limits, Stop
+from robodyn.simulation.events import Limits, Stop, lowest_of_cubic
 from robodyn.simulation.result import Simulation
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 Floats = NDArray[np.float64]
 NEAREST = 16

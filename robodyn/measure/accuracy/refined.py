@@ -7,10 +7,9 @@ from math import inf
 from typing import NamedTuple
 
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.apart import apart, seen
 from robodyn.measure.accuracy.effort import Effort
-from robodyn.simulation.method_options import LEAST_RTOL, TooMuchError
-from robodyn.simulation.methods import method_named
+from robodyn.measure.accuracy.motion_error import apart, seen
+from robodyn.simulation.methods import LEAST_RTOL, TooMuchError, method_named
 from robodyn.simulation.result import Simulation
 
 FIRST_STEP, LAST_STEP = 1.6e-2, 1e-8

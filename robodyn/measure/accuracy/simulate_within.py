@@ -7,15 +7,14 @@ from math import inf
 from typing import Any, NoReturn
 
 from robodyn.errors import InputError
-from robodyn.measure.accuracy.apart import apart, seen
 from robodyn.measure.accuracy.effort import Effort
+from robodyn.measure.accuracy.motion_error import apart, seen
 from robodyn.measure.accuracy.near_limits import graze
 from robodyn.measure.accuracy.refined import FIRST_STEP, TINY, Settled, UnsettledError, refined, shown
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.follow import TOO_LONG
-from robodyn.simulation.method_options import LEAST_RTOL
-from robodyn.simulation.methods import method_named
+from robodyn.simulation.methods import LEAST_RTOL, method_named
 from robodyn.simulation.result import Simulation
 
 HALVED, TIGHTENED = ("rk4", "gauss6"), ("radau",)

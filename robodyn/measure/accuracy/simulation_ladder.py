@@ -21,12 +21,11 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
-from robodyn.simulation.method_options import How
-from robodyn.simulation.methods import METHODS, Method
+from robodyn.simulation.methods import METHODS, How, Method
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import integrated, simulate, start_of
-from robodyn.simulation.slip import with_friction
 from robodyn.simulation.steps import Steps
+from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 
 DURATION = 2.0

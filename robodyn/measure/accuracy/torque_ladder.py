@@ -12,10 +12,9 @@ import numpy as np
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
-from robodyn.loads.overflow import REMEDY
-from robodyn.measure.accuracy.derivative_ladder import derivative_ladder
+from robodyn.loads.figures import REMEDY
+from robodyn.measure.accuracy.derivative_ladder import FEWEST, derivative_ladder, rate_ladder
 from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung
-from robodyn.measure.accuracy.rate_ladder import FEWEST, rate_ladder
 from robodyn.measure.accuracy.timing import Spread, timed
 from robodyn.measure.speed.executors import Executor, available, compile_anew
 from robodyn.programs.program import Program
@@ -25,7 +24,7 @@ from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import read_motion, sources_of
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import InputError
-from robodyn.support.library_messages import heard
+from robodyn.support.libraries import heard
 
 Floats = NDArray[np.float64]
 Gravity = tuple[float, float, float]

@@ -16,8 +16,8 @@ from robodyn.programs.program import Program
 from robodyn.programs.run.choice import EXECUTORS, Choice, Work, choice
 from robodyn.programs.run.llvm.machine import compiler, one_line
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.support.threads import cores
 from robodyn.support.wording import alternatives
-from robodyn.support.workers import cores
 
 if TYPE_CHECKING:
     from robodyn.programs.run.compiled_blocks import CompiledBlocks

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robodyn.programs.vectors import product
 from robodyn.report.pictures.primitives import primitive
 from robodyn.robot.urdf.parts import Description
-from robodyn.support.library_messages import heard
+from robodyn.support.libraries import heard
 
 Floats = NDArray[np.float64]
 

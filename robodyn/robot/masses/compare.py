@@ -20,7 +20,7 @@ from robodyn.solids.inertia.box_bound import box_bound
 from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""

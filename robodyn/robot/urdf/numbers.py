@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from robodyn.support.magnitude import LARGEST, SMALLEST
+from robodyn.support.floats import LARGEST, SMALLEST
 from robodyn.support.wording import shown
 
 
@@ -24,7 +24,7 @@ _DIRECTIONS = frozenset({"axis"})
 
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
-    """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.magnitude` has.
+    """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.floats` has.
 
     What is next to nothing is 0. Limits may be of any size: they are compared, not calculated with.
 

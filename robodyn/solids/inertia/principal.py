@@ -10,7 +10,7 @@ from robodyn.programs.vectors import IDENTITY, Array, cross, length, product
 from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats, exact, rounded
 from robodyn.solids.inertia.second import principal_moments
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 EQUAL = 1e-9
 

@@ -11,7 +11,7 @@ from robodyn.programs.vectors import Array
 from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.second import principal_moments, second_moments
-from robodyn.support.ties import HALF_UP
+from robodyn.support.floats import HALF_UP
 
 if TYPE_CHECKING:
     from robodyn.solids.inertia.properties import MassProperties

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import IDENTITY, Array, length, product
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

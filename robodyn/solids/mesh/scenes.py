@@ -17,7 +17,7 @@ from robodyn.solids.mesh.polygons import triangles_of
 from robodyn.solids.mesh.source import Source
 from robodyn.solids.mesh.triangles import Corners, Floats, IndexedTriangles
 from robodyn.solids.mesh.units import scale_of
-from robodyn.support.library_messages import heard, treated_warnings
+from robodyn.support.libraries import heard, treated_warnings
 
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""

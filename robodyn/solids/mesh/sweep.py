@@ -16,7 +16,7 @@ from robodyn.solids.mesh.blocks import block_space, fill, reference_in
 from robodyn.solids.mesh.closed import EdgeSums, Fingerprint
 from robodyn.solids.mesh.kernel import Kernel
 from robodyn.solids.mesh.triangles import Triangles, check_all_finite
-from robodyn.support.magnitude import LARGEST
+from robodyn.support.floats import LARGEST
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.mesh.even_form import EvenForm
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 Floats = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from robodyn.solids.mesh.columns import Floats, frame_along
 from robodyn.solids.mesh.even_form import EvenForm
 from robodyn.solids.mesh.higher_moments import FREQUENCIES, axial_moments
 from robodyn.solids.mesh.symmetry_kinds import NEAR, Axis, Plane, Verdict, verdict_of
-from robodyn.support.ties import ranked
+from robodyn.support.floats import ranked
 
 Found = TypeVar("Found")
 

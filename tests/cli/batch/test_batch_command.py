@@ -16,8 +16,8 @@ from helpers.command_line import ROBOTS, command, run
 import robodyn
 from robodyn.cli import torques_batch
 from robodyn.cli.batch import work
+from robodyn.cli.batch.jobs import VERSION, Setup
 from robodyn.cli.batch.processes import worked_here
-from robodyn.cli.batch.setup import VERSION, Setup
 from robodyn.support.libraries import code_digest, version_of
 
 LINES = [f"runs/{name}.csv: 50 samples, 0.49 s -> results/{name}.csv" for name in sorted(NAMES)]

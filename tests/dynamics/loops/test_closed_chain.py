@@ -13,8 +13,7 @@ from robodyn.dynamics.loops.find import closed_chain, jacobian
 from robodyn.dynamics.loops.least_change import LeastChange
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.aligned import aligned
-from robodyn.dynamics.recursions.composite_body import composite_body, rates_inward
-from robodyn.dynamics.recursions.sparse import Root, SingularError
+from robodyn.dynamics.recursions.composite_body import Root, SingularError, composite_body, rates_inward
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 

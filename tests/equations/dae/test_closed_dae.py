@@ -14,7 +14,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 import robodyn
 from robodyn.equations.dae.closed import by_the_tree
 from robodyn.equations.dae.dae import dae
-from robodyn.equations.dae.reactions import loop_wrenches
+from robodyn.equations.dae.system import loop_wrenches
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 

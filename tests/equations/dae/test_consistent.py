@@ -9,8 +9,8 @@ from helpers.oracles import random_state, robot
 from helpers.single_bodies import HINGE, NEAR, disturbed, four_bar, thrown
 from helpers.small_robots import chain, random_tree
 
+from robodyn.equations.dae.closed import consistent, coordinates_of, quaternion
 from robodyn.equations.dae.consistent import flat_speeds, projected, residuals
-from robodyn.equations.dae.coordinates import consistent, coordinates_of, quaternion
 from robodyn.equations.dae.posed import posed
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_about, rotation_from_quaternion

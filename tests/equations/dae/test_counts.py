@@ -9,7 +9,7 @@ from helpers.single_bodies import HINGE, NEAR, four_bar, taken_apart
 from helpers.small_robots import built, chain, joint, link, random_tree
 
 from robodyn.equations.dae.dae import dae, dae_at
-from robodyn.equations.dae.rank import ranked
+from robodyn.equations.dae.solve import ranked
 from robodyn.scene.scene import Loop, Scene
 
 

@@ -11,7 +11,7 @@ from helpers.small_robots import random_tree
 from robodyn.equations.dae.connections import Anchors, directions, hinge, point, slide, weld
 from robodyn.equations.dae.consistent import flat_speeds
 from robodyn.equations.dae.equations import Across, Along, Sum, Turn, drifts, stacked, values
-from robodyn.equations.dae.joints import joint_connections
+from robodyn.equations.dae.posed import joint_connections
 from robodyn.equations.dae.state import state_of
 from robodyn.programs.dual import rate_of, value_of
 

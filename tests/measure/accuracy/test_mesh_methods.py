@@ -8,8 +8,17 @@ from helpers.command_line import ROBOTS
 
 from robodyn.errors import MeshError
 from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
-from robodyn.measure.accuracy.mesh_methods import by_box, by_chance, by_columns, by_voxels, by_winding_numbers, inertia
-from robodyn.measure.accuracy.mesh_substitutes import by_decimation, by_hull, union_with_a_copy
+from robodyn.measure.accuracy.mesh_methods import (
+    by_box,
+    by_chance,
+    by_columns,
+    by_decimation,
+    by_hull,
+    by_voxels,
+    by_winding_numbers,
+    inertia,
+    union_with_a_copy,
+)
 from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.solids.mesh.load import from_array, load_triangles
 

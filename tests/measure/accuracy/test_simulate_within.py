@@ -13,7 +13,7 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import effort
-from robodyn.measure.accuracy.apart import apart
+from robodyn.measure.accuracy.motion_error import apart
 from robodyn.measure.accuracy.motion_reference import motion_reference
 from robodyn.measure.accuracy.simulate_within import simulate_within
 from robodyn.measure.accuracy.simulation_ladder import state_errors

@@ -13,9 +13,9 @@ from helpers.oracles import robot
 from helpers.small_robots import joint, link, urdf
 
 from robodyn.dynamics.plan import plan
+from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.libraries import LIBRARIES, Task
 from robodyn.measure.speed.peers import bare_description, bare_scene, compared, following
-from robodyn.measure.speed.samples import random_sources
 from robodyn.robot.assemble import load
 
 SAMPLES = 20

@@ -7,7 +7,7 @@ import pytest
 from helpers.oracles import robot
 
 from robodyn.errors import InputError
-from robodyn.measure.speed.samples import MEMORY, laid_out, random_sources
+from robodyn.measure.speed.executors import MEMORY, laid_out, random_sources
 from robodyn.scene.scene import ExternalWrench, Scene
 
 PUSHED = Scene(wrenches=(ExternalWrench("upper_link", ("fx", 0.0, "fz")),))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from robodyn.checks.sources import each_in_a_process
-from robodyn.support import workers
-from robodyn.support.workers import processes
+from robodyn.support import threads as workers
+from robodyn.support.threads import processes
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from helpers import mesh_samples as samples
 from helpers.symmetric_bodies import any_rotation, bracket, cavity, found, verdicts
 
 from robodyn.errors import MeshError
-from robodyn.support.ties import first_largest
+from robodyn.support.floats import first_largest
 
 
 def test_box_has_three_exact_planes_through_its_centre():

@@ -1,7 +1,8 @@
-"""Orders and choices that rounding errors do not turn: numbers that are the same in their first 30 bits are ties.
+"""Floating-point numbers: the type of arrays, sizes, and orders and choices that rounding errors do not turn.
 
-Where numbers come from depends on the processor in their last bits, and what a user sees must not. Comparing them in 30
-bits is comparing them within 1e-9; the limits between two such numbers have 31 bits, which no number has by design.
+Numbers that are the same in their first 30 bits are ties. Where numbers come from depends on the processor in their
+last bits, and what a user sees must not. Comparing them in 30 bits is comparing them within 1e-9; the limits between
+two such numbers have 31 bits, which no number has by design.
 """
 
 from __future__ import annotations
@@ -13,6 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Item = TypeVar("Item")
+Floats = NDArray[np.float64]
+LARGEST = 1e30
+"""In SI units no part of a robot has a larger number; the tenth power of this one can still be held."""
+SMALLEST = 1e-60
+"""What is less is what rounding left of zero, as in files that CAD systems write, and counts as zero."""
 _SPLIT = 2.0**23 + 1.0
 BEYOND = 1.0 + 1e-9
 """Times this, a limit is exceeded by what is larger, and not by what a motion up to the limit is off by rounding."""
@@ -20,7 +26,7 @@ HALF_UP = 1.0 + 1e-12
 """Times this, a number half-way between two of few digits is printed as the larger one, whatever its last digits."""
 
 
-def steady(numbers: ArrayLike, noise: float = 0.0) -> NDArray[np.float64]:
+def steady(numbers: ArrayLike, noise: float = 0.0) -> Floats:
     """Return the numbers rounded to 30 bits, which comparisons are made with.
 
     Method: Veltkamp's splitting (Dekker 1971).
@@ -31,7 +37,7 @@ def steady(numbers: ArrayLike, noise: float = 0.0) -> NDArray[np.float64]:
     given = np.asarray(numbers, dtype=float)
     with np.errstate(over="ignore", invalid="ignore"):
         large = given * _SPLIT
-        found: NDArray[np.float64] = large - (large - given)
+        found: Floats = large - (large - given)
     if noise:
         found = np.where(np.abs(given) <= noise, 0.0, found)
     return np.where(np.isfinite(found), found, given)
@@ -44,7 +50,7 @@ def ranked(items: Iterable[Item], key: Callable[[Item], float], noise: float = 0
     return [given[k] for k in sorted(range(len(given)), key=lambda k: -keys[k])]
 
 
-def first_of_ties(rows: NDArray[np.float64]) -> NDArray[np.int64]:
+def first_of_ties(rows: Floats) -> NDArray[np.int64]:
     """Return for each row (k, N) the place of its largest number, the first of ties: `first_largest` of each."""
     level = steady(rows.max(axis=1))
     below = np.nextafter(np.where(np.isfinite(level), level, 0.0), -np.inf)
