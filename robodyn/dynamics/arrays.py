@@ -7,15 +7,14 @@ from math import prod
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.effects.effect import Still
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 def still(sources: Mapping[str, Floats]) -> Still:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan, applied
@@ -19,8 +18,7 @@ from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.kinematics import motions
 from robodyn.robot.motion_types import Motion
 from robodyn.robot.poses import poses, velocities
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 def laws(plan: Plan) -> Program:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
 from robodyn.dynamics.effects.effect import Sample, Terms
@@ -27,7 +27,7 @@ from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Wrench
 from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
 
 def acceleration_program(plan: Plan) -> Program:
@@ -74,9 +74,6 @@ def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: S
 
 def _floating(model: Model) -> list[tuple[int, Joint]]:
     return [(i, body.joint) for i, body in enumerate(model.bodies) if body.joint.kind == "floating"]
-
-
-Floats = NDArray[np.float64]
 
 
 def forward_dynamics(

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import length
@@ -14,8 +13,8 @@ from robodyn.robot.configuration import Values, coordinates, named
 from robodyn.robot.limits import coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 ROOM = 0.05
 """Of a joint's range, and rad or m at most: what is left to a limit where 0 is none of the positions between limits."""
 _NAMED = 8

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
 from robodyn.dynamics.effects import payload
@@ -20,8 +20,7 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 def inverse_dynamics(

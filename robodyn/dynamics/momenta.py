@@ -8,7 +8,7 @@ from functools import lru_cache
 from math import prod
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, still_sources
 from robodyn.dynamics.effects import rotor_inertia
@@ -25,9 +25,9 @@ from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
 from robodyn.robot.poses import Pose, poses
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 GROUND = "ground"

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.arrays import still
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
@@ -16,8 +15,7 @@ from robodyn.robot.configuration import Values, beyond_limits, configuration, ra
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.eigen import eigen
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True, eq=False)

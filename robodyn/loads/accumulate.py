@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.arrays import still, still_sources
 from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
@@ -35,6 +34,7 @@ from robodyn.programs.vectors import length
 from robodyn.robot.limits import binding, coverage
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import COMPONENTS
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import sources_of
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
     from robodyn.loads.history import Recorder
     from robodyn.loads.momenta import MomentumPass
     from robodyn.loads.sizing import SizingPass
-
-Floats = NDArray[np.float64]
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.loads.sizing_result import BearingLoad, Component, Vector
 from robodyn.loads.statistics import Greatest, Integrals, resultant
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 NAMES = {"revolute": ("fu", "fv", "fa", "mu", "mv"), "prismatic": ("fu", "fv", "mu", "mv", "ma")}
 _RESULTANTS = ("radial", "tilting")

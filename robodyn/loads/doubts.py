@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from math import hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.programs.vectors import length
@@ -14,10 +13,9 @@ from robodyn.robot.model import Model
 from robodyn.robot.standing import untouched
 from robodyn.scene.scene import Scene
 from robodyn.support.doubts import TOO_FEW, Doubt
+from robodyn.support.floats import Floats
 from robodyn.support.wording import count, figure, shown
 from robodyn.trajectory.motion import FEW, Trajectory
-
-Floats = NDArray[np.float64]
 
 OPEN = 0.5
 """Of the rms of derived accelerations: what is open above it is not an error of some rows but of the motion."""

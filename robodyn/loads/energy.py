@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.loads.result import EnergyBalance
-from robodyn.support.floats import first_largest
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats, first_largest
 
 
 class EnergyLedger:

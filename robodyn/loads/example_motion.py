@@ -6,15 +6,12 @@ from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.robot.limits import binding, coordinate_ranges
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import first_largest
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats, first_largest
 
 DURATION, RATE = 10.0, 200.0
 """Seconds, and samples per second."""

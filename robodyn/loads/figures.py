@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.dynamics.effects.friction import friction_of
 from robodyn.dynamics.inverse import runner_of
@@ -16,11 +16,12 @@ from robodyn.loads.statistics import FOUNDATION, Statistics
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
 REMEDY = "are masses, lengths, times and the motion in SI units?"
 
 
-def check_loads(loads: NDArray[np.float64], names: Sequence[str], first_row: int, file: str | None) -> None:
+def check_loads(loads: Floats, names: Sequence[str], first_row: int, file: str | None) -> None:
     """Raise if a load of some sample is not finite.
 
     Args:
@@ -40,9 +41,6 @@ def check_figures(figures: Iterable[ArrayLike], peaks: ArrayLike, file: str | No
         largest = float(np.abs(peaks).max(initial=0.0))
         what = f"the loads are finite, their squares or powers overflow; the largest is {largest:.3g}"
         raise InputError(what, remedy=REMEDY, file=file)
-
-
-Floats = NDArray[np.float64]
 
 
 def joint_of_rates(model: Model) -> list[Joint]:

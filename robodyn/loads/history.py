@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 SPANS = 400
 """Spans of time that a motion is divided into, about one for each pixel of a plot."""

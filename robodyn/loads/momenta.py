@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Still
 from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
@@ -16,9 +15,8 @@ from robodyn.loads.statistics import Extremes
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Trajectory
-
-Floats = NDArray[np.float64]
 
 NAMES = (*COLUMNS, "power")
 """Columns of momentum and energy, and the power tau . qd of the actuators and of what moves the base."""

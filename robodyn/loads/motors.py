@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.errors import SceneError
@@ -15,9 +14,7 @@ from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.robot.model import Joint
 from robodyn.scene.motor import Curve, Motor
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import BEYOND
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import BEYOND, Floats
 
 
 class Train(NamedTuple):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import mass_matrix, torque_runner
 from robodyn.dynamics.plan import plan
@@ -17,10 +16,8 @@ from robodyn.loads.statistics import Extremes, Greatest, Integrals, resultant
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import BEYOND, steady
+from robodyn.support.floats import BEYOND, Floats, steady
 from robodyn.trajectory.motion import Trajectory
-
-Floats = NDArray[np.float64]
 
 STANDSTILL = 1e-3
 """Speed [rad/s, m/s] up to which a joint counts as standing still."""

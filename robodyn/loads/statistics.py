@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.support.floats import BEYOND, first_of_ties, steady
+from robodyn.support.floats import BEYOND, Floats, first_of_ties, steady
 from robodyn.trajectory.columns import COMPONENTS
-
-Floats = NDArray[np.float64]
 
 
 class Extremes:

@@ -7,14 +7,12 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robodyn.errors import InputError
 from robodyn.loads.accumulate import Options, Pass
 from robodyn.loads.result import Result
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
 from robodyn.support.threads import ahead
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
@@ -23,7 +21,6 @@ from robodyn.trajectory.robot_motion import read_motion
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
 
-Floats = NDArray[np.float64]
 Sink = Callable[[Floats, Floats], None]
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from robodyn.loads.history import Floats
+    from robodyn.support.floats import Floats
 
 INK, SOFT, GRID, PAPER, BAD, GOOD = "#0a0b01", "#0a0b02", "#0a0b03", "#0a0b04", "#0a0b05", "#0a0b06"
 SERIES = tuple(f"#0a0c{k:02d}" for k in range(1, 11))

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robodyn.loads.history import Curves, Floats, History
+from robodyn.loads.history import Curves, History
 from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.report.document import Figure
 from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 from robodyn.support.wording import shortened
 
 if TYPE_CHECKING:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.history import Floats
 from robodyn.programs.vectors import product
 from robodyn.report.document import Document, Figure
 from robodyn.report.json_comparison import comparison_json
@@ -25,6 +24,7 @@ from robodyn.robot.masses.from_shapes import LinkShapes
 from robodyn.robot.urdf.description import Description
 from robodyn.solids.composite_mass import Combination
 from robodyn.solids.inertia.view import View
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.loads.history import Floats
 from robodyn.programs.vectors import product
 from robodyn.report.check_words import check_line, check_verdict
 from robodyn.report.document import (
@@ -34,6 +33,7 @@ from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import validity
 from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.history import Curves, Floats, Thinned
+from robodyn.loads.history import Curves, Thinned
 from robodyn.report.document import (
     Block,
     Document,
@@ -27,7 +27,7 @@ from robodyn.report.table import drift_text, is_noise, number, printable, relati
 from robodyn.report.text_blocks import blocks_of
 from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.loads.figures import joint_of_rates
-from robodyn.loads.history import Curves, Floats
+from robodyn.loads.history import Curves
 from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
@@ -20,6 +20,7 @@ from robodyn.report.text_sizing import in_words, sizing_parts
 from robodyn.robot.model import Model
 from robodyn.scene.motor import Curve
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.history import Floats
 from robodyn.programs.vectors import Array, product
 from robodyn.report.document import Figure
 from robodyn.report.figures import INK, SERIES, SOFT, plot
@@ -15,6 +14,7 @@ from robodyn.report.solids import PAPER, Solid, on_paper, paint, triad
 from robodyn.report.table import printable
 from robodyn.robot.configuration import link_poses
 from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from robodyn.loads.history import Floats
 from robodyn.programs.vectors import length, product
 from robodyn.report.figures import SOFT
 from robodyn.report.svg_arrows import RIGHT, TOWARDS, UP
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,10 +8,11 @@ from math import floor, log10
 
 import numpy as np
 
-from robodyn.equations.free_body.types import Action, Floats, FreeBody
+from robodyn.equations.free_body.types import Action, FreeBody
 from robodyn.programs.vectors import length
 from robodyn.report.sizes import Sizes
 from robodyn.report.table import is_noise
+from robodyn.support.floats import Floats
 from robodyn.support.wording import shortened
 
 COLOURS = {

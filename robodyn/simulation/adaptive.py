@@ -9,7 +9,6 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
@@ -22,8 +21,8 @@ from robodyn.simulation.fixed import Motion
 from robodyn.simulation.methods import Method, TooMuchError
 from robodyn.simulation.rows import NEAR
 from robodyn.simulation.table import Signal
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 EXPECTED = 4000
 """Evaluations that a motion usually takes at least: machine code is made for them where that is quicker."""
 MOST_ROWS = 300_000

@@ -8,13 +8,10 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.errors import InputError
 from robodyn.robot.model import Joint, Model
-from robodyn.support.floats import first_largest
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats, first_largest
 
 
 class Stop(NamedTuple):

@@ -8,7 +8,6 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
@@ -22,9 +21,9 @@ from robodyn.simulation.methods import Method, TooMuchError
 from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.steps import Steps
 from robodyn.simulation.table import Signal
+from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
-Floats = NDArray[np.float64]
 CHUNK = 4096
 """Steps made at a time; limits are looked at after each."""
 SWEEPS_USUAL = 8

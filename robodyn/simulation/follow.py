@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
@@ -14,8 +13,8 @@ from robodyn.simulation.fixed import SHORTER, Motion
 from robodyn.simulation.methods import How, TooMuchError, method_named
 from robodyn.simulation.stiffness import Stiffest, reach, rounded, stiffest
 from robodyn.support.doubts import Doubt
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
 TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.friction import rubbing
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
@@ -17,9 +16,8 @@ from robodyn.scene.scene import Scene
 from robodyn.simulation.conserving import is_free
 from robodyn.simulation.events import Limits
 from robodyn.support.doubts import Doubt
-from robodyn.support.floats import BEYOND, first_largest, ranked
+from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
 
-Floats = NDArray[np.float64]
 SLOW = 3.0
 """Slip speeds below which a joint is held: friction then balances up to 95 % of what it is at speed."""
 SHORT = 0.05

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import runner_of
@@ -26,8 +25,8 @@ from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.singular import Singular, passed
 from robodyn.simulation.table import Signal
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 

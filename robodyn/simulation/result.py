@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Effect, Verdict
 from robodyn.robot.limits import Coverage, Excess, within
@@ -17,8 +16,7 @@ from robodyn.simulation.joint_use import JointUse, doubts, joint_use, limits_che
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.methods import Method
 from robodyn.support.doubts import Doubt
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True)

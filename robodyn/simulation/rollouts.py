@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of
 from robodyn.dynamics.plan import plan
@@ -22,9 +22,9 @@ from robodyn.simulation.methods import method_named
 from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
+from robodyn.support.floats import Floats
 from robodyn.support.threads import cores
 
-Floats = NDArray[np.float64]
 TOGETHER = 64
 """Rollouts whose states go through all steps together: they stay in the first cache."""
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
+
 NEAR = 8.0 * float(np.finfo(float).eps)
 """Times that differ by less than this part of them are the same: what rounding makes of a multiple of a step."""
 

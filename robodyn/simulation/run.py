@@ -7,7 +7,6 @@ from functools import lru_cache
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.initial_state import initial_state, limits_at_start
 from robodyn.dynamics.inverse import runner_of
@@ -32,8 +31,8 @@ from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.singular import passing_notes, start_doubts
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 DURATION = 10.0
 """s, where none is given and no table says it."""
 

@@ -7,7 +7,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops import necessary
@@ -23,8 +22,8 @@ from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.support.doubts import Doubt
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 KEPT = 1e-4
 """Of the square of the speeds: what they may miss of staying on the loops, as those typed with six digits do."""
 WORK = 5e8

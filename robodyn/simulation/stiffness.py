@@ -9,7 +9,6 @@ from math import floor, log10
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects import coulomb_friction
 from robodyn.dynamics.effects.friction import rubbing
@@ -20,7 +19,7 @@ from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import Method
-from robodyn.support.floats import first_largest, ranked
+from robodyn.support.floats import Floats, first_largest, ranked
 
 SLIP_SPEED = 1e-3
 """rad/s, where a joint has Coulomb friction and the scene gives none."""
@@ -38,7 +37,6 @@ def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
 
 
-Floats = NDArray[np.float64]
 FRICTION = "Coulomb friction near rest"
 CONTRACTION = 0.45
 """46 sweeps then end in rounding."""

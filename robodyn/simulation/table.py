@@ -9,12 +9,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.simulation.rows import NEAR, Piece
+from robodyn.support.floats import Floats
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.header import listing
@@ -23,7 +24,6 @@ from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.units import TimeUnit
 
-Floats = NDArray[np.float64]
 LOAD, REFERENCE, RATE = "load", "reference", "rate"
 
 

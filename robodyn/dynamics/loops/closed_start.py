@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Sequence
 from math import atan2
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closing import Closing
@@ -18,8 +17,8 @@ from robodyn.programs.linear import shortest
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 CLOSED = 1e-13
 """m or rad that a loop may be open at the start, for links of up to a metre."""
 MISFIT = 1e-6

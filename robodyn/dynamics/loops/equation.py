@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import IDENTITY, Array, Scalar, cross, product, rotation_from_rpy, skew, snapped
 from robodyn.scene.scene import Loop
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 class Equation(NamedTuple):

@@ -7,7 +7,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.effect import Sample
@@ -20,8 +19,8 @@ from robodyn.dynamics.recursions.aligned import aligned
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import GROUND, Loop
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 TRIALS = 6
 """Configurations at which equations are looked at."""
 RANGE = 1.0

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_start import closed_near, closed_start
@@ -16,8 +15,8 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import across
 from robodyn.programs.vectors import product
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 AWAY = 0.1
 """rad or m, to where the rank of J is looked at again."""
 LOOKS = 3

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.loops.closed_start import closed_start
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
@@ -24,9 +23,7 @@ from robodyn.robot.configuration import Values, configuration, rates
 from robodyn.robot.model import Frame, Model
 from robodyn.robot.motion_types import Wrench
 from robodyn.scene.scene import Entry, Scene
-from robodyn.support.floats import first_largest
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats, first_largest
 
 
 def coordinates_of(robot: Posed, at: State) -> tuple[Floats, Floats]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.equations.dae.equations import stacked, values
 from robodyn.equations.dae.state import STILL, Place, Speed, State
@@ -13,8 +12,8 @@ from robodyn.equations.dae.system import System
 from robodyn.errors import InputError
 from robodyn.programs.linear import shortest
 from robodyn.programs.vectors import narrowed, product, rotation_about
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 STEPS = 40
 FULFILLED = 1e-13
 """Of the robot's size or of one radian: a projection that comes to rest above this has not met the constraints."""

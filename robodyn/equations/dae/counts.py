@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.plan import loads
@@ -16,8 +16,8 @@ from robodyn.equations.dae.solve import Rank, Solution, equilibrated, saddle, sc
 from robodyn.equations.dae.system import Matrices, System
 from robodyn.programs.vectors import narrowed_all, product
 from robodyn.robot.motion_types import Wrench
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 FULL = 1e-13
 """An eigenvalue counts if it is larger than this part of the largest, in a matrix of like rows and columns."""
 UNDETERMINED = 1e-8

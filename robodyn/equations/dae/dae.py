@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.equations.dae.closed import closed_state
 from robodyn.equations.dae.consistent import Residuals, residuals
@@ -22,8 +21,8 @@ from robodyn.robot.configuration import Values, beyond_limits, configuration, ra
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Wrench
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 CONTRADICTED = 1e-8
 """Of the magnitudes that add up."""
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.equations.dae.posed import Posed
 from robodyn.equations.dae.reduction import Reduced, accelerations_along, independent_accelerations
 from robodyn.equations.dae.solve import Solution
 from robodyn.programs.vectors import product
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True)

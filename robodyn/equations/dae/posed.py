@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import armatures
@@ -109,9 +108,6 @@ def _turn_between(a: Array, b: Array) -> Array:
 
 def _half_turn(axis: Array) -> Array:
     return 2.0 * np.outer(axis, axis) - np.eye(3)
-
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

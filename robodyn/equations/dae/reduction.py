@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.equations.dae.consistent import flat_speeds
 from robodyn.equations.dae.posed import Posed, own_rates
@@ -13,8 +12,8 @@ from robodyn.equations.dae.solve import Solution
 from robodyn.equations.dae.state import accelerations_of, state_of
 from robodyn.programs.linear import across, shortest, solve
 from robodyn.programs.vectors import narrowed, product
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 LOOSE = 1e-10
 """Equations of loops of which no more than this part of the largest is left follow from the others."""
 

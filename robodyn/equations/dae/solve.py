@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.equations.dae.system import Matrices
 from robodyn.programs.linear import solve
 from robodyn.programs.vectors import product
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 DEPENDENT = 1e-10
 """A row is dependent if less than this part of it is left outside the span of the rows before it."""
 BLOCK = 24

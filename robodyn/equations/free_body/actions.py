@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import at_rest
@@ -23,8 +22,7 @@ from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.robot.poses import Acceleration, Pose, Velocity
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.moments import Inertia
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 _LETTERS = {
     "viscous friction": "V",

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import cross
 from robodyn.robot.poses import Pose
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
@@ -16,11 +15,11 @@ from robodyn.measure.accuracy.ladder import Ladder, Rung
 from robodyn.measure.accuracy.timing import timed
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.reading import MODES, Derivatives
 from robodyn.trajectory.robot_motion import motion, sources_of
 
-Floats = NDArray[np.float64]
 MEASURES = "middle", "whole"
 SEED = 0
 """Of the noise that is added to a motion like the given one."""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from robodyn.robot.model import Model
 from robodyn.simulation.result import Simulation
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 _ANGLE, _LENGTH, _TURN, _RATE, _SPEED = range(5)
 
 

@@ -9,7 +9,6 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.plan import Plan
@@ -20,8 +19,8 @@ from robodyn.robot.model import Model
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import simulate
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 Run = Callable[..., Simulation]
 """`simulate` with all but the duration and the method."""
 COARSE, FINE = (16, 1e-18), (24, 1e-22)

@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.simulation.events import Limits, Stop, lowest_of_cubic
 from robodyn.simulation.result import Simulation
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
-Floats = NDArray[np.float64]
 NEAREST = 16
 """Turns that are looked at closely."""
 

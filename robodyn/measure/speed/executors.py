@@ -20,8 +20,8 @@ from robodyn.programs.run.llvm.machine import Function, compiler, machine_code
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 Order = Literal["F", "C"]
 LAYOUTS: dict[str, Order] = {"columnar": "F", "row-major": "C"}
 MEMORY = 4 << 30

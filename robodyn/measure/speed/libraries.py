@@ -8,12 +8,11 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.errors import InputError
+from robodyn.support.floats import Floats
 from robodyn.support.libraries import heard
 
-Floats = NDArray[np.float64]
 Gravity = tuple[float, float, float]
 
 FEW = 1000

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import torque_runner
 from robodyn.dynamics.plan import plan
@@ -22,8 +21,7 @@ from robodyn.programs.run.llvm.machine import compiler
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 KEPT = {"link": {"inertial"}, "joint": {"origin", "parent", "child", "axis", "limit"}}
 """What other libraries are given of a description."""

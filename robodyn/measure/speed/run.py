@@ -12,7 +12,7 @@ from robodyn.dynamics.balance import energy, laws
 from robodyn.dynamics.inverse import mass_runner, runner_of
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.loads.figures import effect_reports
-from robodyn.measure.speed.executors import Floats, Work, compile_anew, executor_benches, random_sources
+from robodyn.measure.speed.executors import Work, compile_anew, executor_benches, random_sources
 from robodyn.measure.speed.peers import compared
 from robodyn.measure.speed.result import Bench, EffectBench, ProgramBench, Timing
 from robodyn.measure.speed.timing import repeated, taking_turns
@@ -22,6 +22,7 @@ from robodyn.programs.run.llvm.machine import compiler
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
 from robodyn.support.threads import cores
 
 LARGEST_RESULT = 64 << 20
