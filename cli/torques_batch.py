@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from robodyn.cli.batch.jobs import Job, Setup, jobs_of
-from robodyn.cli.batch.processes import worked_here
+from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.options import payloads
 from robodyn.cli.progress import files_done
@@ -89,7 +89,7 @@ def _packed(path: str) -> bytes:
 def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:
     import logging
 
-    from robodyn.cli.batch.cluster import worked_there
+    from robodyn.cli.batch.workers import worked_there
 
     with suppress(ImportError):  # which is told there; an import sets the levels of its own loggers
         import_module("distributed")

@@ -9,8 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.dual_state import along_motion
-from robodyn.dynamics.recursions.momentum import momenta, momentum_of_bodies
+from robodyn.dynamics.recursions.momentum import along_motion, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape

@@ -14,8 +14,8 @@ from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, applied, plan
-from robodyn.dynamics.recursions.aligned import aligned
 from robodyn.dynamics.recursions.articulated_body import articulated_body
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace

@@ -8,11 +8,11 @@ from importlib.metadata import version
 
 import numpy as np
 
-from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import rubbing
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner
 from robodyn.dynamics.plan import plan
-from robodyn.equations.jobs import bias_plan, check_equations, identifier, identifiers
+from robodyn.equations.ode import bias_plan, check_equations, identifier, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.run.c_code import c_function, comment, prototype

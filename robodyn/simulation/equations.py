@@ -12,12 +12,10 @@ from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops import necessary
-from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.turning import local_rates, moved, unit
+from robodyn.dynamics.loops.closing import Closing, local_rates, moved, unit
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.aligned import aligned
-from robodyn.dynamics.recursions.dual_state import along_motion
-from robodyn.dynamics.recursions.momentum import momenta
+from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.recursions.momentum import along_motion, momenta
 from robodyn.programs.dual import rate_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import rubbing
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.standing import untouched

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects import coulomb_friction
-from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import rubbing
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.linear import solve

@@ -22,8 +22,8 @@ from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import acceleration_program, accelerations, forward_by_factorisation, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
-from robodyn.dynamics.recursions.aligned import aligned
 from robodyn.dynamics.recursions.articulated_body import articulated_body
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.dual import Dual

@@ -12,8 +12,7 @@ from helpers.small_robots import urdf
 
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.recursions.dual_state import along_motion
-from robodyn.dynamics.recursions.momentum import momenta, momentum_of_bodies
+from robodyn.dynamics.recursions.momentum import along_motion, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.robot.kinematics import motions
 from robodyn.robot.poses import poses

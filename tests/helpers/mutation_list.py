@@ -39,7 +39,7 @@ MUTATIONS = {
         ("dynamics/recursions/newton_euler.py", "joint.multiplier * (along + at_joint", "1.0 * (along + at_joint"),
         ("dynamics/recursions/newton_euler.py", "M[j, j] + armature[j]", "M[j, j] - armature[j]"),
         ("dynamics/recursions/momentum.py", "H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]"),
-        ("dynamics/recursions/dual_state.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
+        ("dynamics/recursions/momentum.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
     ],
     "dynamics/effects/test_external_wrench.py": [
         ("dynamics/recursions/newton_euler.py", "f[i] - wrench.f, n[i] - wrench.n", "f[i] - wrench.f, n[i] + wrench.n"),
@@ -212,7 +212,7 @@ MUTATIONS = {
         ("simulation/events.py", "< DOUBT * spread[stop]", "< -DOUBT * spread[stop]"),
         ("simulation/fixed.py", "kept = kept[kept < (", "kept = kept[kept <= ("),
         ("simulation/events.py", "return -self._gain * qd", "return self._gain * qd"),
-        ("measure/accuracy/near_limits.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
+        ("measure/accuracy/refined.py", "0.5 * speed * speed / braked", "0.5 * speed / braked"),
     ],
     "simulation/test_rows_of_tables.py": [
         ("simulation/rows.py", "> NEAR * rows", "> 0.0 * rows"),

@@ -12,7 +12,7 @@ from helpers.busy_robot import busy_robot
 from helpers.small_robots import joint, link, urdf
 
 import robodyn
-from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.robot.model import Body, Frame, Joint, Model
 
 

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 import robodyn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy import effort
-from robodyn.measure.accuracy.near_limits import graze
+from robodyn.measure.accuracy.refined import graze
 from robodyn.measure.accuracy.simulate_within import simulate_within
 from robodyn.scene.scene import Drive, Scene
 from robodyn.simulation.methods import METHODS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
-from robodyn.dynamics.effects.friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import rubbing
 from robodyn.programs.vectors import Scalar, exp, sign, sqrt
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion

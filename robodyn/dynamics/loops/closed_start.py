@@ -8,9 +8,8 @@ from math import atan2
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.closing import Closing, moved, unit
 from robodyn.dynamics.loops.find import NOTHING, closed_chain, jacobian
-from robodyn.dynamics.loops.turning import moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import shortest

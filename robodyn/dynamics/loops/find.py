@@ -15,7 +15,7 @@ from robodyn.dynamics.loops.closed_chain import EXACT, ClosedChain
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
 from robodyn.dynamics.loops.equation import Equation, equations_of
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.aligned import aligned
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import GROUND, Loop

@@ -17,7 +17,7 @@ from robodyn.equations.dae.posed import Posed, own_rates, posed
 from robodyn.equations.dae.solve import Solution
 from robodyn.equations.dae.state import State
 from robodyn.equations.dae.system import loop_wrenches
-from robodyn.equations.jobs import bias_plan
+from robodyn.equations.ode import bias_plan
 from robodyn.programs.vectors import cross, product
 from robodyn.robot.configuration import Values, configuration, rates
 from robodyn.robot.model import Frame, Model

@@ -11,10 +11,9 @@ from robodyn.equations.dae.consistent import Residuals, residuals
 from robodyn.equations.dae.counts import Comparison, Counts, compared, counted
 from robodyn.equations.dae.elimination import Step, steps
 from robodyn.equations.dae.posed import Posed, posed
-from robodyn.equations.dae.reduction import Reduced, accelerations_along, reduced
-from robodyn.equations.dae.solve import Rank, Solution, rank_of, solved
+from robodyn.equations.dae.solve import Rank, Reduced, Solution, accelerations_along, rank_of, reduced, solved
 from robodyn.equations.dae.system import Matrices, joint_wrenches
-from robodyn.equations.jobs import check_equations
+from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all, product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates

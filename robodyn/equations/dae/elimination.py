@@ -8,8 +8,7 @@ import numpy as np
 
 from robodyn.dynamics.inverse import bias_forces, mass_matrix
 from robodyn.equations.dae.posed import Posed
-from robodyn.equations.dae.reduction import Reduced, accelerations_along, independent_accelerations
-from robodyn.equations.dae.solve import Solution
+from robodyn.equations.dae.solve import Reduced, Solution, accelerations_along, independent_accelerations
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 

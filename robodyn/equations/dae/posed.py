@@ -14,7 +14,7 @@ from robodyn.equations.dae.connections import PLAIN, Anchors, Connection, direct
 from robodyn.equations.dae.equations import Along, Equation, Sum, Turn
 from robodyn.equations.dae.state import State, state_of
 from robodyn.equations.dae.system import Matrices, System, matrices
-from robodyn.equations.jobs import bias_plan
+from robodyn.equations.ode import bias_plan
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, length, product, rotation_from_rpy
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import Loop, Scene

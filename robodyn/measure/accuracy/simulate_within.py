@@ -9,8 +9,7 @@ from typing import Any, NoReturn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.effort import Effort
 from robodyn.measure.accuracy.motion_error import apart, seen
-from robodyn.measure.accuracy.near_limits import graze
-from robodyn.measure.accuracy.refined import FIRST_STEP, TINY, Settled, UnsettledError, refined, shown
+from robodyn.measure.accuracy.refined import FIRST_STEP, TINY, Settled, UnsettledError, graze, refined, shown
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.simulation.follow import TOO_LONG

@@ -16,7 +16,7 @@ from helpers.command_line import command, run
 from helpers.processes import python
 
 from robodyn.cli import torques_batch
-from robodyn.cli.batch import cluster
+from robodyn.cli.batch import workers as cluster
 from robodyn.cli.batch.jobs import jobs_of
 
 distributed = pytest.importorskip("distributed")

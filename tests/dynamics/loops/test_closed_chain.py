@@ -12,8 +12,8 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.find import closed_chain, jacobian
 from robodyn.dynamics.loops.least_change import LeastChange
 from robodyn.dynamics.plan import applied, plan
-from robodyn.dynamics.recursions.aligned import aligned
 from robodyn.dynamics.recursions.composite_body import Root, SingularError, composite_body, rates_inward
+from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 

@@ -12,7 +12,7 @@ from robodyn.dynamics.loops.closure import Closure
 from robodyn.dynamics.loops.equation import equations_of
 from robodyn.dynamics.loops.find import closed_chain, closure_of, independent, jacobian
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.recursions.dual_state import along_motion
+from robodyn.dynamics.recursions.momentum import along_motion
 from robodyn.scene.scene import Loop, Scene
 
 KINDS = ("point", "hinge", "weld")

@@ -12,9 +12,10 @@ from helpers.oracles import robot, worst
 from helpers.single_bodies import taken_apart
 from helpers.small_robots import built, joint, link, random_tree
 
-from robodyn.equations.dae import elimination, reduction
+from robodyn.equations.dae import elimination
+from robodyn.equations.dae import solve as reduction
 from robodyn.equations.dae.posed import own_rates, posed
-from robodyn.equations.dae.reduction import reduced
+from robodyn.equations.dae.solve import reduced
 from robodyn.scene.scene import Rotor, Scene
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])

@@ -13,7 +13,7 @@ from helpers.random_programs import random_program
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from robodyn.equations.jobs import identifier, identifiers
+from robodyn.equations.ode import identifier, identifiers
 from robodyn.errors import InputError
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.symbolic import expressions, number
