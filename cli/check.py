@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -16,7 +16,7 @@ from robodyn.checks.rule import Severity
 from robodyn.checks.run import Checked, Options
 from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
-from robodyn.cli.options import DESCRIPTION, PATH, lookup
+from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
@@ -27,35 +27,32 @@ from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 
 
-class Codes(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _codes(text: str) -> tuple[str, ...]:
     """Codes of rules, or their beginnings, between commas."""
-
-    name = "codes"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        codes = [code.strip() for code in str(value).split(",")]
-        return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
+    codes = [code.strip() for code in text.split(",")]
+    return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
 
 
-class Programs(Codes):
-    """Names of programs, between commas."""
-
-    name = "names"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
-        return tuple(code.lower() for code in super().convert(value, param, ctx))
+def _programs(text: str) -> tuple[str, ...]:
+    return tuple(code.lower() for code in _codes(text))
 
 
-CODES, PROGRAMS = Codes(), Programs()
+CODES = Parsed("codes", _codes)
 FORMATS = ("text", "json", "sarif", "junit", "github")
-_OPTIONS = (
+OPTIONS = together(
     click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; default all."),
     click.option("--ignore", type=CODES, metavar="CODES", help="Rules not to run."),
     click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
     click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
     click.option("--statistics", is_flag=True, help="Count findings by rule in place of listing them."),
     DESCRIPTION,
-    click.option("--target", "targets", type=PROGRAMS, metavar="NAMES", help="What mujoco, drake, gz, kdl, isaac do."),
+    click.option(
+        "--target",
+        "targets",
+        type=Parsed("names", _programs),
+        metavar="NAMES",
+        help="What mujoco, drake, gz, kdl, isaac do.",
+    ),
     click.option("--against", metavar="REF", help="Compare the dynamics with the file's version at a git revision."),
     click.option("--trajectory", type=PATH, metavar="FILE", help="Hold the limits against the loads along a motion."),
     click.option(
@@ -67,13 +64,6 @@ _OPTIONS = (
     click.option("--unsafe-fixes", is_flag=True, help="With --fix or --diff: edits that change the dynamics, too."),
     click.option("--diff", is_flag=True, help="Print what --fix would change, and change nothing."),
 )
-
-
-def OPTIONS(command: Callable[..., Any]) -> Callable[..., Any]:
-    """All of them, in this order."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
 
 
 def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:

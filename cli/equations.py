@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import reduce
 from typing import Any
 
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, GRAVITY, PATH, SCENE, AtType, Vector
+from robodyn.cli.options import AT, DESCRIPTION, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
 from robodyn.cli.screen import page, show
 from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
@@ -27,23 +25,18 @@ from robodyn.scene.scene import Scene
 FORMATS = ("text", "latex", "c", "json")
 ONLY = {"c": ("ode",), "latex": ("closed", "dae")}
 """Formats that not all forms have."""
-_OPTIONS = (
+ASKED = together(
     click.option(
         "--form",
         type=click.Choice(["ode", "dae", "closed"]),
         default="ode",
         help="ode (default): in numbers; dae: with constraints and reactions; closed: in symbols.",
     ),
-    click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
-    click.option("--qd", type=AtType(), metavar="QD", help="Velocities, likewise; default at rest."),
-    click.option("--tau", type=AtType(), metavar="TAU", help="Torques for --form dae, likewise; default none."),
+    AT,
+    QD,
+    click.option("--tau", type=VALUES, metavar="TAU", help="Torques for --form dae, likewise; default none."),
     click.option("--format", "output", type=click.Choice(FORMATS), default="text", help="Default text."),
 )
-
-
-def ASKED(command: Callable[..., Any]) -> Callable[..., Any]:
-    """All of them, in this order."""
-    return reduce(lambda inner, option: option(inner), reversed(_OPTIONS), command)
 
 
 def check_asked(form: str, output: str, **numbers: Any) -> None:

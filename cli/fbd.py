@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, SCENE, AtType, Vector
+from robodyn.cli.options import AT, DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.screen import page, show
 from robodyn.equations.free_body.bodies import free_bodies
@@ -21,21 +20,13 @@ from robodyn.scene.scene import Scene
 from robodyn.trajectory.at_time import row_at
 from robodyn.trajectory.robot_motion import read_motion
 
-Callback = Callable[..., Any]
-
-
-def STATE(command: Callback) -> Callback:
-    """The options --at, --qd, --qdd, --traj and --time."""
-    options = (
-        click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
-        click.option("--qd", type=AtType(), metavar="QD", help="Velocities, likewise; default at rest."),
-        click.option("--qdd", type=AtType(), metavar="QDD", help="Accelerations, likewise; default none."),
-        click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
-        click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
-    )
-    for option in reversed(options):
-        command = option(command)
-    return command
+STATE = together(
+    AT,
+    QD,
+    click.option("--qdd", type=VALUES, metavar="QDD", help="Accelerations, likewise; default none."),
+    click.option("--traj", type=PATH, metavar="FILE", help="Take the state from a trajectory, at --time."),
+    click.option("--time", type=float, metavar="T", help="s; the nearest row of the trajectory counts."),
+)
 
 
 def state_of(

@@ -2,51 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import reduce
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from typing import TypeVar
 
 import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import DESCRIPTION, POSITIVE, AtType, PointType, VectorType, finite_numbers
+from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite_numbers, together, vector_type
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.solids.inertia.properties import Pose
 
-Callback = Callable[..., Any]
 T = TypeVar("T")
 
 
-class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _place(text: str) -> Pose:
     """Three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
-
-    name = "place"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Pose:
-        numbers = finite_numbers(str(value))
-        if len(numbers) not in (3, 6):
-            self.fail(f"{value!r} is not three or six finite numbers between commas, such as 0,0,0.1", param, ctx)
-        roll, pitch, yaw = numbers[3:] or (0.0, 0.0, 0.0)
-        return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
+    numbers = finite_numbers(text)
+    if len(numbers) not in (3, 6):
+        raise ValueError(f"{text!r} is not three or six finite numbers between commas, such as 0,0,0.1")
+    roll, pitch, yaw = numbers[3:] or (0.0, 0.0, 0.0)
+    return rotation_from_rpy(roll, pitch, yaw), np.array(numbers[:3])
 
 
-def _both(*options: Callback) -> Callback:
-    return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
-
-
-_POINT = click.option(
-    "--about", type=PointType(), default="com", metavar="POINT", help="com (default), origin or X,Y,Z."
+VIEW = together(
+    click.option("--about", type=POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
+    click.option("--rpy", type=vector_type("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."),
+    click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
 )
-_AXES = click.option(
-    "--rpy", type=VectorType("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."
-)
-_FORM = click.option(
-    "--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."
-)
-VIEW = _both(_POINT, _AXES, _FORM)
-WEIGHT = _both(
+WEIGHT = together(
     click.option(
         "--density", type=float, multiple=True, metavar="RHO", help="kg/m^3, once or for each mesh; default 1000."
     ),
@@ -58,7 +43,7 @@ WEIGHT = _both(
         help="kg, once (with --combine: of the whole) or for each mesh.",
     ),
 )
-MESH = _both(
+MESH = together(
     click.option(
         "--unit",
         type=click.Choice(["m", "mm", "cm", "in"]),
@@ -80,15 +65,19 @@ MESH = _both(
         "--repair/--no-repair", default=True, help="--no-repair: the signed integral of the surface as it is."
     ),
 )
-COMBINE = _both(
+COMBINE = together(
     click.option("--combine", is_flag=True, help="All meshes as one rigid body."),
     click.option(
-        "--place", type=PlaceType(), multiple=True, metavar="X,Y,Z[,R,P,Y]", help="For each mesh in turn, in m and rad."
+        "--place",
+        type=Parsed("place", _place),
+        multiple=True,
+        metavar="X,Y,Z[,R,P,Y]",
+        help="For each mesh in turn, in m and rad.",
     ),
 )
-ROBOT = _both(
+ROBOT = together(
     click.option("--link", metavar="NAME", help="One link, in its own frame."),
-    click.option("--at", type=AtType(), metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0."),
+    AT,
     click.option("--compare", is_flag=True, help="Declared inertias against the links' shapes."),
     click.option("--geometry", type=click.Choice(["visual", "collision"]), help="Which shapes, also for --link."),
     DESCRIPTION,

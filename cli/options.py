@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,10 +17,50 @@ if TYPE_CHECKING:
 
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
+ROBOT_SUFFIXES = (".urdf", ".xacro")
+
+
+def together(*options: Callback) -> Callback:
+    """Return one decorator for several options, which help lists in this order."""
+    return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
+
+
+def _keep(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+    ctx.meta[f"robodyn.{param.name}"] = value
+
+
+def kept(*names: str, **given: Any) -> Callback:
+    """Return an option whose value no command takes as an argument, but `kept_value` has, wherever it is called."""
+    return click.option(*names, expose_value=False, callback=_keep, **given)
+
+
+def kept_value(name: str, default: Any) -> Any:
+    """Return the value of an option of `kept`."""
+    ctx = click.get_current_context(silent=True)
+    return default if ctx is None else ctx.meta.get(f"robodyn.{name}", default)
+
+
+class Parsed(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+    """What a function makes of the text, which says in a ValueError why it cannot."""
+
+    def __init__(self, name: str, parse: Callable[[str], Any] = str) -> None:
+        """Args: name: "file" or "dir" where shells complete names of those; whether they are there, say who read it."""
+        self.name, self._parse = name, parse
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        try:
+            return self._parse(value) if isinstance(value, str) else value
+        except ValueError as problem:
+            return self.fail(str(problem), param, ctx)
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type=self.name)] if self.name in ("file", "dir") else []
 
 
 def finite_numbers(text: str) -> list[float]:
-    """The numbers between commas; none if one of them is no finite number."""
+    """Return the numbers between commas; none if one of them is no finite number."""
     try:
         numbers = [] if "_" in text else [float(part) for part in text.split(",")]
     except ValueError:
@@ -27,186 +68,145 @@ def finite_numbers(text: str) -> list[float]:
     return numbers if all(map(math.isfinite, numbers)) else []
 
 
-class PlaceType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """A name that shells complete; whether it is there, and readable, is for those to say who read it."""
-
-    def __init__(self, name: str) -> None:
-        """Args: name: "file" or "dir", as shells know them."""
-        self.name = name
-
-    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        from click.shell_completion import CompletionItem
-
-        return [CompletionItem(incomplete, type=self.name)]
+def _folder(text: str) -> str:
+    if not os.path.isdir(text):
+        what = "is a file, not a folder" if os.path.isfile(text) else "there is no such folder"
+        raise ValueError(f"{text!r}: {what}")
+    return text
 
 
-PATH, FOLDER = PlaceType("file"), PlaceType("dir")
-
-
-class PackagesType(PlaceType):
-    """A folder that is there."""
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        folder = str(value)
-        if not os.path.isdir(folder):
-            what = "is a file, not a folder" if os.path.isfile(folder) else "there is no such folder"
-            self.fail(f"{folder!r}: {what}", param, ctx)
-        return folder
-
-
-class ArgumentType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _argument(text: str) -> tuple[str, str]:
     """NAME:=VALUE, as the command xacro takes it."""
-
-    name = "argument"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, str]:
-        if isinstance(value, tuple):
-            return value
-        name, sign, text = str(value).partition(":=")
-        if not sign or not name.strip():
-            self.fail(f"{value!r} is not NAME:=VALUE, such as prefix:=left_", param, ctx)
-        return name.strip(), text
+    name, sign, value = text.partition(":=")
+    if not sign or not name.strip():
+        raise ValueError(f"{text!r} is not NAME:=VALUE, such as prefix:=left_")
+    return name.strip(), value
 
 
-ROBOT_SUFFIXES = (".urdf", ".xacro")
+def vector_type(example: str) -> Parsed:
+    """Return the type of three numbers between commas; the example is for messages."""
 
-
-def _kept(ctx: click.Context, param: click.Parameter, value: Any) -> None:
-    """Keep the value of an option for those who ask for it, wherever they are called."""
-    ctx.meta[f"robodyn.{param.name}"] = value
-
-
-def _given(name: str) -> tuple[Any, ...]:
-    ctx = click.get_current_context(silent=True)
-    found: tuple[Any, ...] = () if ctx is None else ctx.meta.get(f"robodyn.{name}", ())
-    return found
-
-
-_KEPT: dict[str, Any] = {"multiple": True, "expose_value": False, "callback": _kept}
-
-
-def DESCRIPTION(command: Callback) -> Callback:
-    """The options --package-path and --xacro-arg, whose values are those of `lookup`."""
-    text = "Where packages are looked for first; repeatable."
-    folders = click.option(
-        "--package-path", "package_paths", type=PackagesType("dir"), metavar="DIR", help=text, **_KEPT
-    )
-    text = "An argument of a .xacro file; repeatable."
-    given = click.option("--xacro-arg", "xacro_args", type=ArgumentType(), metavar="NAME:=VALUE", help=text, **_KEPT)
-    return folders(given(command))
-
-
-def lookup() -> dict[str, Any]:
-    """What the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
-    return {"package_paths": _given("package_paths"), "xacro_args": dict(_given("xacro_args"))}
-
-
-class VectorType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """Three numbers between commas."""
-
-    name = "vector"
-
-    def __init__(self, example: str) -> None:
-        """Args: example: of a value, for messages."""
-        self.example = example
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Vector:
-        numbers = finite_numbers(str(value))
+    def vector(text: str) -> Vector:
+        numbers = finite_numbers(text)
         if len(numbers) != 3:
-            self.fail(f"{value!r} is not three finite numbers between commas, such as {self.example}", param, ctx)
+            raise ValueError(f"{text!r} is not three finite numbers between commas, such as {example}")
         x, y, z = numbers
         return x, y, z
 
-
-VECTOR = VectorType("0,0,-9.81")
-
-
-class PositiveType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
-    """A positive finite number."""
-
-    name = "number"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        numbers = finite_numbers(str(value))
-        if len(numbers) != 1 or numbers[0] <= 0.0:
-            self.fail(f"{value} is no positive finite number", param, ctx)
-        return numbers[0]
+    return Parsed("vector", vector)
 
 
-POSITIVE = PositiveType()
+def _positive(text: str) -> float:
+    numbers = finite_numbers(text)
+    if len(numbers) != 1 or numbers[0] <= 0.0:
+        raise ValueError(f"{text} is no positive finite number")
+    return numbers[0]
 
 
-class PointType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _point(text: str) -> str | tuple[float, ...]:
     """com, origin, or three numbers between commas."""
-
-    name = "point"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        numbers = finite_numbers(str(value))
-        if value in ("com", "origin") or len(numbers) == 3:
-            return value if value in ("com", "origin") else tuple(numbers)
-        options = [] if ctx is None else [name for each in ctx.command.params for name in each.opts]
-        link = "".join(f"; {name} takes the name of a link" for name in ("--frame", "--link") if name in options)
-        return self.fail(f"{value!r} is neither com nor origin nor X,Y,Z in m, such as 0,0,0.1{link}", param, ctx)
+    numbers = finite_numbers(text)
+    if text in ("com", "origin") or len(numbers) == 3:
+        return text if text in ("com", "origin") else tuple(numbers)
+    ctx = click.get_current_context(silent=True)
+    options = [] if ctx is None else [name for each in ctx.command.params for name in each.opts]
+    link = "".join(f"; {name} takes the name of a link" for name in ("--frame", "--link") if name in options)
+    raise ValueError(f"{text!r} is neither com nor origin nor X,Y,Z in m, such as 0,0,0.1{link}")
 
 
-class AtType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _at(text: str) -> list[float] | dict[str, float]:
     """Numbers between commas, or NAME=NUMBER between commas."""
-
-    name = "at"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        text = str(value)
-        if "=" not in text:
-            numbers = finite_numbers(text)
-            if numbers:
-                return numbers
-        else:
-            pairs = [part.rpartition("=") for part in text.split(",")]
-            values = finite_numbers(",".join(number for _, _, number in pairs))
-            names = [name.strip() for name, _, _ in pairs]
-            if len(values) == len(pairs) and all(names) and len(set(names)) == len(names):
-                return dict(zip(names, values, strict=True))
-            if len(values) == len(pairs) and all(names):
-                twice = next(name for k, name in enumerate(names) if name in names[:k])
-                self.fail(f"{value!r} names {twice!r} twice", param, ctx)
-        return self.fail(f"{value!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)", param, ctx)
+    if "=" not in text:
+        numbers = finite_numbers(text)
+        if numbers:
+            return numbers
+    else:
+        pairs = [part.rpartition("=") for part in text.split(",")]
+        values = finite_numbers(",".join(number for _, _, number in pairs))
+        names = [name.strip() for name, _, _ in pairs]
+        if len(values) == len(pairs) and all(names):
+            twice = [name for k, name in enumerate(names) if name in names[:k]]
+            if twice:
+                raise ValueError(f"{text!r} names {twice[0]!r} twice")
+            return dict(zip(names, values, strict=True))
+    raise ValueError(f"{text!r} is neither numbers (0.1,-0.2) nor joints (elbow=0.1,wrist=-0.2)")
 
 
-class PayloadType(click.ParamType):  # type: ignore[type-arg,unused-ignore]
+def _payload(text: str) -> Payload:
     """LINK=KG or LINK=KG@X,Y,Z."""
+    from robodyn.scene.scene import Payload
 
-    name = "payload"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from robodyn.scene.scene import Payload
-
-        if isinstance(value, Payload):
-            return value
-        link, _, text = str(value).rpartition("=")
-        mass, at, com = text.partition("@")
-        numbers = finite_numbers(mass) + finite_numbers(com if at else "0,0,0")
-        if not link or len(numbers) != 4 or "," in mass or numbers[0] <= 0.0:
-            self.fail(f"{value!r} is not LINK=KG or LINK=KG@X,Y,Z, such as tool0=2.5@0,0,0.1", param, ctx)
-        m, x, y, z = numbers
-        return Payload(link, m, (x, y, z))
+    link, _, load = text.rpartition("=")
+    mass, at, com = load.partition("@")
+    numbers = finite_numbers(mass) + finite_numbers(com if at else "0,0,0")
+    if not link or len(numbers) != 4 or "," in mass or numbers[0] <= 0.0:
+        raise ValueError(f"{text!r} is not LINK=KG or LINK=KG@X,Y,Z, such as tool0=2.5@0,0,0.1")
+    m, x, y, z = numbers
+    return Payload(link, m, (x, y, z))
 
 
-def SCENE(command: Callback) -> Callback:
-    """The options --scene, and --payload, whose values are those of `payloads`."""
-    text = "TOML: friction, motors, springs, payloads, wrenches, base; robodyn scene init writes one."
-    scene = click.option("--scene", "scene_file", type=PATH, metavar="FILE", help=text)
-    text = "A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene."
-    payload = click.option("--payload", "payloads", type=PayloadType(), metavar="LINK=KG[@X,Y,Z]", help=text, **_KEPT)
-    return scene(payload(command))
+PATH, FOLDER = Parsed("file"), Parsed("dir")
+VECTOR, POSITIVE, POINT, VALUES = (
+    vector_type("0,0,-9.81"),
+    Parsed("number", _positive),
+    Parsed("point", _point),
+    Parsed("at", _at),
+)
+DESCRIPTION = together(
+    kept(
+        "--package-path",
+        "package_paths",
+        type=Parsed("dir", _folder),
+        metavar="DIR",
+        multiple=True,
+        help="Where packages are looked for first; repeatable.",
+    ),
+    kept(
+        "--xacro-arg",
+        "xacro_args",
+        type=Parsed("argument", _argument),
+        metavar="NAME:=VALUE",
+        multiple=True,
+        help="An argument of a .xacro file; repeatable.",
+    ),
+)
+"""The options whose values are those of `lookup`."""
+
+
+def lookup() -> dict[str, Any]:
+    """Return what the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
+    return {"package_paths": kept_value("package_paths", ()), "xacro_args": dict(kept_value("xacro_args", ()))}
+
+
+SCENE = together(
+    click.option(
+        "--scene",
+        "scene_file",
+        type=PATH,
+        metavar="FILE",
+        help="TOML: friction, motors, springs, payloads, wrenches, base; robodyn scene init writes one.",
+    ),
+    kept(
+        "--payload",
+        "payloads",
+        type=Parsed("payload", _payload),
+        metavar="LINK=KG[@X,Y,Z]",
+        multiple=True,
+        help="A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
+    ),
+)
+"""The option --scene, and --payload, whose values are those of `payloads`."""
 
 
 def payloads() -> tuple[Payload, ...]:
-    """What --payload says."""
-    return _given("payloads")
+    """Return what --payload says."""
+    found: tuple[Payload, ...] = kept_value("payloads", ())
+    return found
 
 
 GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
+AT = click.option("--at", type=VALUES, metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0.")
+QD = click.option("--qd", type=VALUES, metavar="QD", help="Velocities, likewise; default at rest.")
 FORMAT = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
 )
@@ -218,4 +218,6 @@ def EXECUTION(command: Callback) -> Callback:
 
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."
     threads = click.option("--threads", type=click.IntRange(min=1), metavar="N", help="For machine code; default all.")
-    return click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)(threads(command))
+    executor = click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help=text)
+    decorated: Callback = together(executor, threads)(command)
+    return decorated

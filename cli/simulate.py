@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, AtType, Vector
+from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, VALUES, Vector
 from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
@@ -26,7 +26,7 @@ from robodyn.trajectory.write import open_writer
 @DESCRIPTION
 @SCENE
 @GRAVITY
-@click.option("--at", type=AtType(), metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
+@click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @TABLE
 @click.option("--duration", type=float, metavar="S", help="s; default that of the table, else 10.")

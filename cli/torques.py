@@ -3,39 +3,31 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from robodyn.cli.options import DESCRIPTION, EXECUTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, PointType, Vector
+from robodyn.cli.options import DESCRIPTION, EXECUTION, FORMAT, GRAVITY, PATH, POINT, POSITIVE, SCENE, Vector, together
 from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
 
-Callback = Callable[..., Any]
 _TABLES = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".pq", ".npz")
 
 
-def BATCH(command: Callback) -> Callback:
-    """The options --jobs and --dask."""
-    text = "Processes for many trajectories; default: one for each core."
-    dask = click.option("--dask", metavar="ADDRESS", help="Compute many trajectories on this Dask cluster instead.")
-    return click.option("--jobs", type=click.IntRange(min=1), metavar="N", help=text)(dask(command))
+def is_batch(trajectories: Sequence[str], out: str | None, options: dict[str, Any]) -> bool:
+    """Return whether the trajectories are many: by their number, wildcards, or results that go to a folder.
 
-
-def is_batch(trajectories: Sequence[str], out: str | None, how: dict[str, Any]) -> bool:
-    """Whether the trajectories are many: by their number, wildcards, or results that go to a folder.
-
-    The options of `BATCH` are taken out of `how` where they are not.
+    The options of batches are taken out of `options` where they are not.
     """
     wild = any(set("*?[") & set(name) and not os.path.lexists(name) for name in trajectories)
     if len(trajectories) > 1 or wild or (out is not None and _is_folder(out)):
         return True
     for name in ("jobs", "dask"):
-        if how.pop(name) is not None:
+        if options.pop(name) is not None:
             what = f"--{name} goes with many trajectories: give several, or --out FOLDER/"
             raise click.UsageError(what, click.get_current_context())
     return False
@@ -45,17 +37,9 @@ def _is_folder(out: str) -> bool:
     return out[-1:] in (os.sep, "/") or (os.path.isdir(out) and not out.lower().endswith(_TABLES))
 
 
-def MOMENTUM(command: Callback) -> Callback:
-    """The options --momentum, --about and --frame."""
-    text = "Mass centre, momenta, energies, power: report them, and write them to --out."
-    point = click.option("--about", type=PointType(), metavar="POINT", help="Of L: origin (default), com or X,Y,Z.")
-    frame = click.option("--frame", metavar="LINK", help="Axes and origin of momenta; default the ground's.")
-    return click.option("--momentum", is_flag=True, help=text)(point(frame(command)))
-
-
-def momentum_view(how: dict[str, Any]) -> View | None:
-    """How momenta are asked for, taken out of the values of the options; None if they are not."""
-    wanted, about, frame = (how.pop(name) for name in ("momentum", "about", "frame"))
+def momentum_view(options: dict[str, Any]) -> View | None:
+    """Return how momenta are asked for, taken out of the values of the options; None if they are not."""
+    wanted, about, frame = (options.pop(name) for name in ("momentum", "about", "frame"))
     if wanted:
         from robodyn.dynamics.momenta import GROUND, View
 
@@ -66,7 +50,8 @@ def momentum_view(how: dict[str, Any]) -> View | None:
     return None
 
 
-_OPTIONS = (
+_MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
+OPTIONS = together(
     DESCRIPTION,
     SCENE,
     GRAVITY,
@@ -74,24 +59,25 @@ _OPTIONS = (
     click.option("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."),
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
-    MOMENTUM,
+    click.option("--momentum", is_flag=True, help=_MOMENTUM),
+    click.option("--about", type=POINT, metavar="POINT", help="Of L: origin (default), com or X,Y,Z."),
+    click.option("--frame", metavar="LINK", help="Axes and origin of momenta; default the ground's."),
     READING,
     click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
     click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits."),
     REPORT,
-    BATCH,
+    click.option(
+        "--jobs",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Processes for many trajectories; default: one for each core.",
+    ),
+    click.option("--dask", metavar="ADDRESS", help="Compute many trajectories on this Dask cluster instead."),
     EXECUTION,
     FORMAT,
 )
-
-
-def OPTIONS(command: Callable[..., Any]) -> Callable[..., Any]:
-    """All of them, in this order."""
-    for option in reversed(_OPTIONS):
-        command = option(command)
-    return command
 
 
 @click.command("torques", short_help="What every joint and bearing carries along a motion.")

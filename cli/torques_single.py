@@ -21,7 +21,7 @@ from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.support.threads import behind
+from robodyn.support.threads import write_behind
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import open_writer
@@ -87,7 +87,7 @@ def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> It
         writers: list[Sink] = []
         if out is not None:
             writer = stack.enter_context(open_writer(out, names))
-            writers.append(stack.enter_context(behind(writer.write)))
+            writers.append(stack.enter_context(write_behind(writer.write)))
         yield [*writers, stack.enter_context(watched(reader))]
 
 

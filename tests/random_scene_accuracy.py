@@ -53,7 +53,7 @@ def log(rng, low, high):
     return float(10.0 ** rng.uniform(low, high))
 
 
-def rubbing(rng):
+def joints_with_friction(rng):
     """Coulomb friction from soft to stiff, loads below and above it, stiffer on the way on turntables."""
     which = rng.integers(4)
     plain = (
@@ -149,7 +149,9 @@ class Class(NamedTuple):
 
 
 CLASSES = {
-    "rubbing": Class("Coulomb friction, soft to stiff, on turntables on the way", 56, smooth(rubbing, precise)),
+    "joints_with_friction": Class(
+        "Coulomb friction, soft to stiff, on turntables on the way", 56, smooth(joints_with_friction, precise)
+    ),
     "driven": Class("pendulums under drives, soft to stiff", 34, smooth(driven, precise)),
     "chaotic": Class("double pendulums let go high, 2 to 30 s", 40, smooth(chaotic, in_long_doubles)),
     "pushed": Class("forces of tables, held or straight between rows", 31, pushed),

@@ -16,7 +16,7 @@ from robodyn.report.json_torques import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
 from robodyn.support.doubts import Doubt
 from robodyn.support.files import write_whole
-from robodyn.support.threads import behind
+from robodyn.support.threads import write_behind
 from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import open_writer
 
@@ -78,7 +78,7 @@ def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
         reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
         _make_folder(os.path.dirname(job.table))
         writer = stack.enter_context(open_writer(job.table, names))
-        sink = stack.enter_context(behind(writer.write))
+        sink = stack.enter_context(write_behind(writer.write))
         result = torques(
             model,
             reader,

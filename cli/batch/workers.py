@@ -33,7 +33,7 @@ class _Worker:
         spawn = get_context("spawn")
         self.connection, other = spawn.Pipe()
         self.process = spawn.Process(target=_serve, args=(other, setup), daemon=True)
-        with _deaf():
+        with ignore_sigint():
             self.process.start()
         other.close()
         self.number = -1
@@ -55,7 +55,7 @@ class _Worker:
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
+def ignore_sigint() -> Iterator[None]:
     """Processes that are started meanwhile do not hear interruptions, which the terminal sends to all of them."""
     if current_thread() is not main_thread():
         yield

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.effects.effect import Still
+from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
@@ -17,7 +17,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
 
-def still(sources: Mapping[str, Floats]) -> Still:
+def zero_columns(sources: Mapping[str, Floats]) -> ZeroColumns:
     """Return the (source, column) pairs that are zero in every sample."""
     out = []
     for source, rows in _rows(sources):
@@ -27,7 +27,7 @@ def still(sources: Mapping[str, Floats]) -> Still:
     return frozenset(out)
 
 
-def still_sources(sources: Mapping[str, Floats]) -> Still:
+def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
     """Return the pairs of those sources that are zero altogether: of a robot at rest, or left to itself.
 
     There are few such patterns, so that calls with zeros in ever other columns share their programs.

@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.momentum import along_motion, momenta, momentum_of_bodies
+from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
@@ -34,7 +34,7 @@ def laws(plan: Plan) -> Program:
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)
         terms = applied(plan.effects, sample, plan.scene)
-        q, qd = along_motion(sample.model, sample.q, sample.qd, sample.qdd)
+        q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
         dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
         joints = motions(sample.model, q, qd, sample.qdd)
         power = rate_of(stored_energy(plan, dual, terms, joints))

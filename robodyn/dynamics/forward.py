@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
+from robodyn.dynamics.arrays import arrays_of, fill, target, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
@@ -31,13 +31,13 @@ from robodyn.support.floats import Floats, first_largest
 
 
 def acceleration_program(plan: Plan) -> Program:
-    """The program of qdd from q, qd and tau, which is another input; `plan.still` may name its entries too."""
+    """The program of qdd from q, qd and tau, which is another input; `plan.zero_columns` may name its entries too."""
     refuse_loops(plan.scene)
-    model, scene, still = aligned(plan.model), plan.scene, plan.still
+    model, scene, zero_columns = aligned(plan.model), plan.scene, plan.zero_columns
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = replace(Plan(model, scene, still).sample(tape), qdd=(0.0,) * model.n)
-        tau = [0.0 if ("tau", i) in still else tape.input("tau", i) for i in range(model.n)]
+        sample = replace(Plan(model, scene, zero_columns).sample(tape), qdd=(0.0,) * model.n)
+        tau = [0.0 if ("tau", i) in zero_columns else tape.input("tau", i) for i in range(model.n)]
         return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
 
     return trace(outputs)
@@ -118,7 +118,7 @@ def forward_dynamics(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     out = target(out, (*shape, model.n), dtype)
-    fill(out, acceleration_runner(plan(model, scene, still_sources(sources))), sources, executor, threads)
+    fill(out, acceleration_runner(plan(model, scene, zero_sources(sources))), sources, executor, threads)
     _refuse_singular(model, scene, sources, out)
     return out
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, fill, still_sources, target
+from robodyn.dynamics.arrays import arrays_of, fill, target, zero_sources
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.plan import Plan, applied, plan
@@ -66,7 +66,7 @@ def inverse_dynamics(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     out = target(out, (*shape, model.n), dtype)
-    fill(out, torque_runner(plan(model, scene, still_sources(sources))), sources, executor, threads)
+    fill(out, torque_runner(plan(model, scene, zero_sources(sources))), sources, executor, threads)
     return out
 
 

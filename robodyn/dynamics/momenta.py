@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import arrays_of, still_sources
+from robodyn.dynamics.arrays import arrays_of, zero_sources
 from robodyn.dynamics.effects import rotor_inertia
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, applied, plan
@@ -115,7 +115,7 @@ def momenta(
     view.check(model, scene)
     columns = dict.fromkeys(scene.columns, 0.0)  # wrenches carry no momentum
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene, columns)
-    runner = momentum_runner(plan(model, scene, still_sources(sources)), view)
+    runner = momentum_runner(plan(model, scene, zero_sources(sources)), view)
     found = runner(sources, prod(shape), executor=executor, threads=threads).reshape(*shape, len(COLUMNS))
     com, linear, angular = (found[..., 3 * k : 3 * k + 3] for k in range(3))
     return Momenta(_mass(model, scene), com, linear, angular, found[..., 9], found[..., 10])

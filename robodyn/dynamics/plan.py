@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
@@ -35,17 +35,17 @@ class Plan:
     """What is computed for one model and scene, for motions that are zero where `still` says so.
 
     Attributes:
-        still: the (source, column) pairs of q, qd and qdd that are zero throughout; they are folded away.
+        zero_columns: the (source, column) pairs of q, qd and qdd that are zero throughout; they are folded away.
         verdicts: for every effect of the catalogue, whether it is on and why.
     """
 
     model: Model
     scene: Scene
-    still: Still = frozenset()
+    zero_columns: ZeroColumns = frozenset()
 
     @cached_property
     def verdicts(self) -> tuple[tuple[Effect, Verdict], ...]:
-        return tuple((effect, effect.why(self.model, self.scene, self.still)) for effect in EFFECTS)
+        return tuple((effect, effect.why(self.model, self.scene, self.zero_columns)) for effect in EFFECTS)
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -69,7 +69,7 @@ class Plan:
         """A sample whose scalars are the inputs of `tape`, or 0.0 where the motion is still."""
 
         def of(source: str, count: int) -> tuple[Scalar, ...]:
-            return tuple(0.0 if (source, i) in self.still else tape.input(source, i) for i in range(count))
+            return tuple(0.0 if (source, i) in self.zero_columns else tape.input(source, i) for i in range(count))
 
         columns = {name: tape.input("columns", i) for i, name in enumerate(self.scene.columns)}
         return Sample(self._scalars, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
@@ -136,11 +136,11 @@ def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
 
 
 @lru_cache(maxsize=16)
-def plan(model: Model, scene: Scene, still: Still = frozenset()) -> Plan:
+def plan(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Plan:
     """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
 
     Raises:
         SceneError: the scene does not fit the model.
     """
     check_scene(scene, model)
-    return Plan(model, scene, still)
+    return Plan(model, scene, zero_columns)

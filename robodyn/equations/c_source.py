@@ -8,7 +8,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner
 from robodyn.dynamics.plan import plan
@@ -119,7 +119,7 @@ def _surroundings(model: Model, scene: Scene) -> str:
             lines.append(f"  {effect.name}: {effect.adds}{reason}")
     rubs = [
         f"  {joint.name}: {_constants(friction)}"
-        for _, joint, friction in rubbing(model, scene)
+        for _, joint, friction in joints_with_friction(model, scene)
         if friction.viscous or friction.forward or friction.backward or friction.stribeck
     ]
     lines += ["Friction, SI units:", *rubs] if rubs else ["No friction."]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.dynamics.arrays import still
+from robodyn.dynamics.arrays import zero_columns
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
@@ -37,7 +37,7 @@ def check_equations(model: Model, scene: Scene) -> None:
 
 def bias_plan(model: Model, scene: Scene) -> Plan:
     """The plan of a motion without acceleration."""
-    return replace(plan(model, scene), still=frozenset(("qdd", i) for i in range(model.n)))
+    return replace(plan(model, scene), zero_columns=frozenset(("qdd", i) for i in range(model.n)))
 
 
 def identifier(name: str, otherwise: str) -> str:
@@ -130,7 +130,9 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
 
 def _shares(model: Model, scene: Scene, q: Floats, qd: Floats) -> dict[str, Floats]:
     sources = {"q": q[None], "qd": qd[None], "qdd": np.zeros((1, model.n)), "columns": np.empty((1, 0))}
-    at_rest = replace(bias_plan(model, scene), still=still({name: sources[name] for name in ("qd", "qdd")}))
+    at_rest = replace(
+        bias_plan(model, scene), zero_columns=zero_columns({name: sources[name] for name in ("qd", "qdd")})
+    )
     return {
         effect.name: runner_of(at_rest.share(effect), at_rest)(sources, 1, executor="numpy")[0]
         for effect in at_rest.effects

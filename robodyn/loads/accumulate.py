@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.arrays import still, still_sources
+from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
-from robodyn.dynamics.effects.effect import Still
+from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.loads.doubts import Openness, carried
@@ -91,12 +91,12 @@ def _checks(a_plan: Plan) -> _Checks:
     return _Checks(*(runner_of(check(a_plan), a_plan) for check in (losses, energy, laws)))
 
 
-class Pass:
+class TorqueAccumulator:
     """Figures gathered over the blocks of a trajectory, one after another.
 
     Attributes:
-        still: what has been zero in every block so far, which the program of the loads leaves out; sources: of this,
-            whole sources alone, for programs beside it, which motions of other joints share.
+        zero_columns: what has been zero in every block so far, which the program of the loads leaves out.
+        sources: of this, whole sources alone, for programs beside it, which motions of other joints share.
         whole, checked: how many samples there are in all, by the largest estimate so far, and those of the laws.
     """
 
@@ -110,8 +110,8 @@ class Pass:
             np.array([binding(joint.effort) or np.inf for joint in self.joints]),
             np.array([binding(joint.velocity) or np.inf for joint in self.joints]),
         )
-        self.still: Still | None = None
-        self.sources: Still = frozenset()
+        self.zero_columns: ZeroColumns | None = None
+        self.sources: ZeroColumns = frozenset()
         self.choice: Choice | None = None
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
@@ -138,9 +138,9 @@ class Pass:
     def take(self, block: Trajectory, left: int) -> Floats:
         """The output columns of one block, whose statistics are gathered; `left` samples may come, with these."""
         sources = sources_of(block, self.scene)
-        found, whole = still(sources), still_sources(sources)
-        self.sources = whole if self.still is None else self.sources & whole
-        self.still = found if self.still is None else self.still & found
+        found, whole = zero_columns(sources), zero_sources(sources)
+        self.sources = whole if self.zero_columns is None else self.sources & whole
+        self.zero_columns = found if self.zero_columns is None else self.zero_columns & found
         reactions = self.options.reactions or self.sizing is not None
         checks = _checks(plan(self.model, self.scene, self.sources))
         samples, n = len(block), self.model.n
@@ -156,7 +156,9 @@ class Pass:
         def over_block(runner: Runner) -> Floats:
             return run(runner, sources, self.whole).values
 
-        loads, self.choice = run(_loads(plan(self.model, self.scene, self.still), reactions), sources, self.whole)
+        loads, self.choice = run(
+            _loads(plan(self.model, self.scene, self.zero_columns), reactions), sources, self.whole
+        )
         check_loads(loads, self.names, block.first_row, self.file)
         tau, base = loads[:, :n], loads[:, n : n + 6]
         net = np.einsum("ij,ij->i", tau, block.qd) - over_block(checks.losses)[:, 0]
@@ -187,7 +189,7 @@ class Pass:
     def result(self, last: Trajectory, explain: bool) -> Result:
         """Everything gathered, with shares and uncertainty at the peaks."""
         assert self.choice is not None
-        whole = plan(self.model, self.scene, self.still or frozenset())
+        whole = plan(self.model, self.scene, self.zero_columns or frozenset())
         gathered = self.statistics
         peaks = np.concatenate((gathered.torque.value, gathered.base.value))
         more = self.sizing.figures if self.sizing else ()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Still
+from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.momenta import COLUMNS, View, momentum_runner
 from robodyn.dynamics.plan import plan
 from robodyn.loads.figures import check_loads
@@ -30,7 +30,7 @@ class MomentumPass:
         self.model, self.scene, self.view, self.file = model, scene, view, file
         self.extremes = Extremes(NAMES)
 
-    def take(self, block: Trajectory, tau: Floats, pattern: Still, run: Callable[[Runner], Floats]) -> Floats:
+    def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
         """The columns (N, 12) of one block.
 
         Args:

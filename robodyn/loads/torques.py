@@ -8,12 +8,12 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError
-from robodyn.loads.accumulate import Options, Pass
+from robodyn.loads.accumulate import Options, TorqueAccumulator
 from robodyn.loads.result import Result
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.threads import ahead
+from robodyn.support.threads import prefetch
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion
@@ -64,9 +64,9 @@ def torques(
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
         options = Options(reactions, executor, threads, momentum, sized, history)
-        run = Pass(model, scene, options, getattr(motion, "file", None))
+        run = TorqueAccumulator(model, scene, options, getattr(motion, "file", None))
         last: Trajectory | None = None
-        for block, left in ahead(_blocks(motion)):
+        for block, left in prefetch(_blocks(motion)):
             if len(block):
                 columns, last = run.take(block, left), block
                 for sink in sinks:

@@ -15,7 +15,7 @@ from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing, local_rates, moved, unit
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
-from robodyn.dynamics.recursions.momentum import along_motion, momenta
+from robodyn.dynamics.recursions.momentum import dual_state, momenta
 from robodyn.programs.dual import rate_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
@@ -152,7 +152,7 @@ class Equations:
         def outputs(tape: Tape) -> Iterable[Scalar]:
             state = self.state(tape)
             qdd, work = self.accelerations(state.q, state.qd, self.given(tape))
-            position, _ = along_motion(self.model, state.q, state.qd, qdd)
+            position, _ = dual_state(self.model, state.q, state.qd, qdd)
             return [*map(rate_of, position), *qdd, work]
 
         return trace(outputs)

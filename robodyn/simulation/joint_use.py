@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.viscous_friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.robot.limits import Coverage, Excess, binding, coverage, reached_beyond
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.standing import untouched
@@ -43,7 +43,7 @@ class Held(NamedTuple):
 def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]:
     """The joints with Coulomb friction that were held, of a motion with speeds qd (N, n)."""
     lasting = np.diff(time)
-    for _, joint, friction in rubbing(model, scene):
+    for _, joint, friction in joints_with_friction(model, scene):
         if not (scene.slip_speed and (friction.forward or friction.backward or friction.stribeck)):
             continue
         speed = np.abs(joint.multiplier * qd[:, joint.rate])

@@ -143,7 +143,7 @@ class TooMuchError(InputError):
         self.time, self.state = time, state
 
 
-class How(NamedTuple):
+class MethodOptions(NamedTuple):
     """A method, with the step of one that has fixed steps, or the tolerance of one that has not.
 
     Attributes:
@@ -156,7 +156,7 @@ class How(NamedTuple):
     most: float = inf
 
 
-def how_of(step: float | None, rtol: float | None, name: str | None) -> How:
+def choose_method(step: float | None, rtol: float | None, name: str | None) -> MethodOptions:
     """The method of this name with this step or tolerance, or with the usual ones.
 
     Raises:
@@ -167,4 +167,4 @@ def how_of(step: float | None, rtol: float | None, name: str | None) -> How:
         raise InputError(f"{method.name} chooses its own steps", remedy="give --rtol instead of --step")
     if not method.adaptive and rtol is not None:
         raise InputError(f"{method.name} has steps of a fixed length", remedy="give --step instead of --rtol")
-    return How(method, STEP if step is None else step, max(RTOL if rtol is None else rtol, LEAST_RTOL))
+    return MethodOptions(method, STEP if step is None else step, max(RTOL if rtol is None else rtol, LEAST_RTOL))

@@ -26,7 +26,7 @@ from robodyn.simulation.fixed import FixedSteps, Motion
 from robodyn.simulation.follow import Free, followed
 from robodyn.simulation.joint_use import assumed, deepest, held
 from robodyn.simulation.loop_figures import loop_figures
-from robodyn.simulation.methods import How, how_of
+from robodyn.simulation.methods import MethodOptions, choose_method
 from robodyn.simulation.result import Figures, Simulation
 from robodyn.simulation.singular import passing_notes, start_doubts
 from robodyn.simulation.stiffness import with_friction
@@ -78,7 +78,7 @@ def simulate(
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
     check_moves(model)
-    how = how_of(step, rtol, method)._replace(most=most)
+    options = choose_method(step, rtol, method)._replace(most=most)
     _check_positive(duration=duration, step=step, rtol=rtol)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     scene, notes = with_friction(model, signal.scene)
@@ -87,23 +87,23 @@ def simulate(
     begun = initial_state(model, scene)
     start = start_of(a_plan)
     unsure = start_doubts(a_plan, start)
-    motion, how, stiff, doubts = followed(
+    motion, options, stiff, doubts = followed(
         a_plan,
-        how,
+        options,
         start[: model.nq],
         length,
         Free(step is None, method is None),
-        lambda how: integrated(a_plan, how, length, executor, signal, start, also),
+        lambda options: integrated(a_plan, options, length, executor, signal, start, also),
     )
-    loops = loop_figures(a_plan, motion, executor, signal, not how.method.adaptive)
+    loops = loop_figures(a_plan, motion, executor, signal, not options.method.adaptive)
     q, qd = np.split(motion.states[:, : model.nq + model.n], [model.nq], axis=1)
     pushed = deepest(model, motion.time, q, qd)
     return Simulation(
         model=model,
         scene=scene,
-        method=how.method,
-        step=None if how.method.adaptive else float(motion.states[0, -1]),
-        rtol=how.rtol if how.method.adaptive else None,
+        method=options.method,
+        step=None if options.method.adaptive else float(motion.states[0, -1]),
+        rtol=options.rtol if options.method.adaptive else None,
         time=motion.time,
         q=q,
         qd=qd,
@@ -145,7 +145,7 @@ def start_of(a_plan: Plan) -> Floats:
 
 def integrated(
     a_plan: Plan,
-    how: How,
+    options: MethodOptions,
     duration: float,
     executor: str,
     signal: Signal,
@@ -153,18 +153,20 @@ def integrated(
     also: Sequence[float] = (),
 ) -> Motion:
     """The motion from a state of `start_of`; `also` as for `simulate`."""
-    method, limits = how.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
+    method, limits = options.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
-        return adaptive_motion(a_plan, method, state, duration, how.rtol, limits, executor, signal, how.most, also)
+        return adaptive_motion(
+            a_plan, method, state, duration, options.rtol, limits, executor, signal, options.most, also
+        )
     if method.leapfrog:
         check_leapfrog(Equations(a_plan))
     if method.keeps:
         check_free(a_plan.model, a_plan.scene, method.name)
-    count = int(min(duration / how.step, 1e9)) + len(signal.corners())
+    count = int(min(duration / options.step, 1e9)) + len(signal.corners())
     ready = FixedSteps(a_plan, method, executor, count, signal)
-    return ready.motion(state, duration, how.step, limits, how.most)
+    return ready.motion(state, duration, options.step, limits, options.most)
 
 
 def _check_positive(**given: float | None) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects import coulomb_friction
-from robodyn.dynamics.effects.viscous_friction import rubbing
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.linear import solve
@@ -31,7 +31,9 @@ def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     if not coulomb_friction.why(model, scene, frozenset()).active:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
-    steepest = max(max(abs(f.forward), abs(f.backward), abs(f.stribeck or 0.0)) for _, _, f in rubbing(model, scene))
+    steepest = max(
+        max(abs(f.forward), abs(f.backward), abs(f.stribeck or 0.0)) for _, _, f in joints_with_friction(model, scene)
+    )
     said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
@@ -104,7 +106,7 @@ class Slope(NamedTuple):
 
 def _slopes(a_plan: Plan) -> Iterator[Slope]:
     model, scene = a_plan.model, a_plan.scene
-    for _, joint, friction in rubbing(model, scene):
+    for _, joint, friction in joints_with_friction(model, scene):
         steepest = max(abs(friction.forward), abs(friction.backward), abs(friction.stribeck or 0.0))
         if scene.slip_speed and steepest:
             yield Slope(joint, FRICTION, steepest / scene.slip_speed)

@@ -136,7 +136,7 @@ class _OwnThread(logging.Filter):
 
 
 @contextmanager
-def heard(*names: str) -> Iterator[list[str]]:
+def library_messages(*names: str) -> Iterator[list[str]]:
     """Return what loggers, and those below them, get from this thread as warnings or errors; it goes nowhere else.
 
     Loggers are as they were for all other threads.

@@ -40,7 +40,7 @@ Item = TypeVar("Item")
 _END = object()
 
 
-def ahead(items: Iterator[Item]) -> Iterator[Item]:
+def prefetch(items: Iterator[Item]) -> Iterator[Item]:
     """The same items, each made while the one before is used; what `items` raises is raised in its place."""
     ready: Queue[Any] = Queue(maxsize=1)
     wanted = True
@@ -74,7 +74,7 @@ def ahead(items: Iterator[Item]) -> Iterator[Item]:
 
 
 @contextmanager
-def behind(use: Callable[..., None]) -> Iterator[Callable[..., None]]:
+def write_behind(use: Callable[..., None]) -> Iterator[Callable[..., None]]:
     """A function that lets `use` run later, in order; what it raises is raised by a later call or at the end."""
     waiting: Queue[Any] = Queue(maxsize=1)
     failures: list[BaseException] = []

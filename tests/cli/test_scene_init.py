@@ -80,9 +80,9 @@ def test_numbers_are_those_of_the_description() -> None:
     assert geared
     for joint in geared:
         assert f"#rotor.{joint.name} = {{ inertia = {joint.rotor_inertia!r}, gear = {joint.reduction!r} }}" in text
-    rubbing = [body.joint for body in model.bodies if body.joint.damping or body.joint.friction]
-    assert rubbing
-    for joint in rubbing:
+    joints_with_friction = [body.joint for body in model.bodies if body.joint.damping or body.joint.friction]
+    assert joints_with_friction
+    for joint in joints_with_friction:
         assert f"#friction.{joint.name} = {{ viscous = {joint.damping!r}, coulomb = {joint.friction!r} }}" in text
 
 

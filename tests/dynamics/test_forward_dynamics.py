@@ -134,10 +134,10 @@ NOTHING = {
 }
 
 
-def _size(model, still=frozenset(), **scene):
+def _size(model, zero_columns=frozenset(), **scene):
     bare = frictionless(model)
     friction = {**bare.friction, **scene.pop("friction", {})}
-    return acceleration_program(Plan(model, Scene(friction=friction, **scene), still)).size
+    return acceleration_program(Plan(model, Scene(friction=friction, **scene), zero_columns)).size
 
 
 @pytest.mark.parametrize("name", ABSENT)

@@ -12,7 +12,7 @@ from helpers.small_robots import urdf
 
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.dynamics.recursions.momentum import along_motion, momenta, momentum_of_bodies
+from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.robot.kinematics import motions
 from robodyn.robot.poses import poses
@@ -27,7 +27,7 @@ def _each(part, array):
 
 def _of(model, q, qd, qdd):
     """P and H about the ground's origin in the ground's axes, as (values, rates), and the scale of the rates."""
-    position, speed = along_motion(model, q.tolist(), qd.tolist(), qdd.tolist())
+    position, speed = dual_state(model, q.tolist(), qd.tolist(), qdd.tolist())
     joints = motions(model, position, speed, qdd.tolist())
     inertias = [body.inertia for body in model.bodies]
     whole, pose = momenta(model.parents, joints, inertias), poses(model.parents[:1], joints[:1])[0]
@@ -147,7 +147,7 @@ def test_newtons_third_law_between_bodies():
     wrenches = run(plan.wrenches(joints=True), plan, *state)[0, model.n :].reshape(-1, 2, 3)
     joints = motions(model, *(x[0] for x in state))
     where = poses(model.parents, joints)
-    position, speed = along_motion(model, *(x[0].tolist() for x in state))
+    position, speed = dual_state(model, *(x[0].tolist() for x in state))
     dual = motions(model, position, speed, state[2][0].tolist())
     places = poses(model.parents, dual)
     each = momentum_of_bodies(model.parents, dual, [body.inertia for body in model.bodies])

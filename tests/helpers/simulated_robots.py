@@ -28,7 +28,7 @@ def slide(mass=2.0, axis=(1, 0, 0)):
 
 @cache
 def tumbling():
-    """A free robot that tumbles with its joints moving, driven and rubbing, under gravity."""
+    """A free robot that tumbles with its joints moving, driven and joints_with_friction, under gravity."""
     model = random_tree(5, n=3, moving_base=True, kinds=("revolute", "prismatic"))
     speeds = dict(zip(model.rates, (1.5, -1.0, 0.8, 0.3, 0.2, -0.4, 1.0, -1.2, 0.7), strict=True))
     scene = Scene(

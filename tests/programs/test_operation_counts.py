@@ -32,8 +32,8 @@ def at_rest(model):
     return frozenset((source, i) for source in ("qd", "qdd") for i in range(model.n))
 
 
-def size(model, scene=None, still=frozenset()):
-    return Plan(model, frictionless(model) if scene is None else scene, still).torques().size
+def size(model, scene=None, zero_columns=frozenset()):
+    return Plan(model, frictionless(model) if scene is None else scene, zero_columns).torques().size
 
 
 def own(name):
@@ -45,14 +45,14 @@ def test_upper_bounds(name):
     model = own(name)
     moving, resting = MOVING_AND_AT_REST[name]
     assert size(model) <= moving
-    assert size(model, still=at_rest(model)) <= resting
+    assert size(model, zero_columns=at_rest(model)) <= resting
 
 
 @pytest.mark.parametrize("name", MOVING_AND_AT_REST)
 def test_rest_constant_speed_and_no_gravity_are_cheaper(name):
     model = own(name)
     steady = frozenset(("qdd", i) for i in range(model.n))
-    assert size(model, still=at_rest(model)) < size(model, still=steady) < size(model)
+    assert size(model, zero_columns=at_rest(model)) < size(model, zero_columns=steady) < size(model)
     assert size(model, frictionless(model, gravity=(0.0, 0.0, 0.0))) <= size(model)
     assert size(model, frictionless(model, gravity=(0.0, 0.0, 0.0)), at_rest(model)) == 0
 

@@ -14,7 +14,7 @@ from helpers.mesh_files import dae
 from robodyn.report.pictures.visuals import _of_meshes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.mesh.load import load_triangles
-from robodyn.support.libraries import heard, treated_warnings
+from robodyn.support.libraries import library_messages, treated_warnings
 
 NAME = "robodyn.tests.library"
 
@@ -30,7 +30,7 @@ def _as_it_was():
 def test_messages_of_this_thread_are_heard_and_those_of_others_go_on(caplog):
     logger = logging.getLogger(NAME)
     with caplog.at_level(logging.INFO):
-        with heard(NAME) as messages:
+        with library_messages(NAME) as messages:
             logger.warning("of %s", "ours")
             logger.info("little")
             other = Thread(target=lambda: logger.warning("of another"))
@@ -47,7 +47,7 @@ def test_threads_that_listen_at_the_same_time_hear_their_own():
     def listen(number):
         barrier.wait()
         for turn in range(200):
-            with heard(NAME) as messages:
+            with library_messages(NAME) as messages:
                 logger.warning("%d of %d", turn, number)
             found.setdefault(number, []).append(messages)
 

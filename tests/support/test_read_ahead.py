@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from robodyn.support.threads import ahead, behind
+from robodyn.support.threads import prefetch, write_behind
 
 
 def counted(stop: int, made: list[int]) -> Iterator[int]:
@@ -17,8 +17,8 @@ def counted(stop: int, made: list[int]) -> Iterator[int]:
 
 
 def test_ahead_gives_the_same_items_in_order() -> None:
-    assert list(ahead(iter(range(100)))) == list(range(100))
-    assert list(ahead(iter(()))) == []
+    assert list(prefetch(iter(range(100)))) == list(range(100))
+    assert list(prefetch(iter(()))) == []
 
 
 def test_ahead_raises_what_the_items_raise_after_the_items_before_it() -> None:
@@ -26,7 +26,7 @@ def test_ahead_raises_what_the_items_raise_after_the_items_before_it() -> None:
         yield 1
         raise ValueError("second")
 
-    items = ahead(failing())
+    items = prefetch(failing())
     assert next(items) == 1
     with pytest.raises(ValueError, match="second"):
         next(items)
@@ -35,7 +35,7 @@ def test_ahead_raises_what_the_items_raise_after_the_items_before_it() -> None:
 def test_ahead_holds_few_items_and_ends_its_thread_when_it_is_left_early() -> None:
     made: list[int] = []
     before = threading.active_count()
-    items = ahead(counted(1000, made))
+    items = prefetch(counted(1000, made))
     assert next(items) == 0
     items.close()  # type: ignore[attr-defined]
     assert threading.active_count() == before
@@ -44,7 +44,7 @@ def test_ahead_holds_few_items_and_ends_its_thread_when_it_is_left_early() -> No
 
 def test_behind_uses_everything_in_order_before_it_ends() -> None:
     used: list[int] = []
-    with behind(used.append) as call:
+    with write_behind(used.append) as call:
         for i in range(100):
             call(i)
     assert used == list(range(100))
@@ -59,7 +59,7 @@ def test_behind_raises_a_failure_and_uses_nothing_after_it() -> None:
         used.append(i)
 
     def run() -> None:
-        with behind(use) as call:
+        with write_behind(use) as call:
             for i in range(100):
                 call(i)
 
@@ -72,7 +72,7 @@ def test_an_error_in_the_block_wins_over_nothing_and_waits_for_the_work() -> Non
     used: list[int] = []
 
     def run() -> None:
-        with behind(used.append) as call:
+        with write_behind(used.append) as call:
             call(1)
             raise KeyError("mine")
 

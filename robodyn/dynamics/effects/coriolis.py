@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
-    moving = sum(("qd", i) not in still for i in range(model.n))
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+    moving = sum(("qd", i) not in zero_columns for i in range(model.n))
     if not moving:
         return Verdict(False, "nothing moves")
     return Verdict(True, f"{moving} of {model.n} velocities are not zero")

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
-from robodyn.dynamics.effects.viscous_friction import rubbing
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.programs.vectors import Scalar, exp, sign, sqrt
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Friction, Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
-    dry = [joint for _, joint, friction in rubbing(model, scene) if _any(friction)]
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+    dry = [joint for _, joint, friction in joints_with_friction(model, scene) if _any(friction)]
     if not dry:
         return Verdict(False, "no joint has Coulomb friction")
-    if all(("qd", joint.rate) in still for joint in dry):
+    if all(("qd", joint.rate) in zero_columns for joint in dry):
         return Verdict(False, "no joint with Coulomb friction moves")
     return Verdict(True, f"{len(dry)} joints with Coulomb friction")
 
@@ -49,14 +49,14 @@ def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return terms.with_torques(
         (i, torque(friction, sample.speed(joint), scene.slip_speed))
-        for i, joint, friction in rubbing(sample.model, scene)
+        for i, joint, friction in joints_with_friction(sample.model, scene)
     )
 
 
 def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum of torque times speed [W]."""
     power: Scalar = 0.0
-    for _, joint, friction in rubbing(sample.model, scene):
+    for _, joint, friction in joints_with_friction(sample.model, scene):
         speed = sample.speed(joint)
         power = power + torque(friction, speed, scene.slip_speed) * speed
     return power

@@ -13,7 +13,7 @@ from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.moments import Inertia
 
-Still = frozenset[tuple[str, int]]
+ZeroColumns = frozenset[tuple[str, int]]
 """The (source, column) pairs of q, qd and qdd that are zero in every sample."""
 
 
@@ -108,7 +108,7 @@ class Effect:
 
     name: str
     adds: str
-    why: Callable[[Model, Scene, Still], Verdict]
+    why: Callable[[Model, Scene, ZeroColumns], Verdict]
     add: Callable[[Terms, Sample, Scene], Terms]
     background: Callable[[Terms, Sample, Scene], Terms] = _itself
     stored: EnergyOf = _no_energy

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Array, cross
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Wrench
@@ -18,7 +18,7 @@ def _acting(scene: Scene) -> list[ExternalWrench]:
     return [wrench for wrench in scene.wrenches if any(wrench.force) or any(wrench.moment)]
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     links = [wrench.link for wrench in _acting(scene)]
     return Verdict(bool(links), f"acts on {', '.join(links)}" if links else "the scene has no external wrench")
 

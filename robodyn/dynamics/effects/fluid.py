@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import cross, sign
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Wrench
@@ -14,7 +14,7 @@ from robodyn.robot.poses import Pose, Velocity, poses, velocities
 from robodyn.scene.scene import Immersed, Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     links = [immersed.link for immersed in scene.immersed if immersed.volume or any(immersed.drag_area)]
     if not scene.fluid_density or not links:
         return Verdict(False, "the scene has no fluid")

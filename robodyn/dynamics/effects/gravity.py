@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
@@ -14,7 +14,7 @@ from robodyn.robot.poses import poses
 from robodyn.scene.scene import Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     if not any(scene.gravity):
         return Verdict(False, "gravity is zero")
     return Verdict(True, "gravity is ({:g}, {:g}, {:g}) m/s^2".format(*scene.gravity))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
@@ -14,8 +14,8 @@ def joint_rates(model: Model) -> range:
     return range(6 if model.floating else 0, model.n)
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
-    moving = sum(("qdd", i) not in still for i in joint_rates(model))
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+    moving = sum(("qdd", i) not in zero_columns for i in joint_rates(model))
     if not moving:
         return Verdict(False, "no joint accelerates")
     return Verdict(True, f"{moving} of {len(joint_rates(model))} coordinates accelerate")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
@@ -18,7 +18,7 @@ def _sprung(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Spring]]:
             yield i, body.joint, spring
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     names = [joint.name for _, joint, _ in _sprung(model, scene)]
     return Verdict(bool(names), f"springs at {', '.join(names)}" if names else "the scene has no spring")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar, sign
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
@@ -43,7 +43,7 @@ def _stops(model: Model, scene: Scene) -> Iterator[Stop]:
                 yield Stop(i, body.joint, side, value, scene.limit_spring)
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     if scene.limit_spring is None:
         return Verdict(False, "the scene has no springs at joint limits")
     count = len(list(_stops(model, scene)))

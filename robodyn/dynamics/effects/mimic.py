@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     names = [body.joint.name for body in model.bodies if body.joint.mimics is not None]
     if not names:
         return Verdict(False, "no joint mimics another")

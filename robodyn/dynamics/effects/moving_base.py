@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     if not model.floating:
         return Verdict(False, "the base is fixed")
-    if all(("qdd", i) in still for i in range(6)):
+    if all(("qdd", i) in zero_columns for i in range(6)):
         return Verdict(False, "the base does not accelerate")
     return Verdict(True, "the base follows the base columns; its angular velocity is counted under coriolis")
 

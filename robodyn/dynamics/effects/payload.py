@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.dynamics.effects import gravity
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.moments import MASSLESS, combined, inertia_of
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     loads = [load for load in scene.payloads if load.mass or any(load.inertia)]
     if not loads:
         return Verdict(False, "the scene has no payload")

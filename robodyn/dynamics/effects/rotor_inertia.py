@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
@@ -39,11 +39,11 @@ def reflected(model: Model, scene: Scene) -> list[float]:
     return total
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     joints = [joint for _, joint, _ in armatures(model, scene)]
     if not joints:
         return Verdict(False, "neither the scene nor a transmission has a rotor inertia")
-    if all(("qdd", joint.rate) in still for joint in joints):
+    if all(("qdd", joint.rate) in zero_columns for joint in joints):
         return Verdict(False, "no joint with a rotor accelerates")
     return Verdict(True, f"{len(joints)} joints with rotors")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.dynamics.effects.effect import Effect, Sample, Still, Terms, Verdict
+from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
@@ -18,32 +18,32 @@ def friction_of(joint: Joint, scene: Scene) -> Friction:
     return Friction(viscous=joint.damping, forward=joint.friction, backward=-joint.friction)
 
 
-def rubbing(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Friction]]:
+def joints_with_friction(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Friction]]:
     """Every hinge and slide with its friction, and the body that it carries."""
     for i, body in enumerate(model.bodies):
         if body.joint.kind in ("revolute", "prismatic"):
             yield i, body.joint, friction_of(body.joint, scene)
 
 
-def why(model: Model, scene: Scene, still: Still) -> Verdict:
-    damped = [joint for _, joint, friction in rubbing(model, scene) if friction.viscous]
+def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+    damped = [joint for _, joint, friction in joints_with_friction(model, scene) if friction.viscous]
     if not damped:
         return Verdict(False, "no joint has damping")
-    if all(("qd", joint.rate) in still for joint in damped):
+    if all(("qd", joint.rate) in zero_columns for joint in damped):
         return Verdict(False, "no damped joint moves")
     return Verdict(True, f"{len(damped)} damped joints")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     return terms.with_torques(
-        (i, friction.viscous * sample.speed(joint)) for i, joint, friction in rubbing(sample.model, scene)
+        (i, friction.viscous * sample.speed(joint)) for i, joint, friction in joints_with_friction(sample.model, scene)
     )
 
 
 def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum d qd^2 [W]."""
     power: Scalar = 0.0
-    for _, joint, friction in rubbing(sample.model, scene):
+    for _, joint, friction in joints_with_friction(sample.model, scene):
         power = power + friction.viscous * (sample.speed(joint) * sample.speed(joint))
     return power
 

@@ -13,7 +13,7 @@ from robodyn.robot.poses import velocities
 from robodyn.solids.inertia.moments import Inertia
 
 
-def along_motion(
+def dual_state(
     model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]
 ) -> tuple[list[Dual], list[Dual]]:
     """q and qd as duals whose rates are those of the motion.

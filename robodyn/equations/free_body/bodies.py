@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import arrays_of, still
+from robodyn.dynamics.arrays import arrays_of, zero_columns
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
@@ -65,7 +65,7 @@ def free_bodies(
     if shape:
         raise InputError(f"{shape} samples", remedy="a free-body diagram is of one state")
     refuse_loops(scene)
-    a_plan = plan(model, scene, still(sources))
+    a_plan = plan(model, scene, zero_columns(sources))
     state = {name: tuple(values[0].tolist()) for name, values in sources.items() if values.size or name != "columns"}
     extra = dict(zip(scene.columns, state.pop("columns", ()), strict=True))
     sample = Sample(model, state["q"], state["qd"], state["qdd"], extra)

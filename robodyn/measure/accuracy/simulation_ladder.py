@@ -21,7 +21,7 @@ from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.equations import Equations
-from robodyn.simulation.methods import METHODS, How, Method
+from robodyn.simulation.methods import METHODS, Method, MethodOptions
 from robodyn.simulation.result import Simulation
 from robodyn.simulation.run import integrated, simulate, start_of
 from robodyn.simulation.steps import Steps
@@ -77,7 +77,9 @@ def simulation_accuracy(
         found, lost = _tries(a_plan, run, method, duration, reference, executor)
         tries += found
         notes += lost
-    acts = {each.name: partial(integrated, a_plan, each.how, duration, each.executor, signal, start) for each in tries}
+    acts = {
+        each.name: partial(integrated, a_plan, each.options, duration, each.executor, signal, start) for each in tries
+    }
     times = timed(acts)
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
@@ -88,7 +90,7 @@ def simulation_accuracy(
 @dataclass(frozen=True, eq=False)
 class _Try:
     name: str
-    how: How
+    options: MethodOptions
     executor: str
     errors: tuple[float, float]
     drift: float
@@ -108,7 +110,7 @@ def _tries(
     why = ""
     executor = "auto" if method.adaptive else executor
     run = partial(run, method=method.name, executor=executor)
-    for name, how, given in _settings(method, duration):
+    for name, options, given in _settings(method, duration):
         try:
             if not found:
                 run(duration / 1024, **given)  # so that machine code is ready
@@ -123,22 +125,22 @@ def _tries(
             failed, why = [*failed, name], "a number overflows"
             continue
         work = _operations(a_plan, method, motion)
-        found.append(_Try(name, how, executor, (end, way), drift_of(motion), motion.evaluations, work))
+        found.append(_Try(name, options, executor, (end, way), drift_of(motion), motion.evaluations, work))
         if took > LONGEST / 4 or (len(found) > 1 and way > GAIN * found[-2].errors[1]):
             break
     lost = "; ".join(failed) if found else method.name
     return found, [f"left out: {lost}: {why}"] if failed else []
 
 
-def _settings(method: Method, duration: float) -> Iterator[tuple[str, How, dict[str, Any]]]:
+def _settings(method: Method, duration: float) -> Iterator[tuple[str, MethodOptions, dict[str, Any]]]:
     """Names, and steps or tolerances, of the rungs of a method."""
     if method.adaptive:
         for rtol in TOLERANCES:
-            yield f"{method.name}, rtol {rtol:g}", How(method, 0.0, rtol), {"rtol": rtol}
+            yield f"{method.name}, rtol {rtol:g}", MethodOptions(method, 0.0, rtol), {"rtol": rtol}
     else:
         for step in STEPS:
             if step < duration:
-                yield f"{method.name}, {1e3 * step:g} ms", How(method, step, 0.0), {"step": step}
+                yield f"{method.name}, {1e3 * step:g} ms", MethodOptions(method, step, 0.0), {"step": step}
 
 
 def state_errors(motion: Simulation, reference: Reference) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.support.floats import Floats
-from robodyn.support.libraries import heard
+from robodyn.support.libraries import library_messages
 
 Gravity = tuple[float, float, float]
 
@@ -104,7 +104,7 @@ def drake(urdf: str, gravity: Gravity, states: States) -> Iterator[Task]:
     multibody: Any = import_module("pydrake.multibody.plant")
     tree: Any = import_module("pydrake.multibody.tree")
     plant = multibody.MultibodyPlant(0.0)
-    with heard("drake"):
+    with library_messages("drake"):
         (instance,) = parsing.Parser(plant).AddModelsFromString(urdf, "urdf")
     if plant.HasBodyNamed(states.base, instance):  # a link named world is the world
         plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(states.base, instance))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from robodyn.programs.vectors import product
 from robodyn.report.pictures.primitives import primitive
 from robodyn.robot.urdf.parts import Description
-from robodyn.support.libraries import heard
+from robodyn.support.libraries import library_messages
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def _of_meshes(description: Description) -> Visuals:
             missing.append(fname)
         return "" if path is None else str(path)
 
-    with heard("yourdfpy", "trimesh"):
+    with library_messages("yourdfpy", "trimesh"):
         scene: Any = yourdfpy.URDF.load(BytesIO(description.data), filename_handler=path_of).scene
         placed: dict[str, list[Floats]] = {}
         for node in scene.graph.nodes_geometry:

@@ -17,7 +17,7 @@ from robodyn.solids.mesh.polygons import triangles_of
 from robodyn.solids.mesh.source import Source
 from robodyn.solids.mesh.triangles import Corners, Floats, IndexedTriangles
 from robodyn.solids.mesh.units import scale_of
-from robodyn.support.libraries import heard, treated_warnings
+from robodyn.support.libraries import library_messages, treated_warnings
 
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
 """Kinds whose coordinates are float32, in the file or in their reader."""
@@ -37,9 +37,9 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
     with _told(source, kind):
         asset = asset_of(source, kind)
         scale, note = scale_of(unit, asset.metres, source.name)
-        loaded, heard = _loaded(source, kind, asset.data)
+        loaded, logged = _loaded(source, kind, asset.data)
         parts = list(_placed(loaded))
-    notes = [note, *asset.notes, *heard]
+    notes = [note, *asset.notes, *logged]
     if len(parts) > 1:
         notes.append(f"{len(parts)} geometries of the scene are taken together")
     firsts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
@@ -72,7 +72,7 @@ def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, An
         options["ignore_broken"] = False
     loader: Any = mesh_loaders["dae" if kind == "zae" else kind]
     unread = treated_warnings("error", "string or file could not be read to its end")
-    with source.opened() as stream, heard("trimesh") as messages, unread, np.errstate(all="ignore"):
+    with source.opened() as stream, library_messages("trimesh") as messages, unread, np.errstate(all="ignore"):
         loaded: dict[str, Any] = loader(file_obj=stream if data is None else BytesIO(data), **options)
     lines = [message.partition("\n")[0] for message in messages]
     harmless = ("texture", "shininess")

@@ -12,7 +12,7 @@ from robodyn.dynamics.loops.closure import Closure
 from robodyn.dynamics.loops.equation import equations_of
 from robodyn.dynamics.loops.find import closed_chain, closure_of, independent, jacobian
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.recursions.momentum import along_motion
+from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.scene.scene import Loop, Scene
 
 KINDS = ("point", "hinge", "weld")
@@ -35,7 +35,7 @@ def sampled(model, scene, seed=1):
 def test_rates_are_those_of_dual_numbers(kind, moving, to):
     chain, sample, qd = sampled(*spatial_loop(3, kind, moving, to))
     here = chain.equations(sample)
-    q, qd_dual = along_motion(chain.model, sample.q, sample.qd, sample.qdd)
+    q, qd_dual = dual_state(chain.model, sample.q, sample.qd, sample.qdd)
     dual = chain.equations(Sample(chain.model, tuple(q), tuple(qd_dual), sample.qdd))
     for ours, theirs in ((here.rate, dual.error), (here.bias, dual.rate)):
         expected = np.array([value.rate for value in theirs], dtype=float)
