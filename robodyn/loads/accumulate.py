@@ -146,7 +146,7 @@ class TorqueAccumulator:
         samples, n = len(block), self.model.n
 
         rows = np.linspace(0, samples - 1, min(samples, CHECKED_PER_BLOCK)).astype(int)
-        self.whole = max(self.whole, self.statistics.samples + left)
+        self.whole = max(self.whole, self.statistics.integrals.samples + left)
         self.checked = self.checked or -(-self.whole * len(rows) // samples)
 
         def run(runner: Runner, given: dict[str, Floats], expected: int) -> Run:
@@ -190,11 +190,11 @@ class TorqueAccumulator:
         """Everything gathered, with shares and uncertainty at the peaks."""
         assert self.choice is not None
         whole = plan(self.model, self.scene, self.zero_columns or frozenset())
-        gathered = self.statistics
-        peaks = np.concatenate((gathered.torque.value, gathered.base.value))
+        gathered, total = self.statistics, self.statistics.integrals
+        peaks = np.concatenate((gathered.torque.kept["value"], gathered.base.kept["value"]))
         more = self.sizing.figures if self.sizing else ()
         check_figures(
-            (*gathered.integrals.totals.values(), astuple(self.ledger.balance), self.laws.relative, *more),
+            (*total.totals.values(), astuple(self.ledger.balance), self.laws.relative, *more),
             peaks,
             self.file,
         )
@@ -207,17 +207,17 @@ class TorqueAccumulator:
         balance, (force, moment) = self.ledger.balance, self.laws.largest
         moment = max(moment, force * self.model.reach)
         base = base_loads(gathered)
-        left = np.maximum([bar for _, bar in bars], gathered.torque.most - np.abs(gathered.torque.value)).tolist()
+        left = np.maximum([bar for _, bar in bars], gathered.most - np.abs(gathered.torque.kept["value"])).tolist()
         doubts = (
             *last.doubts,
             *carried(self.model, self.scene, base, joints, force, moment),
-            *self.openness.doubts(joints, left, balance, gathered.samples, gathered.duration),
+            *self.openness.doubts(joints, left, balance, total.samples, total.duration),
         )
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
         return Result(
             robot=self.model.name,
-            samples=gathered.samples,
-            duration=gathered.duration,
+            samples=total.samples,
+            duration=total.duration,
             gravity=self.scene.gravity,
             joints=joints,
             base_wrench=base,
@@ -249,13 +249,13 @@ class TorqueAccumulator:
 
     def _poses(self) -> dict[int, Floats]:
         """q at the peak of each joint."""
-        return {k: state["q"] for k, (_, state) in self.statistics.at_peak.items()}
+        return {k: state["q"] for k, state in self.statistics.at_peak.items()}
 
     def _uncertainty(self, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
         """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
         if k not in self.statistics.at_peak:
             return 0.0, 0.0
-        state = self.statistics.at_peak[k][1]
+        state = self.statistics.at_peak[k]
         if not state["off"].any():
             return 0.0, 0.0
         M = mass_matrix(self.model, state["q"], scene=self.scene, executor="numpy")[k + self.rates.start]

@@ -25,11 +25,11 @@ class BearingPass:
         self.peaks = Greatest(_WIDTH * len(self.joints))
         self.integrals = Integrals()
 
-    def update(self, time: Floats, first_row: int, before: float, wrenches: Floats) -> None:
+    def update(self, time: Floats, first_row: int, wrenches: Floats) -> None:
         """Take in a block.
 
         Args:
-            time: (N,) s; first_row: of the data, from 1; before: time since the last sample of the previous block [s].
+            time: (N,) s; first_row: of the data, from 1.
             wrenches: (N, 6 (bodies - 1)) f and m on every body but the base, in its axes.
         """
         rows = [
@@ -38,12 +38,12 @@ class BearingPass:
         ]
         values = np.concatenate(rows) if rows else np.empty((0, len(time)))
         self.peaks.update(time, first_row, np.abs(values), value=values)
-        self.integrals.update(before, np.diff(time), {"square": values * values})
+        self.integrals.update(time, {"square": values * values})
 
-    def report(self, duration: float) -> tuple[BearingLoad, ...]:
-        """The loads so far; those of a motion without duration are their own RMS."""
+    def report(self) -> tuple[BearingLoad, ...]:
+        """Return the loads so far; those of a motion without duration are their own RMS."""
         peaks = self.peaks
-        rms = np.sqrt(self.integrals.totals["square"] / duration) if duration > 0 else peaks.score
+        rms = np.sqrt(self.integrals.mean("square", peaks.score**2))
 
         def component(at: int, name: str) -> Component:
             unit = "N m" if name.startswith(("m", "t")) else "N"

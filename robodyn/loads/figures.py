@@ -73,24 +73,24 @@ def joint_load(
     and an error bar. The torque of a motion of one sample is its mean and its RMS.
     """
     totals = gathered.integrals.totals
-    peak = float(gathered.torque.value[k])
-    single = gathered.torque.value
+    mean, (torque, speed) = gathered.integrals.mean, (gathered.torque, gathered.speed)
+    single = torque.kept["value"]
     travel = float(totals["travel"][k])
     friction = friction_of(joint, scene)
     return JointLoad(
         name=name,
         unit="N" if joint.kind == "prismatic" else "N m",
-        peak=peak,
-        peak_time=gathered.at_peak[k][0],
-        peak_row=int(gathered.torque.index[k]) + 1,
-        peak_speed=float(gathered.peak_speed[k]),
-        rms=float(np.sqrt(gathered.mean("square", single**2)[k])),
-        mean=float(gathered.mean("torque", single)[k]),
+        peak=float(single[k]),
+        peak_time=float(torque.time[k]),
+        peak_row=int(torque.row[k]),
+        peak_speed=float(torque.kept["speed"][k]),
+        rms=float(np.sqrt(mean("square", single**2)[k])),
+        mean=float(mean("torque", single)[k]),
         cubic_mean=float(totals["wear"][k] / travel) ** (1 / 3) if travel else 0.0,
-        max_speed=float(gathered.speed.value[k]),
-        max_speed_time=float(gathered.speed_time[k]),
-        max_speed_row=int(gathered.speed.index[k]) + 1,
-        torque_at_max_speed=float(gathered.torque_at_speed[k]),
+        max_speed=float(speed.kept["value"][k]),
+        max_speed_time=float(speed.time[k]),
+        max_speed_row=int(speed.row[k]),
+        torque_at_max_speed=float(speed.kept["torque"][k]),
         peak_power=float(gathered.power_most[k]),
         least_power=float(gathered.power_least[k]),
         work_positive=float(totals["positive"][k]),
@@ -110,14 +110,12 @@ def joint_load(
     )
 
 
-def shares_at_peaks(
-    plan: Plan, at_peak: Mapping[int, tuple[float, Mapping[str, Floats]]], first_rate: int
-) -> list[dict[str, float]]:
+def shares_at_peaks(plan: Plan, at_peak: Mapping[int, Mapping[str, Floats]], first_rate: int) -> list[dict[str, float]]:
     """For each joint what every active effect adds to its peak, each from the recursion with that effect alone.
 
     Accuracy: the shares of a joint add up to its peak within 1e-12 of the largest torque.
     """
-    states = [at_peak[k][1] for k in range(len(at_peak))]
+    states = [at_peak[k] for k in range(len(at_peak))]
     shares: list[dict[str, float]] = [{} for _ in states]
     if states:
         sources = {name: np.stack([state[name] for state in states]) for name in states[0] if name != "off"}
@@ -130,8 +128,9 @@ def shares_at_peaks(
 
 def base_loads(gathered: Statistics) -> tuple[ComponentLoad, ...]:
     """Peak with sign, its time, and RMS of each component of the base wrench, and of Fxy and Mxy: foundation loads."""
-    rms = np.sqrt(gathered.mean("base square", gathered.base.value**2))
-    rows = zip(FOUNDATION, gathered.base.value, gathered.base_time, rms, strict=True)
+    peaks = gathered.base.kept["value"]
+    rms = np.sqrt(gathered.integrals.mean("base square", peaks**2))
+    rows = zip(FOUNDATION, peaks, gathered.base.time, rms, strict=True)
     return tuple(ComponentLoad(name, float(peak), float(time), float(mean)) for name, peak, time, mean in rows)
 
 

@@ -148,8 +148,8 @@ class Recorder:
         self.base.update(time, (base,), left)
         self.energy.update(time[rows], (energy,), left)
 
-    def history(self, at_peak: Mapping[int, tuple[float, Mapping[str, Floats]]]) -> History:
+    def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
         """What has been gathered, with the states at the peaks of the joints."""
         joints = self.joints.curves() if self.joints.names else None
-        states = tuple(at_peak[k][1] for k in range(len(at_peak)))
+        states = tuple(at_peak[k] for k in range(len(at_peak)))
         return History(joints, self.base.curves(), self.energy.curves(), states)

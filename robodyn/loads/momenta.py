@@ -48,7 +48,5 @@ class MomentumPass:
 
     def report(self) -> MomentumReport:
         """The extremes so far."""
-        found = self.extremes
-        figures = (found.least, found.least_time, found.greatest, found.greatest_time)
-        rows = zip(found.names, *(values.tolist() for values in figures), strict=True)
+        rows = zip(NAMES, *(values.tolist() for values in self.extremes.figures), strict=True)
         return MomentumReport(self.view.about, self.view.frame, tuple(Range(*row) for row in rows))

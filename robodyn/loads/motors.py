@@ -109,11 +109,11 @@ class MotorPass:
         tops = [0.0 if train.motor.peak is None else max(y for _, y in points(train.motor.peak)) for train in trains]
         self.least = LEAST * np.array(tops)[:, None] + np.finfo(float).tiny
 
-    def update(self, time: Floats, first_row: int, before: float, tau: Floats, qd: Floats, qdd: Floats) -> None:
+    def update(self, time: Floats, first_row: int, tau: Floats, qd: Floats, qdd: Floats) -> None:
         """Take in a block.
 
         Args:
-            time: (N,) s; first_row: of the data, from 1; before: time since the last sample of the previous block [s].
+            time: (N,) s; first_row: of the data, from 1.
             tau, qd, qdd: (k, N) of the joints.
         """
         trains = self.trains
@@ -146,7 +146,7 @@ class MotorPass:
             "over speed": (pace > BEYOND * fastest).astype(float),
             "over gear": (carried > BEYOND * most).astype(float),
         }
-        self.integrals.update(before, np.diff(time), quantities)
+        self.integrals.update(time, quantities)
 
     def mean_gear_torque(self, i: int) -> float:
         """The cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""

@@ -39,8 +39,6 @@ class SizingPass:
         self.static = Greatest(len(joints))
         self.base = Extremes(FOUNDATION)
         self.integrals = Integrals()
-        self.start = self.end = 0.0
-        self.samples = 0
 
     def take(
         self,
@@ -63,8 +61,6 @@ class SizingPass:
     def _update(self, time: Floats, row: int, loads: Floats, *motion: Floats) -> None:
         """Take in a few samples: their loads, and qd, qdd and static torques (N, joints)."""
         n = self.model.n
-        before = float(time[0] - self.end) if self.samples else 0.0
-        self.start = self.start if self.samples else float(time[0])
         tau, qd, qdd, static = (np.ascontiguousarray(x.T) for x in (loads[:, :n][:, self.rates], *motion))
         self.static.update(time, row, np.abs(static), value=static)
         f, m = loads[:, n : n + 3], loads[:, n + 3 : n + 6]
@@ -77,13 +73,11 @@ class SizingPass:
             "static square": static * static,
             "base": base.T,
         }
-        self.integrals.update(before, np.diff(time), quantities)
-        self.bearings.update(time, row, before, loads[:, n + 6 :])
+        self.integrals.update(time, quantities)
+        self.bearings.update(time, row, loads[:, n + 6 :])
         if self.driven:
             k = self.driven
-            self.motors.update(time, row, before, tau[k], qd[k], qdd[k])
-        self.samples += len(time)
-        self.end = float(time[-1])
+            self.motors.update(time, row, tau[k], qd[k], qdd[k])
 
     def _static_runner(self) -> Runner:
         """The torques of standing still in each pose."""
@@ -102,10 +96,10 @@ class SizingPass:
         Args:
             loads: of the joints; poses: q at the peak of each.
         """
-        duration = self.end - self.start
+        duration = self.integrals.duration
         motors = {k: self._motor(i, k, duration, poses) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
-        return Sizing(joints, self.bearings.report(duration), self._foundation(duration))
+        return Sizing(joints, self.bearings.report(), self._foundation())
 
     def _motor(self, i: int, k: int, duration: float, poses: Mapping[int, Floats]) -> MotorLoad:
         train, rate = self.motors.trains[i], self.rates.start + k
@@ -162,11 +156,10 @@ class SizingPass:
         if motor.gear_average is not None and mean > BEYOND * motor.gear_average:
             yield Exceeded("mean gear torque", mean, motor.gear_average, unit)
 
-    def _foundation(self, duration: float) -> tuple[FoundationLoad, ...]:
-        found = self.base
-        means = found.greatest if duration <= 0 else self.integrals.totals["base"] / duration
-        figures = (found.least, found.least_time, found.greatest, found.greatest_time, means)
-        rows = zip(*(values.tolist() for values in figures), strict=True)
+    def _foundation(self) -> tuple[FoundationLoad, ...]:
+        figures = self.base.figures
+        means = self.integrals.mean("base", figures[2])
+        rows = zip(*(values.tolist() for values in (*figures, means)), strict=True)
         return tuple(
             FoundationLoad(name, "N" if name[0] == "f" else "N m", *row)
             for name, row in zip(FOUNDATION, rows, strict=True)

@@ -124,11 +124,7 @@ MUTATIONS = {
     ],
     "loads/test_blocks.py": [
         ("dynamics/arrays.py", "not rows[:, column].any()", "not rows[:1, column].any()"),
-        (
-            "loads/statistics.py",
-            "sure = np.abs(values) - off",
-            "sure = values - off",
-        ),
+        ("loads/statistics.py", "self.torque.update(time, row, size - off", "self.torque.update(time, row, tau - off"),
     ],
     "loads/test_self_checks.py": [
         ("dynamics/effects/gravity.py", "energy - terms.gravity @", "energy + terms.gravity @"),

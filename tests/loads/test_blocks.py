@@ -15,7 +15,7 @@ from helpers.small_robots import built, joint, link
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
-from robodyn.loads.statistics import Extremes, Greatest, Peak
+from robodyn.loads.statistics import Extremes, Greatest
 from robodyn.loads.torques import torques
 from robodyn.programs.run import choice
 from robodyn.trajectory.robot_motion import motion
@@ -114,13 +114,15 @@ def test_a_block_at_rest_between_blocks_that_move():
 def test_of_equal_peaks_the_first_counts():
     """-1 comes before 1 whether or not they stand in the same block."""
     values = np.array([[0.5, -1.0, 1.0, -1.0], [0.5, 1.0, -1.0, 1.0]])
-    together, apart = Peak.of(2), Peak.of(2)
-    together.update(values, 0)
+    together, apart, time = Greatest(2), Greatest(2), 0.1 * np.arange(4)
+    assert together.update(time, 1, np.abs(values), value=values) == [(0, 1), (1, 1)]
     for k in range(4):
-        apart.update(values[:, k : k + 1], k)
+        part = values[:, k : k + 1]
+        new = apart.update(time[k : k + 1], k + 1, np.abs(part), value=part)
+        assert new == ([(0, 0), (1, 0)] if k < 2 else [])
     for peak in (together, apart):
-        assert peak.value.tolist() == [-1.0, 1.0]
-        assert peak.index.tolist() == [1, 1]
+        assert peak.kept["value"].tolist() == [-1.0, 1.0]
+        assert peak.row.tolist() == [2, 2]
 
 
 def test_no_samples():
@@ -146,17 +148,14 @@ def test_one_sample():
 def test_of_peaks_that_differ_by_rounding_the_first_counts(ulps):
     """-1 comes before 1 + a few ulp, whether or not they stand in the same block; so do its time and its row."""
     values = np.array([[0.5, -1.0, 1.0 + ulps * EPS, -1.0]])
-    together, apart = Peak.of(1), Peak.of(1)
-    together.update(values, 0)
+    together, apart, extremes = Greatest(1), Greatest(1), Extremes(["x"])
+    together.update(0.1 * np.arange(4), 1, np.abs(values))
     for k in range(4):
-        apart.update(values[:, k : k + 1], k)
-    score, extremes = Greatest(1), Extremes(["x"])
-    for k in range(4):
-        score.update(np.array([0.1 * k]), k + 1, np.abs(values[:, k : k + 1]))
+        apart.update(np.array([0.1 * k]), k + 1, np.abs(values[:, k : k + 1]))
         extremes.update(np.array([0.1 * k]), -np.abs(values[:, k : k + 1]).T)
-    assert together.index.tolist() == apart.index.tolist() == [1]
-    assert (score.row.tolist(), score.time.tolist()) == ([2], [0.1])
-    assert extremes.least_time.tolist() == [0.1]
+    for peak in (together, apart):
+        assert (peak.row.tolist(), peak.time.tolist()) == ([2], [0.1])
+    assert extremes.figures[1].tolist() == [0.1]
 
 
 def test_a_motion_up_to_its_limits_exceeds_none():
