@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
-from robodyn.measure.accuracy.timing import Spread
+from robodyn.measure.timing import Spread
 from robodyn.report.table import PLAIN, Page, printable
 
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}

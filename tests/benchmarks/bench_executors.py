@@ -24,7 +24,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.measure.speed.executors import available, build_times, laid_out, random_sources
 from robodyn.measure.speed.peers import bare_scene, following, library_tasks
 from robodyn.measure.speed.result import Timing
-from robodyn.measure.speed.timing import repeated, taking_turns
+from robodyn.measure.timing import repeated, taking_turns
 
 OURS = {"Two links": "two_link_planar", "SCARA": "scara"}
 """Robots of robots/; the others are of example-robot-data."""

@@ -22,7 +22,7 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.peers import bare_description, following
-from robodyn.measure.speed.timing import taking_turns
+from robodyn.measure.timing import taking_turns
 
 HEAD = (
     *("robot", "joints (Pinocchio)", "operations", "at rest", "NumPy", "compiled", "2 threads"),

@@ -20,7 +20,7 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.measure.speed.executors import random_sources
 from robodyn.measure.speed.peers import bare_description
-from robodyn.measure.speed.timing import taking_turns
+from robodyn.measure.timing import taking_turns
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

@@ -11,7 +11,7 @@ from helpers.command_line import ROBOTS, run, write_arm
 from helpers.html_pages import checked
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.measure.accuracy.timing import Spread
+from robodyn.measure.timing import Spread
 from robodyn.report.html_page import html
 from robodyn.report.page_accuracy import accuracy_page
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn.measure.speed import timing as bench_timing
+from robodyn.measure import timing as bench_timing
 
 
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from helpers.html_pages import checked
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.measure.accuracy.timing import Spread
+from robodyn.measure.timing import Spread
 from robodyn.report.html_page import html
 from robodyn.report.page_accuracy import accuracy_page
 from robodyn.report.plot_accuracy import accuracy_figure

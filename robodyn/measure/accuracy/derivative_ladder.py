@@ -12,7 +12,7 @@ from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Ladder, Rung
-from robodyn.measure.accuracy.timing import timed
+from robodyn.measure.timing import timed
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats

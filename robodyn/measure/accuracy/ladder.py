@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from robodyn.measure.accuracy.timing import Spread
+from robodyn.measure.timing import Spread
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from robodyn.measure.accuracy.mesh_methods import (
     union_with_a_copy,
 )
 from robodyn.measure.accuracy.operations import counted, integral_operations
-from robodyn.measure.accuracy.timing import timed
+from robodyn.measure.timing import timed
 from robodyn.solids.inertia.exact import exact, fraction
 from robodyn.solids.mesh.asymmetry import CentredBody
 from robodyn.solids.mesh.closed import fingerprint

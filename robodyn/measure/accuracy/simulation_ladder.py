@@ -15,7 +15,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
 from robodyn.measure.accuracy.motion_reference import Reference, Run, motion_reference
-from robodyn.measure.accuracy.timing import Spread, timed
+from robodyn.measure.timing import Spread, timed
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves

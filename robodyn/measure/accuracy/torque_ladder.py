@@ -15,8 +15,8 @@ from robodyn.errors import InputError
 from robodyn.loads.figures import REMEDY
 from robodyn.measure.accuracy.derivative_ladder import FEWEST, derivative_ladder, rate_ladder
 from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung
-from robodyn.measure.accuracy.timing import Spread, timed
 from robodyn.measure.speed.executors import Executor, available, compile_anew
+from robodyn.measure.timing import Spread, timed
 from robodyn.programs.program import Program
 from robodyn.programs.run.double_double import BLOCK, DoubleDouble
 from robodyn.programs.run.multiprecision import Multiprecision, context_of

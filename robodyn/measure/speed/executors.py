@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 from robodyn.errors import InputError
 from robodyn.loads.figures import REMEDY
 from robodyn.measure.speed.result import CopyBench, ExecutorBench, Timing
-from robodyn.measure.speed.timing import Copying, largest_difference, repeated, taking_turns
+from robodyn.measure.timing import Copying, largest_difference, repeated, taking_turns
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, content_of, kernel_of
 from robodyn.programs.run.llvm.build import code_key, kept_objects

@@ -16,7 +16,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.speed.libraries import LIBRARIES, Gravity, States, Task
 from robodyn.measure.speed.result import PeerBench, PeersBench, Timing
-from robodyn.measure.speed.timing import largest_difference, taking_turns
+from robodyn.measure.timing import largest_difference, taking_turns
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model

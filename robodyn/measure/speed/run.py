@@ -15,7 +15,7 @@ from robodyn.loads.figures import effect_reports
 from robodyn.measure.speed.executors import Work, compile_anew, executor_benches, random_sources
 from robodyn.measure.speed.peers import compared
 from robodyn.measure.speed.result import Bench, EffectBench, ProgramBench, Timing
-from robodyn.measure.speed.timing import repeated, taking_turns
+from robodyn.measure.timing import repeated, taking_turns
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.llvm.machine import compiler

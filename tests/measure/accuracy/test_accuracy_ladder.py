@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.measure.accuracy.ladder import Ladder, Rung, front
-from robodyn.measure.accuracy.timing import Spread, timed
+from robodyn.measure.timing import Spread, timed
 
 
 def rung(name: str, error: float, seconds: float) -> Rung:
@@ -73,15 +73,15 @@ def test_spread_is_median_and_quartiles() -> None:
 
 
 def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_ROUNDS", 2)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 2)
     calls: list[str] = []
     act = {"act": lambda: calls.append("run")}
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 5  # a short one fills the caches before each
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.CACHED", 0.0)
+    monkeypatch.setattr("robodyn.measure.timing.CACHED", 0.0)
     assert timed(act)["act"][1].runs == 2
     assert len(calls) == 8
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SLOW", 0.0)
+    monkeypatch.setattr("robodyn.measure.timing.SLOW", 0.0)
     assert timed(act)["act"][1].runs == 1
     assert len(calls) == 9

@@ -30,8 +30,8 @@ I_TETRAHEDRON = np.array([[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 1
 
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_ROUNDS", 1)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
 
 
 def error(moments) -> float:

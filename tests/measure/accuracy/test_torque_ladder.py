@@ -27,8 +27,8 @@ pytest.importorskip("mpmath")
 @pytest.fixture(autouse=True)
 def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
     hurry(monkeypatch)
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.accuracy.timing.SPREAD_ROUNDS", 1)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
+    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
 
 
 def test_scara() -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robodyn.measure.speed import timing as bench_timing
+from robodyn.measure import timing as bench_timing
 from robodyn.measure.speed.result import Timing
-from robodyn.measure.speed.timing import ROUNDS, Copying, largest_difference, repeated, taking_turns
+from robodyn.measure.timing import ROUNDS, Copying, largest_difference, repeated, taking_turns
 
 BUDGET, SHORT, TURN = 1.0, 0.25, 0.03125
 
