@@ -12,6 +12,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import robodyn
 from robodyn.dynamics.momenta import View
 from robodyn.errors import InputError
 from robodyn.robot.assemble import load
@@ -88,7 +89,7 @@ def is_pattern(name: str) -> bool:
     return has_magic(name) and not os.path.lexists(name)
 
 
-VERSION = f"{version_of('robodyn')}, code {code_digest(Path(__file__).parents[1], without='cli')[:12]}"
+VERSION = f"{version_of('robodyn')}, code {code_digest(Path(robodyn.__file__).parent, without='cli')[:12]}"
 """Of robodyn as this process has loaded it; the command line, which computes nothing, does not count."""
 
 

@@ -114,7 +114,7 @@ def test_the_code_is_told_by_every_module_but_those_of_the_command_line(tmp_path
     (copy / "cli" / "torques.py").write_text("changed")
     assert code_digest(copy, without="cli") == code_digest(package, without="cli")
     for change in (lambda path: path.write_text(path.read_text() + "\n"), lambda path: path.rename(copy / "moved.py")):
-        change(copy / "model.py")
+        change(copy / "robot" / "model.py")
         assert code_digest(copy, without="cli")[:12] not in version
     assert code_digest(tmp_path / "nothing") == ""
 

@@ -62,7 +62,7 @@ def test_no_word_of_work_that_is_given_to_others() -> None:
     """By the command, in a process that has not imported Dask yet, which sets levels when it is."""
     done = python("""
 import logging
-from robodyn.cli.batch import cluster
+from robodyn.cli.batch import workers as cluster
 from robodyn.cli import torques_batch
 def worked_there(*_):
     import distributed
