@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 
 import pytest
-from helpers.command_line import run
+from helpers.command_line import ROBOTS, run
 
 
 @pytest.mark.parametrize(
@@ -32,9 +32,18 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ("robodyn inertia a.stl par", ["file,par"]),
         ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
+        ("robodyn simulate robots/puma.urdf --method ga", ["plain,gauss2", "plain,gauss4", "plain,gauss6"]),
+        ("robodyn rule RD21", ["plain,RD210", "plain,RD211", "plain,RD212"]),
+        ("robodyn check robots/puma.urdf --select RD207,RD90", ["plain,RD207,RD901", "plain,RD207,RD902"]),
+        ("robodyn torques robots/puma.urdf motion.csv --frame fore", ["plain,forearm"]),
+        ("robodyn torques robots/puma.urdf motion.csv --payload fore", ["plain,forearm="]),
+        ("robodyn fbd robots/puma.urdf --at waist=0.1,el", ["plain,waist=0.1,elbow="]),
+        ("robodyn inertia robots/meshed_arm.urdf --link fore", ["plain,forearm"]),
+        ("robodyn torques none.urdf motion.csv --frame fore", []),
     ],
 )
 def test_words(words: str, completed: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROBOTS.parent)
     monkeypatch.setenv("_ROBODYN_COMPLETE", "bash_complete")
     monkeypatch.setenv("COMP_WORDS", words)
     monkeypatch.setenv("COMP_CWORD", str(words.count(" ")))
