@@ -82,8 +82,8 @@ def command(
 def accuracy_of(
     files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None, table: str | None
 ) -> Accuracy:
-    """What accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml or that
-    is given alone."""
+    """Return what accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml
+    or that is given alone."""
     ctx = click.get_current_context()
     robot = len(files) == 2 or files[0].lower().endswith(ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None

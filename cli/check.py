@@ -155,7 +155,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
 
 
 def _new(checked: Checked, baseline: str) -> Checked:
-    """What the baseline does not have."""
+    """Return what the baseline does not have."""
     found = compared(checked.findings, baseline)
     gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
     click.echo(f"{baseline}: {found.known} findings passed over{gone}", err=True)

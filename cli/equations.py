@@ -53,7 +53,7 @@ def check_asked(form: str, output: str, **numbers: Any) -> None:
 
 
 def dae_report(model: Model, scene: Scene, at: Any, qd: Any, tau: Any, output: str) -> str:
-    """The report in the form that is asked for."""
+    """Return the report in the form that is asked for."""
     found = dae(model, scene, at, qd or (), tau or ())
     if output == "text":
         return dae_text(found, page())

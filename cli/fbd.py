@@ -32,7 +32,7 @@ STATE = together(
 def state_of(
     model: Model, scene: Scene, at: Any, qd: Any, qdd: Any, traj: str | None, time: float | None
 ) -> tuple[str, dict[str, Any], tuple[str, ...]]:
-    """The state in words, and as what `free_bodies` takes; and warnings about its table."""
+    """Return the state in words, and as what `free_bodies` takes; and warnings about its table."""
     ctx = click.get_current_context()
     if traj is None:
         if time is not None or given():

@@ -31,7 +31,7 @@ _KINDS = {
 def robot_in_scene(
     urdf: str, scene_file: str | None, gravity: Vector | None, *, base_held: bool = False, loops: bool = False
 ) -> tuple[Model, Scene]:
-    """The robot of a URDF or xacro file, and the scene it is in, which `gravity` and --payload change.
+    """Return the robot of a URDF or xacro file, and the scene it is in, which `gravity` and --payload change.
 
     Args:
         base_held: whether something carries the base, as the scene may say too.
@@ -65,14 +65,14 @@ def check_table(table: str | None, scene: Scene, scene_file: str | None) -> None
 
 
 def described(urdf: str) -> Description:
-    """The description in a URDF or xacro file."""
+    """Return the description in a URDF or xacro file."""
     from robodyn.robot.urdf.description import load_description
 
     return load_description(robot_source(urdf), **lookup())
 
 
 def robot_source(urdf: str) -> str | bytes:
-    """What describes a robot: the name of a file, or what is on standard input.
+    """Return what describes a robot: the name of a file, or what is on standard input.
 
     Raises:
         InputError: by its suffix the file is of another kind.
@@ -82,7 +82,7 @@ def robot_source(urdf: str) -> str | bytes:
 
 
 def source_of(urdf: str) -> str | bytes:
-    """The name of a file, or what is on standard input."""
+    """Return the name of a file, or what is on standard input."""
     return _bytes() if urdf == STANDARD_INPUT else urdf
 
 

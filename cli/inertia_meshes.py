@@ -64,7 +64,7 @@ def meshes(
 
 
 def _element(outcome: Part | MeshError) -> str:
-    """The <inertial> of a part; a comment stands for one that there is not."""
+    """Return the <inertial> of a part; a comment stands for one that there is not."""
     if isinstance(outcome, Part):
         return inertial_element(outcome.body, "")
     return f"<!-- {str(outcome).replace('--', '- -')} -->"
@@ -73,7 +73,7 @@ def _element(outcome: Part | MeshError) -> str:
 def _shapes(
     files: Sequence[str], outcomes: Sequence[Part | MeshError], how: dict[str, Any], pictures: bool
 ) -> list[Floats | None]:
-    """The triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
+    """Return the triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
     from robodyn.solids.mesh.load import load_triangles
 
     units = one_each(how["unit"], files, "--unit")
@@ -99,7 +99,7 @@ def _measured(
     exact: bool,
     **how: Any,
 ) -> tuple[list[Part | MeshError], float | None]:
-    """The part that each file is, or why it is none; and the mass of the whole if it is given."""
+    """Return the part that each file is, or why it is none; and the mass of the whole if it is given."""
     whole = mass[0] if combine and len(mass) == 1 else None
     if whole is not None and density:
         raise InputError("both a density and a mass are given", remedy="give one of them")

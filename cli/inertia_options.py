@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def _place(text: str) -> Pose:
-    """Three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
+    """Return three or six numbers between commas: where a frame stands, and its roll, pitch and yaw."""
     numbers = finite_numbers(text)
     if len(numbers) not in (3, 6):
         raise ValueError(f"{text!r} is not three or six finite numbers between commas, such as 0,0,0.1")
@@ -96,7 +96,7 @@ _ALLOWED = {
 
 
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:
-    """The values of an option for each file, given once for all or once for each."""
+    """Return the values of an option for each file, given once for all or once for each."""
     if len(values) in (0, 1):
         return [values[0] if values else None] * len(files)
     if len(values) != len(files):

@@ -74,7 +74,7 @@ def _written(report: str | None, build: str, *given: Any) -> str:
 
 
 def _checked(description: Description) -> Checked:
-    """What `robodyn check` finds in the description."""
+    """Return what `robodyn check` finds in the description."""
     from robodyn.checks.project import check_description
     from robodyn.checks.run import Options
 

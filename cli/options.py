@@ -213,7 +213,7 @@ FORMAT = click.option(
 
 
 def EXECUTION(command: Callback) -> Callback:
-    """The options --executor and --threads."""
+    """Return the options --executor and --threads."""
     from robodyn.programs.run.choice import EXECUTORS
 
     text = "numpy starts at once, compiled makes machine code; default auto: the quicker."

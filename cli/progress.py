@@ -24,7 +24,7 @@ MANY_ROBOTS = 10
 
 @contextmanager
 def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
-    """A function to call after each block of the reader; it moves the bar if there is one."""
+    """Yield a function to call after each block of the reader; it moves the bar if there is one."""
     if reader.size_bytes < LONG or not sys.stderr.isatty():
         yield lambda *_: None
         return
@@ -43,7 +43,7 @@ def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
 
 @contextmanager
 def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
-    """A function to call after each of some files; it moves the bar if there is one."""
+    """Yield a function to call after each of some files; it moves the bar if there is one."""
     if not worth_a_bar(map(bytes_of, files)):
         yield lambda: None
         return
@@ -56,7 +56,7 @@ def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
 
 @contextmanager
 def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], None]]:
-    """A function to call after each of some descriptions; it moves the bar, if there is one, and the time left.
+    """Yield a function to call after each of some descriptions; it moves the bar, if there is one, and the time left.
 
     The bar has no thread of its own, so that processes can be started while it is shown.
     """
@@ -73,7 +73,7 @@ def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], Non
 
 
 def bar_of_meshes(*columns: ProgressColumn) -> Progress:
-    """A bar with a percentage and the time left."""
+    """Return a bar with a percentage and the time left."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -82,12 +82,12 @@ def bar_of_meshes(*columns: ProgressColumn) -> Progress:
 
 
 def worth_a_bar(sizes: Iterable[int]) -> bool:
-    """Whether meshes of so many bytes take long enough, and there is a terminal to show a bar on."""
+    """Return whether meshes of so many bytes take long enough, and there is a terminal to show a bar on."""
     return sum(sizes) >= LONG_MESHES and sys.stderr.isatty()
 
 
 def bytes_of(path: Path) -> int:
-    """The size of a file; 0 if it cannot be told."""
+    """Return the size of a file; 0 if it cannot be told."""
     try:
         return path.stat().st_size
     except (OSError, ValueError):

@@ -40,7 +40,7 @@ def run_batch(
     form: str,
     fail_on_limits: bool,
 ) -> int:
-    """The exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
+    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
     if report:
         raise click.UsageError("--report is of one trajectory", click.get_current_context())
     if not out:
@@ -61,7 +61,7 @@ def run_batch(
 
 
 def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, Any]) -> tuple[Setup, str]:
-    """What all trajectories have in common, which is checked here once; and the robot's name."""
+    """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(urdf, scene_file, gravity)
     assert model.description is not None, "it is read from a file"
     view, executor, threads = options["momentum"], options.pop("executor"), options.pop("threads")
@@ -101,7 +101,7 @@ def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[in
 def _gathered(
     work: Iterator[tuple[int, Outcome]], jobs: Sequence[Job], tick: Callable[[int], None], lines: bool
 ) -> list[Outcome]:
-    """All outcomes; a line for each is written as soon as all before it are there, errors on standard error."""
+    """Return all outcomes; a line for each is written as soon as all before it are there, errors on standard error."""
     found: dict[int, Outcome] = {}
     said = 0
     for number, outcome in work:

@@ -43,7 +43,7 @@ def run_single(
     form: str,
     options: dict[str, Any],
 ) -> Result:
-    """What was found, after it is shown and written."""
+    """Return what was found, after it is shown and written."""
     for place in (out, report):
         check_names([urdf, trajectory, scene_file], place)
     expect(ROBOT, urdf)
@@ -82,7 +82,7 @@ def run_single(
 
 @contextmanager
 def sinks(out: str | None, names: Sequence[str], reader: TrajectoryReader) -> Iterator[list[Sink]]:
-    """Functions to call with the time and the columns of each block; a file is there whole when all ends well."""
+    """Yield functions to call with the time and the columns of each block; a file is there whole when all ends well."""
     with ExitStack() as stack:
         writers: list[Sink] = []
         if out is not None:

@@ -75,7 +75,7 @@ def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
 
 
 def _named(pattern: str) -> list[str]:
-    """The files that a pattern stands for; a name stands for itself, whether it exists or not."""
+    """Return the files that a pattern stands for; a name stands for itself, whether it exists or not."""
     if not is_pattern(pattern):
         return [pattern]
     found = sorted(name for name in glob(pattern, recursive=True) if not os.path.isdir(name))
@@ -85,7 +85,7 @@ def _named(pattern: str) -> list[str]:
 
 
 def is_pattern(name: str) -> bool:
-    """Whether a name has wildcards, and is not that of a file."""
+    """Return whether a name has wildcards, and is not that of a file."""
     return has_magic(name) and not os.path.lexists(name)
 
 
@@ -120,7 +120,7 @@ class Setup:
     base_held: bool = False
 
     def loaded(self) -> tuple[Model, Scene]:
-        """The robot and its scene, read once by each thread, which then has programs of its own."""
+        """Return the robot and its scene, read once by each thread, which then has programs of its own."""
         if getattr(_KEPT, "setup", None) != self:
             scene = DEFAULT if self.scene is None else parse_scene(zlib.decompress(self.scene))
             scene = scene.changed(self.gravity, self.payloads, held=self.base_held)

@@ -53,7 +53,7 @@ def run_job(setup: Setup, job: Job) -> Outcome:
 
 
 def failed(job: Job, text: str) -> Outcome:
-    """The outcome of a job that failed."""
+    """Return the outcome of a job that failed."""
     return Outcome(job.name, "failed", error=" ".join(text.split()))
 
 
@@ -133,7 +133,7 @@ def _coverage(quantity: Quantity, found: dict[str, Any]) -> Coverage:
 
 
 def _exceeded(document: dict[str, Any], sized: list[dict[str, Any]]) -> tuple[str, ...]:
-    """Joints and quantities beyond limits, those of the description first, each once."""
+    """Return joints and quantities beyond limits, those of the description first, each once."""
     found = [(excess["joint"], excess["quantity"]) for excess in document["limits_exceeded"]]
     found += [(joint["name"], excess["quantity"]) for joint in sized for excess in joint["exceeded"]]
     return tuple(dict.fromkeys(f"{joint} {quantity}" for joint, quantity in found))

@@ -37,7 +37,7 @@ def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
 
 
 def _rows(sources: Mapping[str, Floats]) -> Iterator[tuple[str, Floats]]:
-    """What may be zero of each source; one row where all are the same."""
+    """Yield what may be zero of each source; one row where all are the same."""
     for source, values in sources.items():
         if source != "columns":
             yield source, values[:1] if values.strides[0] == 0 else values
@@ -50,7 +50,7 @@ def arrays_of(
     columns: Mapping[str, ArrayLike] = MappingProxyType({}),
     dtype: DTypeLike = np.float64,
 ) -> tuple[dict[str, Floats], tuple[int, ...]]:
-    """The arrays as (samples, columns) matrices, and the shape of the samples.
+    """Return the arrays as (samples, columns) matrices, and the shape of the samples.
 
     Args:
         given: q, and what else there is by coordinate.
@@ -74,7 +74,7 @@ def arrays_of(
 
 
 def target(out: Floats | None, shape: tuple[int, ...], dtype: DTypeLike) -> Floats:
-    """The array to write to, which is `out` if given.
+    """Return the array to write to, which is `out` if given.
 
     Raises:
         InputError: it does not fit.
@@ -103,7 +103,7 @@ def _columns(model: Model, name: str) -> tuple[int, tuple[str, ...]]:
 
 
 def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
-    """The shape of the samples."""
+    """Return the shape of the samples."""
     shapes = {*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra)}
     try:
         return shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
@@ -113,7 +113,7 @@ def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple
 
 
 def _has_zero(quaternions: Floats) -> bool:
-    """Whether all four numbers of some row are zero."""
+    """Return whether all four numbers of some row are zero."""
     zero = quaternions[:, 3] == 0.0
     return bool(zero.any()) and not quaternions[zero].any(axis=1).all()
 

@@ -21,7 +21,7 @@ from robodyn.support.floats import Floats
 
 
 def laws(plan: Plan) -> Program:
-    """The program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
+    """Return the program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
 
     `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, about the
     base's origin and in its axes, w and v being the base's velocities; the rates come from dual scalars. Then dE/dt,
@@ -97,7 +97,7 @@ class LawResiduals:
 
 
 def energy(plan: Plan) -> Program:
-    """The program of the stored energy [J] and of the power lost [W]."""
+    """Return the program of the stored energy [J] and of the power lost [W]."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)
@@ -109,7 +109,7 @@ def energy(plan: Plan) -> Program:
 
 
 def losses(plan: Plan) -> Program:
-    """The program of the power lost alone [W]."""
+    """Return the program of the power lost alone [W]."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = plan.sample(tape)

@@ -134,7 +134,7 @@ def forward_by_factorisation(
     executor: str = "auto",
     threads: int | None = None,
 ) -> Floats:
-    """The same accelerations from `M(q) qdd = tau - bias`, with M factorised: a check by other means.
+    """Return the same accelerations from `M(q) qdd = tau - bias`, with M factorised: a check by other means.
 
     Slower; nothing of `forward_dynamics` enters.
 
@@ -159,7 +159,7 @@ REMEDY = "give a link that it carries mass and inertia, or the joint a rotor"
 
 @lru_cache(maxsize=16)
 def acceleration_runner(a_plan: Plan) -> Runner:
-    """The plan's qdd, ready to run."""
+    """Return the plan's qdd, ready to run."""
     return runner_of(acceleration_program(a_plan), a_plan)
 
 
@@ -176,7 +176,7 @@ def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], 
 
 
 def _weakest(model: Model, M: Floats) -> str:
-    """The joint that moves most in the motion that M resists least."""
+    """Return the joint that moves most in the motion that M resists least."""
     moments, motions = np.linalg.eigh(M.reshape(-1, model.n, model.n))
     worst = np.unravel_index(first_largest(-np.abs(moments)), moments.shape)
     name = model.rates[first_largest(np.abs(motions[worst[0], :, worst[1]]))]

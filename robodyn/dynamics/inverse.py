@@ -112,13 +112,13 @@ def mass_matrix(
 
 @lru_cache(maxsize=16)
 def torque_runner(a_plan: Plan) -> Runner:
-    """The plan's tau, ready to run."""
+    """Return the plan's tau, ready to run."""
     return runner_of(a_plan.torques(), a_plan)
 
 
 @lru_cache(maxsize=16)
 def mass_runner(model: Model, scene: Scene) -> Runner:
-    """The entries of M(q) row by row, ready to run."""
+    """Return the entries of M(q) row by row, ready to run."""
     a_plan = plan(model, scene)
     armature = reflected(model, scene)
 
@@ -131,7 +131,7 @@ def mass_runner(model: Model, scene: Scene) -> Runner:
 
 
 def runner_of(program: Program, a_plan: Plan, more: Mapping[str, int] = MappingProxyType({})) -> Runner:
-    """A program of this plan, ready to run; `more` are widths of sources that are its own."""
+    """Return a program of this plan, ready to run; `more` are widths of sources that are its own."""
     model = a_plan.model
     widths = {"q": model.nq, "qd": model.n, "qdd": model.n, "tau": model.n, "columns": len(a_plan.scene.columns)}
     return Runner(program, {**widths, **more})

@@ -136,7 +136,7 @@ def _point(about: ArrayLike) -> Point:
 
 
 def momentum_program(a_plan: Plan, view: View) -> Program:
-    """The program of `COLUMNS`: mass centre, p, L, kinetic and potential energy."""
+    """Return the program of `COLUMNS`: mass centre, p, L, kinetic and potential energy."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         sample = a_plan.sample(tape)
@@ -160,7 +160,7 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
 
 
 def _from_base(model: Model, joints: list[Motion], frame: str) -> Pose:
-    """Rotation and origin of the frame as seen from the base."""
+    """Return rotation and origin of the frame as seen from the base."""
     if frame == GROUND:
         R, p = joints[0].R, joints[0].p
         return Pose(R.T, -(R.T @ p))
@@ -172,5 +172,5 @@ def _from_base(model: Model, joints: list[Motion], frame: str) -> Pose:
 
 @lru_cache(maxsize=16)
 def momentum_runner(a_plan: Plan, view: View) -> Runner:
-    """The plan's momenta and energies, ready to run."""
+    """Return the plan's momenta and energies, ready to run."""
     return runner_of(momentum_program(a_plan, view), a_plan)

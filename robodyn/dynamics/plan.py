@@ -66,7 +66,7 @@ class Plan:
         return replace(self.model, bodies=tuple(bodies), links=links)
 
     def sample(self, tape: Tape) -> Sample:
-        """A sample whose scalars are the inputs of `tape`, or 0.0 where the motion is still."""
+        """Return a sample whose scalars are the inputs of `tape`, or 0.0 where the motion is still."""
 
         def of(source: str, count: int) -> tuple[Scalar, ...]:
             return tuple(0.0 if (source, i) in self.zero_columns else tape.input(source, i) for i in range(count))
@@ -75,7 +75,7 @@ class Plan:
         return Sample(self._scalars, of("q", self.model.nq), of("qd", self.model.n), of("qdd", self.model.n), columns)
 
     def torques(self) -> Program:
-        """The program of tau alone, all effects together."""
+        """Return the program of tau alone, all effects together."""
         refuse_loops(self.scene)
         return trace(lambda tape: loads(*self._with(tape, self.effects)).tau, self.model.tips_first)
 
@@ -90,7 +90,7 @@ class Plan:
         return trace(outputs, self.model.tips_first)
 
     def share(self, effect: Effect) -> Program:
-        """The program of the part of tau that one effect makes: the same recursion with nothing else on."""
+        """Return the program of the part of tau that one effect makes: the same recursion with nothing else on."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             sample = self.sample(tape)
@@ -100,7 +100,7 @@ class Plan:
         return trace(outputs, self.model.tips_first)
 
     def without(self, effect: Effect) -> Program:
-        """The program of tau with one effect left out: what the others cost."""
+        """Return the program of tau with one effect left out: what the others cost."""
         others = [e for e in self.effects if e is not effect]
         return trace(lambda tape: loads(*self._with(tape, others)).tau, self.model.tips_first)
 
@@ -110,13 +110,13 @@ class Plan:
 
 
 def at_rest(sample: Sample) -> Terms:
-    """The robot standing still without gravity: the terms to which effects add."""
+    """Return the robot standing still without gravity: the terms to which effects add."""
     nothing = (0.0,) * sample.model.n
     return Terms(nothing, nothing, tuple(body.inertia for body in sample.model.bodies))
 
 
 def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
-    """The terms that some effects add up to."""
+    """Return the terms that some effects add up to."""
     terms = at_rest(sample)
     for effect in effects:
         terms = effect.add(terms, sample, scene)
@@ -124,7 +124,7 @@ def applied(effects: Iterable[Effect], sample: Sample, scene: Scene) -> Terms:
 
 
 def loads(sample: Sample, terms: Terms) -> Loads:
-    """Torques and joint wrenches of one sample, in whatever scalar it is made of."""
+    """Return torques and joint wrenches of one sample, in whatever scalar it is made of."""
     model = sample.model
     joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
@@ -137,7 +137,7 @@ def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
 
 @lru_cache(maxsize=16)
 def plan(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Plan:
-    """The Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
+    """Return the Plan of a model in a scene; the same one for the same arguments, with what it has traced so far.
 
     Raises:
         SceneError: the scene does not fit the model.

@@ -62,7 +62,7 @@ def c_source(model: Model, scene: Scene = DEFAULT) -> str:
 
 
 def _jobs(model: Model, scene: Scene) -> tuple[list[Job], str]:
-    """The functions, and why one is missing."""
+    """Return the functions, and why one is missing."""
     jobs = [
         Job("inverse_dynamics", "tau of a motion", plan(model, scene).torques(), ("q", "qd", "qdd"), "tau"),
         Job("mass_matrix", "M(q), row by row", mass_runner(model, scene).program, ("q",), "M"),
@@ -127,7 +127,7 @@ def _surroundings(model: Model, scene: Scene) -> str:
 
 
 def _constants(friction: Friction) -> str:
-    """Those that act."""
+    """Return those that act."""
     idle = () if friction.stribeck else ("stribeck_velocity",)
     return ", ".join(f"{name} {value!r}" for name, value in asdict(friction).items() if value and name not in idle)
 

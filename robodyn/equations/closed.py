@@ -71,7 +71,7 @@ class Part(NamedTuple):
 
 
 def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Closed:
-    """The equations of motion in closed form.
+    """Return the equations of motion in closed form.
 
     The traced recursion, run on trigonometric polynomials: every entry is a sum of sines and cosines of sums of angles,
     which is unique. Each entry is then compared with the recursion in numbers at random states; one that differs, or
@@ -129,7 +129,7 @@ def _symbols(model: Model) -> Symbols:
 
 
 def _part(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> Part:
-    """The outputs of a program in closed form, each checked in numbers; outputs of the same unit compare."""
+    """Return the outputs of a program in closed form, each checked in numbers; outputs of the same unit compare."""
     states = np.random.default_rng(0).uniform(-2.0, 2.0, (STATES, len(symbols)))
     n = len(symbols) // 2
     numbers = NumpyBlocks(program, {"q": n, "qd": n})({"q": states[:, :n], "qd": states[:, n:]}, STATES)
@@ -146,7 +146,7 @@ def _part(program: Program, symbols: Symbols, units: Sequence[str], products: in
 
 
 def _plain(program: Program, symbols: Symbols) -> list[Any]:
-    """The outputs as the recursion makes them.
+    """Return the outputs as the recursion makes them.
 
     Raises:
         InputError: they are too long to be written down.
@@ -162,7 +162,7 @@ def _plain(program: Program, symbols: Symbols) -> list[Any]:
 
 
 def _simplified(program: Program, symbols: Symbols, units: Sequence[str], products: int) -> list[Any] | None:
-    """The outputs as sums of sines and cosines, if that is not too much work."""
+    """Return the outputs as sums of sines and cosines, if that is not too much work."""
     forms = Forms(symbols, products)
     try:
         found = forms.outputs(program)
@@ -183,7 +183,7 @@ def _difference(expression: Any, symbols: Symbols, states: Numbers, expected: Nu
 
 
 def decimal(expression: Any) -> Any:
-    """The same expression with floats of 17 digits for its fractions; exponents stay."""
+    """Return the same expression with floats of 17 digits for its fractions; exponents stay."""
     sympy = module()
     if expression.is_Rational:
         return expression if expression.is_Integer else sympy.Float(expression, 17)

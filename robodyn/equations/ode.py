@@ -36,7 +36,7 @@ def check_equations(model: Model, scene: Scene) -> None:
 
 
 def bias_plan(model: Model, scene: Scene) -> Plan:
-    """The plan of a motion without acceleration."""
+    """Return the plan of a motion without acceleration."""
     return replace(plan(model, scene), zero_columns=frozenset(("qdd", i) for i in range(model.n)))
 
 
@@ -48,7 +48,7 @@ def identifier(name: str, otherwise: str) -> str:
 
 
 def identifiers(names: Iterable[str], otherwise: str) -> tuple[str, ...]:
-    """An identifier for each name; those that would be alike, but for capitals, are numbered."""
+    """Return an identifier for each name; those that would be alike, but for capitals, are numbered."""
     out: list[str] = []
     taken: set[str] = set()
     for name in names:
@@ -90,7 +90,7 @@ class Ode:
 
 
 def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) -> Ode:
-    """The equations of motion at a configuration.
+    """Return the equations of motion at a configuration.
 
     Each share of the bias comes from a program of its own, never from a difference.
 

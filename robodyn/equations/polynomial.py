@@ -60,7 +60,7 @@ def constant(value: float) -> Polynomial:
 
 
 def generator(k: int) -> Polynomial:
-    """The generator k itself."""
+    """Return the generator k itself."""
     return {Key((k,), "cos", ()): Coefficient(1.0, 1.0)}
 
 
@@ -88,7 +88,7 @@ def product(a: Polynomial, b: Polynomial, budget: Budget) -> Polynomial:
 
 
 def wave(kind: str, angle: Angle) -> Polynomial:
-    """The sine or cosine of a combination of generators."""
+    """Return the sine or cosine of a combination of generators."""
     turned, sign = _upright(kind, angle)
     if not turned:
         return constant(1.0) if kind == "cos" else {}
@@ -96,7 +96,7 @@ def wave(kind: str, angle: Angle) -> Polynomial:
 
 
 def linear(a: Polynomial) -> tuple[Angle, float] | None:
-    """The multiples of generators and the constant that a sums up, if it is no more than that."""
+    """Return the multiples of generators and the constant that a sums up, if it is no more than that."""
     multiples: dict[int, float] = {}
     offset = 0.0
     for key, (value, _) in a.items():
@@ -111,7 +111,7 @@ def linear(a: Polynomial) -> tuple[Angle, float] | None:
 
 
 def _waves(left: Key, right: Key) -> list[tuple[str, Angle, float]]:
-    """The product of two waves as a sum: wave, angle, share."""
+    """Return the product of two waves as a sum: wave, angle, share."""
     if not left.angle or not right.angle:
         other = left if left.angle else right
         return [(other.wave, other.angle, 1.0)]
@@ -136,7 +136,7 @@ def _combined(a: Angle, b: Angle, sign: float) -> Angle:
 
 
 def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
-    """The angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
+    """Return the angle with its first multiple positive and without zeros at its end, and the sign of the wave."""
     width = max((k + 1 for k, x in enumerate(angle) if x), default=0)
     angle = angle[:width]
     if next((x for x in angle if x), 0.0) < 0.0:

@@ -34,7 +34,7 @@ class Forms:
         self._rates = {symbol for (source, _), symbol in symbols.items() if source != "q"}
 
     def outputs(self, program: Program) -> list[Polynomial]:
-        """The outputs of a program.
+        """Return the outputs of a program.
 
         Raises:
             TooLargeError: the budget is spent.
@@ -50,7 +50,7 @@ class Forms:
         return [values[k] for k in program.outputs]
 
     def expression(self, form: Polynomial, least: float = 0.0) -> Any:
-        """The SymPy expression of a form, sorted by products of rates.
+        """Return the SymPy expression of a form, sorted by products of rates.
 
         Args:
             least: smaller coefficients are left out.
@@ -91,7 +91,7 @@ class Forms:
         return product(a, inverse, self._budget)
 
     def _turned(self, op: str, a: Polynomial) -> Polynomial:
-        """The sine or cosine of a; a constant in the angle turns one into the other."""
+        """Return the sine or cosine of a; a constant in the angle turns one into the other."""
         known = linear(a)
         if known is None:
             return self._opaque(operations()[op](self.expression(a)))
@@ -111,11 +111,11 @@ class Forms:
 
 
 def largest(forms: Sequence[Polynomial]) -> float:
-    """The largest coefficient."""
+    """Return the largest coefficient."""
     return max((abs(x.value) for form in forms for x in form.values()), default=0.0)
 
 
 def _rounded(value: float) -> Any:
-    """The short decimal next to a coefficient, if rounding alone can tell them apart."""
+    """Return the short decimal next to a coefficient, if rounding alone can tell them apart."""
     short = float(f"{value:.{DIGITS - 1}e}")
     return number(short if abs(short - value) <= SHORT * abs(value) else value)

@@ -187,7 +187,7 @@ class TorqueAccumulator:
 
     @np.errstate(all="ignore")
     def result(self, last: Trajectory, explain: bool) -> Result:
-        """Everything gathered, with shares and uncertainty at the peaks."""
+        """Return everything gathered, with shares and uncertainty at the peaks."""
         assert self.choice is not None
         whole = plan(self.model, self.scene, self.zero_columns or frozenset())
         gathered, total = self.statistics, self.statistics.integrals

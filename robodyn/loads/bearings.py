@@ -59,7 +59,7 @@ class BearingPass:
 
 
 def frame(axis: Floats) -> Floats:
-    """(3, 3) rows u, v and the axis, right-handed.
+    """Return (3, 3) rows u, v and the axis, right-handed.
 
     u and v are the coordinate axes that follow the axis in x, y, z, x if it is along one of them (-v if it is against
     it); otherwise u is at right angles to the axis and to the coordinate axis that it is furthest from.

@@ -44,12 +44,12 @@ def check_figures(figures: Iterable[ArrayLike], peaks: ArrayLike, file: str | No
 
 
 def joint_of_rates(model: Model) -> list[Joint]:
-    """The joint that each entry of qd belongs to."""
+    """Return the joint that each entry of qd belongs to."""
     return [joint for joint in model.independent for _ in range(6 if joint.kind == "floating" else 1)]
 
 
 def position_of_rates(model: Model) -> list[int]:
-    """The entry of q that goes with each entry of qd; for a floating joint qx qy qz and x y z."""
+    """Return the entry of q that goes with each entry of qd; for a floating joint qx qy qz and x y z."""
     places: list[int] = []
     for joint in model.independent:
         at = joint.coordinate
@@ -66,7 +66,7 @@ def joint_load(
     shares: Mapping[str, float],
     uncertainty: tuple[float, float],
 ) -> JointLoad:
-    """The figures of joint k.
+    """Return the figures of joint k.
 
     RMS `sqrt(integral tau^2 dt / T)`, cubic mean `cbrt(integral |qd tau^3| dt / integral |qd| dt)`, work
     `integral max(+-tau qd, 0) dt`. `uncertainty` is a standard deviation
@@ -135,7 +135,7 @@ def base_loads(gathered: Statistics) -> tuple[ComponentLoad, ...]:
 
 
 def effect_reports(plan: Plan, explain: bool) -> tuple[EffectReport, ...]:
-    """Every effect with its verdict and its operations; with `explain`, what its absence would save."""
+    """Return every effect with its verdict and its operations; with `explain`, what its absence would save."""
     total = plan.torques().size
     return tuple(
         EffectReport(

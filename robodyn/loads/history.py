@@ -41,7 +41,7 @@ class Curves:
         return time[news], values[news]
 
     def samples(self, column: int) -> dict[str, Floats]:
-        """Every sample that is kept of a column, by quantity."""
+        """Return every sample that is kept of a column, by quantity."""
         rows = self.kept[:, :, column].transpose(1, 0, 2).reshape(1 + len(self.quantities), -1)
         rows = np.unique(rows, axis=1)
         return dict(zip(("time", *self.quantities), rows, strict=True))
@@ -92,7 +92,7 @@ class Thinned:
             self._add(int(spans[first]), _extreme(part, self._deciding))
 
     def curves(self) -> Curves:
-        """What has been gathered."""
+        """Return what has been gathered."""
         return Curves(self.names, self.quantities, np.stack([self._kept[span] for span in sorted(self._kept)]))
 
     def _add(self, span: int, extreme: Floats) -> None:
@@ -149,7 +149,7 @@ class Recorder:
         self.energy.update(time[rows], (energy,), left)
 
     def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
-        """What has been gathered, with the states at the peaks of the joints."""
+        """Return what has been gathered, with the states at the peaks of the joints."""
         joints = self.joints.curves() if self.joints.names else None
         states = tuple(at_peak[k] for k in range(len(at_peak)))
         return History(joints, self.base.curves(), self.energy.curves(), states)

@@ -103,7 +103,7 @@ class Batch:
     outcomes: tuple[Outcome, ...]
 
     def count(self, status: Status) -> int:
-        """How many trajectories ended so."""
+        """Return how many trajectories ended so."""
         return sum(outcome.status == status for outcome in self.outcomes)
 
     @property

@@ -31,7 +31,7 @@ class MomentumPass:
         self.extremes = Extremes(NAMES)
 
     def take(self, block: Trajectory, tau: Floats, pattern: ZeroColumns, run: Callable[[Runner], Floats]) -> Floats:
-        """The columns (N, 12) of one block.
+        """Return the columns (N, 12) of one block.
 
         Args:
             tau: (N, n) its torques.
@@ -47,6 +47,6 @@ class MomentumPass:
         return columns
 
     def report(self) -> MomentumReport:
-        """The extremes so far."""
+        """Return the extremes so far."""
         rows = zip(NAMES, *(values.tolist() for values in self.extremes.figures), strict=True)
         return MomentumReport(self.view.about, self.view.frame, tuple(Range(*row) for row in rows))

@@ -38,7 +38,7 @@ class Train(NamedTuple):
 
 
 def train_of(joint: Joint, scene: Scene) -> Train | None:
-    """The motor and gear that drive a joint; None if the scene says nothing of them.
+    """Return the motor and gear that drive a joint; None if the scene says nothing of them.
 
     Raises:
         SceneError: the gear ratio of the description is 0.
@@ -76,7 +76,7 @@ def motor_torque(train: Train, load: Floats, qd: Floats, qdd: Floats) -> Floats:
 
 
 def points(torque: float | Curve) -> Curve:
-    """A curve's points; a torque for all speeds is one point of speed 0."""
+    """Return a curve's points; a torque for all speeds is one point of speed 0."""
     return torque if isinstance(torque, tuple) else ((0.0, torque),)
 
 
@@ -149,12 +149,12 @@ class MotorPass:
         self.integrals.update(time, quantities)
 
     def mean_gear_torque(self, i: int) -> float:
-        """The cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
+        """Return the cubic mean of what gear i bears, `cbrt(integral |load^3 qd| dt / integral |qd| dt)` [N m]."""
         travel = self.integrals.totals["joint travel"][i]
         return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
     def load(self, i: int, duration: float, load_inertia: float) -> MotorLoad:
-        """The figures of motor i.
+        """Return the figures of motor i.
 
         Args:
             duration: of the motion [s]; a motion without any has its torque as RMS.
@@ -204,7 +204,7 @@ class MotorPass:
 
 
 def _allowed(train: Train, name: str, speed: Floats) -> Floats:
-    """What a curve of the motor allows; infinite where it has none."""
+    """Return what a curve of the motor allows; infinite where it has none."""
     curve = getattr(train.motor, name)
     return np.full(speed.shape, np.inf) if curve is None else allowed(curve, speed)
 

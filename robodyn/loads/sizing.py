@@ -80,7 +80,7 @@ class SizingPass:
             self.motors.update(time, row, tau[k], qd[k], qdd[k])
 
     def _static_runner(self) -> Runner:
-        """The torques of standing still in each pose."""
+        """Return the torques of standing still in each pose."""
         rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
         return torque_runner(plan(self.model, self.scene, rates))
 
@@ -91,7 +91,7 @@ class SizingPass:
             yield from integrals.totals.values()
 
     def report(self, loads: Sequence[JointLoad], poses: Mapping[int, Floats]) -> Sizing:
-        """Everything gathered.
+        """Return everything gathered.
 
         Args:
             loads: of the joints; poses: q at the peak of each.
@@ -179,7 +179,7 @@ def _motor_exceeded(motor: MotorLoad) -> Iterator[Exceeded]:
 
 
 def _severity(exceeded: Exceeded) -> tuple[bool, float]:
-    """What breaks before what wears, then by how far in relation to the limit."""
+    """Return what breaks before what wears, then by how far in relation to the limit."""
     return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf
 
 

@@ -38,7 +38,7 @@ def torques(
     sizing: bool | None = None,
     history: bool = False,
 ) -> Result:
-    """What every joint of a robot carries along a motion, with self-checks.
+    """Return what every joint of a robot carries along a motion, with self-checks.
 
     Blocks of the trajectory go through the traced recursion one after another, in memory that does not depend on their
     number. Integrals over time use the trapezoidal rule.
@@ -79,7 +79,7 @@ def torques(
 def _opened(
     trajectory: Trajectory | TrajectoryReader | str | os.PathLike[str], model: Model, scene: Scene
 ) -> AbstractContextManager[Trajectory | TrajectoryReader]:
-    """The motion to run over; a file named here is closed afterwards."""
+    """Return the motion to run over; a file named here is closed afterwards."""
     if isinstance(trajectory, (str, os.PathLike)):
         return read_motion(trajectory, model, scene)
     return nullcontext(trajectory)

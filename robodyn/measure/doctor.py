@@ -66,7 +66,7 @@ class Line:
 
 
 def doctor() -> tuple[Line, ...]:
-    """Everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
+    """Return everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
     libraries = installed((*NEEDED, COMPILER, SCENES, *OPTIONAL))
     return (
         *_versions(libraries),
@@ -78,7 +78,7 @@ def doctor() -> tuple[Line, ...]:
 
 
 def healthy(lines: tuple[Line, ...]) -> bool:
-    """Whether nothing is broken."""
+    """Return whether nothing is broken."""
     return all(line.verdict != "broken" for line in lines)
 
 
@@ -136,7 +136,7 @@ def _usable_cores() -> int:
 
 
 def tried_apart() -> Trial:
-    """The trial in a process of its own, which machine code that does not suit the processor would end."""
+    """Return the trial in a process of its own, which machine code that does not suit the processor would end."""
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context

@@ -47,7 +47,7 @@ class Spread:
 
 
 def timed(acts: Mapping[str, Callable[[], Any]], share: float = 1.0) -> dict[str, tuple[Any, Spread]]:
-    """What each act returns and how long it takes.
+    """Return what each act returns and how long it takes.
 
     They take turns, so that all meet the same load of the machine. The first run, which brings code and data to the
     caches, counts for those alone that are slow; and a short act is run twice in each turn, of which the second counts,
@@ -90,7 +90,7 @@ TURN = 0.005
 
 
 def taking_turns(acts: Mapping[Key, Callable[[], object]]) -> dict[Key, Timing]:
-    """How long each takes. They take turns, so that all meet the same load of the machine.
+    """Return how long each takes. They take turns, so that all meet the same load of the machine.
 
     A first round, which brings code and data to the caches, does not count.
     """
@@ -100,7 +100,7 @@ def taking_turns(acts: Mapping[Key, Callable[[], object]]) -> dict[Key, Timing]:
 
 
 def repeated(act: Callable[[], object]) -> Timing:
-    """How long it takes to make something, once if that is long."""
+    """Return how long it takes to make something, once if that is long."""
     return _rounds({"": act}, 1, SHORT)[""]
 
 
@@ -115,7 +115,7 @@ def _rounds(acts: Mapping[Key, Callable[[], object]], least: int, budget: float)
 
 
 def _turn(act: Callable[[], object]) -> list[float]:
-    """Seconds of every run of one turn."""
+    """Return seconds of every run of one turn."""
     times: list[float] = []
     now = begin = perf_counter()
     while not times or now - begin < TURN:

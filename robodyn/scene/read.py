@@ -19,7 +19,7 @@ NOT_COMPUTED = ("contact", "ground", "floor")
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
-    """The scene that a TOML file describes.
+    """Return the scene that a TOML file describes.
 
     Args:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
@@ -39,7 +39,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
 
 
 def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
-    """The scene that TOML text describes; see `load_scene`."""
+    """Return the scene that TOML text describes; see `load_scene`."""
     table = SceneTable(read_toml(data, file), WHOLE, file)
     scene = Scene(
         gravity=table.vector("gravity", Scene.gravity),

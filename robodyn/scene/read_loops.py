@@ -15,7 +15,7 @@ FLAT = 1e-6
 
 
 def loops_of(table: SceneTable) -> tuple[Loop, ...]:
-    """The closures of a scene.
+    """Return the closures of a scene.
 
     Raises:
         SceneError: a key that does not go with the kind, a missing or wrong value, or a name given twice.

@@ -19,7 +19,7 @@ _POINTS = "points are [speed, torque], such as [[0, 1.3], [300, 0.9]]"
 
 
 def motors_of(scene: SceneTable, rotors: Mapping[str, Rotor]) -> dict[str, Any]:
-    """The scene's `motor`, and its `rotor` with those that stand in the tables of motors.
+    """Return the scene's `motor`, and its `rotor` with those that stand in the tables of motors.
 
     Args:
         rotors: of the table `[rotor]`.

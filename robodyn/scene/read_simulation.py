@@ -12,7 +12,7 @@ BETWEEN = ("linear", "hold")
 
 
 def simulated_of(table: SceneTable) -> dict[str, Any]:
-    """The fields of a Scene that these parts say."""
+    """Return the fields of a Scene that these parts say."""
     return {
         "drive": {name: _drive(entry) for name, entry in table.tables("drive")},
         "between_rows": table.text("between_rows", Scene.between_rows, BETWEEN),

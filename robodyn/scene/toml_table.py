@@ -23,7 +23,7 @@ _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
 def read_toml(data: bytes, file: str) -> dict[str, Any]:
-    """The tables of TOML text.
+    """Return the tables of TOML text.
 
     Raises:
         SceneError: it is none; with the line.
@@ -102,7 +102,7 @@ class SceneTable:
         return x, y, z
 
     def entry(self, key: str, default: Any = ...) -> Any:
-        """A number or the name of a column."""
+        """Return a number or the name of a column."""
         value = self.take(key, default)
         return value if value is default or (isinstance(value, str) and value) else self._number(key, value)
 
@@ -129,7 +129,7 @@ class SceneTable:
         return [SceneTable(value, f"[[{key}]] number {k}", self.file) for k, value in enumerate(values, 1)]
 
     def misplaced(self, key: str) -> SceneError:
-        """The error of a key of the scene that stands below the header of a table."""
+        """Return the error of a key of the scene that stands below the header of a table."""
         what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
         return self.error(what, remedy=f"write {key} = ... above the first [table]")
 

@@ -47,7 +47,7 @@ def adaptive_motion(
     most: float = inf,
     also: Sequence[float] = (),
 ) -> Motion:
-    """The motion from a state (width,), recorded at every step that the method takes.
+    """Return the motion from a state (width,), recorded at every step that the method takes.
 
     The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table. Quaternions
     are four numbers here, of any length; those of the record have unit length.
@@ -83,7 +83,7 @@ def adaptive_motion(
 
 
 def _rows(signal: Signal, duration: float, name: str, most: float, state: Floats) -> Floats:
-    """(N,) s, the rows at which steps end within a duration.
+    """Return (N,) s, the rows at which steps end within a duration.
 
     Raises:
         TooMuchError, InputError: they are too many.
@@ -106,7 +106,7 @@ def _apart(inner: Floats, duration: float) -> list[float]:
 
 
 def _unit(model: Model, states: Floats) -> Floats:
-    """States (N, width) with quaternions of unit length."""
+    """Return states (N, width) with quaternions of unit length."""
     for joint in model.independent:
         if joint.kind == "floating":
             h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
@@ -135,7 +135,7 @@ class AdaptiveSteps:
         self._count, self._most, self._expected = 0, most, EXPECTED if most == inf else int(most)
 
     def rates(self, within: float, time: float, y: Any) -> Any:
-        """The rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""
+        """Return the rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""
         columns = y.reshape(len(y), -1)
         samples = columns.shape[1]
         self._count += samples
@@ -173,7 +173,7 @@ class AdaptiveSteps:
             self.evaluations += solver.nfev
 
     def limit_within(self, solver: Any, y: Floats, limits: Limits) -> tuple[float, Floats] | None:
-        """When, and in what state, the last step of a solver, from y, first reached a limit."""
+        """Return when, and in what state, the last step of a solver, from y, first reached a limit."""
         begin, length = float(solver.t_old), float(solver.t - solver.t_old)
         dense = solver.dense_output()
         touches = dense_touches(limits, lambda part: dense(begin + length * part).T, solver.y)
@@ -181,7 +181,7 @@ class AdaptiveSteps:
         return None if time is None else (begin + time, self.after(begin, y, begin + time))
 
     def after(self, begin: float, y: Floats, end: float) -> Floats:
-        """The state at the end of a part of a step, by steps of the method itself."""
+        """Return the state at the end of a part of a step, by steps of the method itself."""
         for solver in self(begin, y, end) if end > begin else ():
             y = solver.y
         return y

@@ -49,7 +49,7 @@ def _needs_speed(equations: Equations, effects: Sequence[Effect]) -> bool:
 
 
 def is_free(model: Model, scene: Scene) -> bool:
-    """Whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
+    """Return whether nothing but gravity acts on the robot from outside, so that its momenta are known."""
     bodies = model.bodies
     roots = [body for body in bodies if body.parent < 0]
     if roots[0].joint.kind == "fixed" and not roots[0].inertia.m:

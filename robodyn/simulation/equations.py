@@ -77,7 +77,7 @@ class Equations:
         return necessary.closing(self.plan) if self.scene.loops else None
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
-        """The state after a step, with unit quaternions and on the loops."""
+        """Return the state after a step, with unit quaternions and on the loops."""
         q = unit(self.model, q)
         return (q, list(qd)) if self.closing is None else self.closing.settled(q, qd)
 
@@ -87,12 +87,12 @@ class Equations:
         return curves(self.scene)
 
     def given(self, tape: Tape, node: int = 0) -> Given:
-        """The curves at one of the moments for which a program is given them."""
+        """Return the curves at one of the moments for which a program is given them."""
         first = node * len(self.curves)
         return {curve: tape.input(COLUMNS, k) for k, curve in enumerate(self.curves, first)}
 
     def drives(self, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> list[Scalar]:
-        """The torques that the scene's drives apply."""
+        """Return the torques that the scene's drives apply."""
         tau: list[Scalar] = [0.0] * self.model.n
         for joint in self.model.independent:
             drive = self.scene.drive.get(joint.name)
@@ -110,13 +110,13 @@ class Equations:
         return tau
 
     def rates(self, q: Sequence[Scalar], u: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Rates:
-        """The rates at a displacement u from q."""
+        """Return the rates at a displacement u from q."""
         here = moved(self.model, q, u)
         qdd, work = self.accelerations(here, qd, given)
         return Rates(local_rates(self.model, u, qd), qdd, work)
 
     def sample(self, model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], given: Given) -> Sample:
-        """A sample without accelerations, as effects read it."""
+        """Return a sample without accelerations, as effects read it."""
         columns = {curve.column: value for curve, value in given.items() if curve.kind == LOAD}
         return Sample(model, tuple(q), tuple(qd), (0.0,) * model.n, columns)
 
@@ -141,7 +141,7 @@ class Equations:
         return qdd, power
 
     def state(self, tape: Tape) -> State:
-        """The state that a program is given."""
+        """Return the state that a program is given."""
         nq, n = self.model.nq, self.model.n
         values = [tape.input(STATE, k) for k in range(self.width)]
         return State(values[:nq], values[nq : nq + n], values[-2], values[-1])
@@ -158,7 +158,7 @@ class Equations:
         return trace(outputs)
 
     def figures(self) -> Program:
-        """The program of qdd, tau, stored and kinetic energy, linear momentum and that about the centre of mass.
+        """Return the program of qdd, tau, stored and kinetic energy, linear momentum and that about the centre of mass.
 
         In the ground's axes: `P = R P_base`, `H_c = R (H_base - c x P_base)`.
         """

@@ -45,11 +45,11 @@ class Limits:
         self._room = np.array([stop.side * (stop.value - stop.joint.offset) for stop in self.stops])
 
     def room(self, q: Floats) -> Floats:
-        """(..., stops) rad or m left for q (..., nq); negative beyond a limit."""
+        """Return (..., stops) rad or m left for q (..., nq); negative beyond a limit."""
         return self._room - self._gain * q[..., self._places]
 
     def rate(self, qd: Floats) -> Floats:
-        """(..., stops) rad/s or m/s at which the room grows at speeds qd (..., n)."""
+        """Return (..., stops) rad/s or m/s at which the room grows at speeds qd (..., n)."""
         return -self._gain * qd[..., self._rates]
 
     def check_start(self, q: Floats) -> None:
@@ -64,7 +64,7 @@ class Limits:
                 )
 
     def nearest(self, q: Floats) -> Stop:
-        """The limit that q (nq) is nearest to, or farthest beyond."""
+        """Return the limit that q (nq) is nearest to, or farthest beyond."""
         return self.stops[first_largest(-self.room(q))]
 
 
@@ -155,7 +155,7 @@ def dense_touches(limits: Limits, dense: Callable[[Floats], Floats], after: Floa
 
 
 def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> float | None:
-    """The last moment of a step before a joint is beyond a limit; None if it is nowhere.
+    """Return the last moment of a step before a joint is beyond a limit; None if it is nowhere.
 
     Args:
         touches: of this step.
@@ -195,7 +195,7 @@ def lowest(room: Callable[[float], float], low: float, high: float) -> float:
 
 
 def moment(room: Callable[[float], float], end: float) -> float:
-    """The last time in [0, end] before the room is negative, as it is at `end` and not at 0, by bisection."""
+    """Return the last time in [0, end] before the room is negative, as it is at `end` and not at 0, by bisection."""
     low, high = 0.0, end
     while low < (middle := 0.5 * (low + high)) < high and high - low > 1e-15 * end:
         low, high = (low, middle) if room(middle) < 0.0 else (middle, high)

@@ -74,7 +74,7 @@ class FixedSteps:
         self._sweeps, self._most = 0, inf
 
     def motion(self, state: Floats, duration: float, step: float, limits: Limits, most: float = inf) -> Motion:
-        """The motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
+        """Return the motion from a state (width,), in whole steps that fill the duration, none longer than `step`.
 
         They end at the rows of a table too; all of these are recorded, and a limit that is reached.
 
@@ -124,7 +124,7 @@ class FixedSteps:
         return len(self.method.b) * (self._sweeps if self.method.implicit else steps)
 
     def _advance(self, state: Floats, steps: Piece) -> tuple[Floats, InputError | None]:
-        """(N, width) the states after some steps, and why they are not all that were asked for."""
+        """Return (N, width) the states after some steps, and why they are not all that were asked for."""
         slots = np.empty((len(steps.begin) + 1, self.run.width, self.run.lanes))
         slots[0] = state[:, None]
         slots[0, self.width - 1] = steps.length[0]
@@ -147,7 +147,7 @@ class FixedSteps:
         return slots[1 : count + 1, :, 0], problem
 
     def _limit_within(self, state: Floats, states: Floats, steps: Piece, limits: Limits) -> End | None:
-        """Where a limit is first reached in some steps from a state."""
+        """Return where a limit is first reached in some steps from a state."""
         nq, n = limits.model.nq, limits.model.n
         states = np.vstack((state, states))
         touches = hermite_touches(limits, states[:, :nq], states[:, nq : nq + n], steps.length[: len(states) - 1])
@@ -169,7 +169,7 @@ class FixedSteps:
 
 
 def _whole_steps(duration: float, step: float) -> tuple[int, int]:
-    """How many steps, none longer than `step`, fill a duration, and of how many each record is the end."""
+    """Return how many steps, none longer than `step`, fill a duration, and of how many each record is the end."""
     if duration / step > MOST_STEPS:
         raise InputError(f"{duration / step:.3g} steps are too many", remedy="give a longer --step")
     asked = max(int(np.ceil(duration / step * (1.0 - 1e-12))), 1)
@@ -207,7 +207,7 @@ def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
 
 
 def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = SINGLE) -> CompiledSteps | NumpySteps:
-    """The programs of a step, made ready by the executor that is asked for or is quicker for so many steps.
+    """Return the programs of a step, made ready by the executor that is asked for or is quicker for so many steps.
 
     Raises:
         InputError: no such executor, or the compiled one cannot run here.

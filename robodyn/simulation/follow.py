@@ -54,7 +54,7 @@ def followed(
     free: Free,
     made: Callable[[MethodOptions], Motion],
 ) -> Followed:
-    """The motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
+    """Return the motion that is asked for, by steps that follow the stiffest of a scene where steps or method are open.
 
     What is stiff is looked at where the motion begins, and then along all of it: where steps were too long, the motion
     is made again with shorter ones, or by Radau's method where many would be needed.
@@ -87,7 +87,7 @@ def followed(
 
 
 def _begun(options: MethodOptions, fastest: Stiffest, duration: float, free: Free) -> Chosen:
-    """What follows the stiffest of where a motion begins, with room for more."""
+    """Return what follows the stiffest of where a motion begins, with room for more."""
     if not options.method.adaptive:
         too_long = free.step and options.step > 0.5 * fastest.longest(options.method)
         return _shorter(options, fastest, 0.0, duration, free) if too_long else Chosen(options)
@@ -149,7 +149,7 @@ def _doubt(a_plan: Plan, options: MethodOptions, fastest: Stiffest, since: float
 
 
 def _outgrown(a_plan: Plan, options: MethodOptions, motion: Motion) -> tuple[Stiffest, float] | None:
-    """The stiffest of a motion whose steps were too long for it, and since when [s]; None if they were not."""
+    """Return the stiffest of a motion whose steps were too long for it, and since when [s]; None if they were not."""
     q, every = motion.states[:, : a_plan.model.nq], int(np.ceil(len(motion.time) * a_plan.model.n / LOOKED_AT))
     rows = np.arange(0, len(q), every)
     found = stiffest(a_plan, q[rows])

@@ -41,7 +41,7 @@ class Held(NamedTuple):
 
 
 def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]:
-    """The joints with Coulomb friction that were held, of a motion with speeds qd (N, n)."""
+    """Yield the joints with Coulomb friction that were held, of a motion with speeds qd (N, n)."""
     lasting = np.diff(time)
     for _, joint, friction in joints_with_friction(model, scene):
         if not (scene.slip_speed and (friction.forward or friction.backward or friction.stribeck)):
@@ -73,7 +73,7 @@ class Deepest(NamedTuple):
 
 
 def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None:
-    """How far joints went beyond their limits, at most; None if they did not."""
+    """Return how far joints went beyond their limits, at most; None if they did not."""
     limits = Limits(model, True)
     room = limits.room(q)
     if not limits.stops or room.min() >= 0.0:
@@ -87,7 +87,7 @@ def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None
 
 
 def _peak(time: Floats, x: Floats, xd: Floats, row: int) -> tuple[float, float]:
-    """When x is largest, and how large, on cubics through the rows with their slopes, near the largest row."""
+    """Return when x is largest, and how large, on cubics through the rows with their slopes, near the largest row."""
     best = float(time[row]), float(x[row])
     for k in range(max(row - 1, 0), min(row + 1, len(time) - 1)):
         h, s = time[k + 1] - time[k], np.linspace(0.0, 1.0, 65)

@@ -73,7 +73,7 @@ class LoopFigures:
 
 
 def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, projected: bool) -> LoopFigures | None:
-    """The figures of a motion; None where the scene has no loops.
+    """Return the figures of a motion; None where the scene has no loops.
 
     Args:
         projected: whether its steps end with a projection where no Baumgarte rate is given.
@@ -114,7 +114,7 @@ def _ready(plan: Plan, columns: int) -> Runner:
 
 
 def loop_program(equations: Equations) -> Program:
-    """The program of each loop's wrench, then of phi and phi' by equation."""
+    """Return the program of each loop's wrench, then of phi and phi' by equation."""
     closing = necessary.closing(equations.plan)
     chain = closing.chain
 

@@ -111,7 +111,7 @@ CHECKING: tuple[Method, ...] = (
 
 
 def method_named(name: str) -> Method:
-    """The method of this name.
+    """Return the method of this name.
 
     Raises:
         InputError: there is none.
@@ -157,7 +157,7 @@ class MethodOptions(NamedTuple):
 
 
 def choose_method(step: float | None, rtol: float | None, name: str | None) -> MethodOptions:
-    """The method of this name with this step or tolerance, or with the usual ones.
+    """Return the method of this name with this step or tolerance, or with the usual ones.
 
     Raises:
         InputError: there is no such method, or it has no use for what is given.

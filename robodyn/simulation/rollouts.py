@@ -62,7 +62,7 @@ def rollouts(
     executor: str = "auto",
     threads: int | None = None,
 ) -> Rollouts:
-    """The motions from N initial states, recorded every `every` steps; joint limits are not looked at.
+    """Return the motions from N initial states, recorded every `every` steps; joint limits are not looked at.
 
     Coulomb friction is regularised as by `simulate`; whether the step follows it is not looked at.
 
@@ -126,7 +126,7 @@ def rollouts(
 
 
 def _done(run: CompiledSteps | NumpySteps, slots: Floats, every: int, columns: Floats | None = None) -> bool:
-    """Whether all slots could be filled from the first."""
+    """Return whether all slots could be filled from the first."""
     return run(slots, every, columns).steps == every * (len(slots) - 1) and bool(np.isfinite(slots[-1]).all())
 
 

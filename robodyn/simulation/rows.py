@@ -30,7 +30,7 @@ class Piece(NamedTuple):
     row: NDArray[np.bool_]
 
     def recorded(self, every: int) -> NDArray[np.intp]:
-        """Which of the steps are recorded: those that end at rows, and every so many whole ones."""
+        """Return which of the steps are recorded: those that end at rows, and every so many whole ones."""
         return np.flatnonzero(self.row | (self.whole % every == 0))
 
 

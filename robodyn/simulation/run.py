@@ -134,7 +134,7 @@ def simulate(
 
 
 def start_of(a_plan: Plan) -> Floats:
-    """(width,) the state in which a motion begins, its loops closed.
+    """Return (width,) the state in which a motion begins, its loops closed.
 
     Raises:
         InputError: they cannot be.
@@ -152,7 +152,7 @@ def integrated(
     state: Floats,
     also: Sequence[float] = (),
 ) -> Motion:
-    """The motion from a state of `start_of`; `also` as for `simulate`."""
+    """Return the motion from a state of `start_of`; `also` as for `simulate`."""
     method, limits = options.method, Limits(a_plan.model, a_plan.scene.joint_limits == "stop")
     signal.check_duration(duration)
     limits.check_start(state)

@@ -38,7 +38,7 @@ class Singular(NamedTuple):
 
 
 def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
-    """What is to be said of a start in which the equations of the loops depend on each other.
+    """Return what is to be said of a start in which the equations of the loops depend on each other.
 
     With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds: they are along one of the ways on.
 
@@ -77,7 +77,7 @@ def _turned(closing: Closing, q: list[float], qd: Floats, left: Floats) -> Float
 
 
 def _ways(plan: Plan, closing: Closing, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:
-    """A remedy that names the speeds of the ways on, where two numbers and one equation are left."""
+    """Return a remedy that names the speeds of the ways on, where two numbers and one equation are left."""
     away = "begin a little away from there"
     if left.shape[1] != 1 or across.shape[1] != 2:
         return away
@@ -91,12 +91,12 @@ def _ways(plan: Plan, closing: Closing, q: list[float], qd: Floats, left: Floats
 
 
 def _clean(way: Floats) -> list[float]:
-    """The numbers of a way, without rounding noise."""
+    """Return the numbers of a way, without rounding noise."""
     return [float(x) for x in np.where(np.abs(way) < FEW * np.abs(way).max(), 0.0, way)]
 
 
 def _lines(a: float, b: float, c: float) -> list[tuple[float, float]]:
-    """The directions (x, y) with `a x^2 + b x y + c y^2 = 0`."""
+    """Return the directions (x, y) with `a x^2 + b x y + c y^2 = 0`."""
     square = b * b - 4.0 * a * c
     if square < 0.0:
         return []
@@ -105,7 +105,7 @@ def _lines(a: float, b: float, c: float) -> list[tuple[float, float]]:
 
 
 def passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
-    """When a motion begins in such configurations or passes through them.
+    """Return when a motion begins in such configurations or passes through them.
 
     Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
     one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
@@ -133,7 +133,7 @@ def passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
 
 
 def _changes(J: Floats) -> list[tuple[int, float, int]]:
-    """Where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much."""
+    """Return where J (N, m, n) loses rank: a row, the share of the way to the next one, and by how much."""
     U, values, V = np.linalg.svd(J, full_matrices=False)
     none = values <= FEW * values[:, :1]
     lost = none.sum(axis=1)
@@ -149,7 +149,7 @@ def _changes(J: Floats) -> list[tuple[int, float, int]]:
 
 
 def _jacobians(plan: Plan, states: Floats) -> Floats:
-    """(N, m, n) J at some states."""
+    """Return (N, m, n) J at some states."""
     columns = _ready(plan)({STATE: states}, len(states), executor="numpy")
     return columns.reshape(len(states), -1, plan.model.n)
 
@@ -172,7 +172,7 @@ def _program(equations: Equations) -> Program:
 
 
 def passing_notes(found: tuple[Singular, ...], usual: int) -> list[str]:
-    """A line on the configurations that a motion passes through on the way."""
+    """Return a line on the configurations that a motion passes through on the way."""
     later = [each for each in found if each.time > 0.0]
     if not later:
         return []

@@ -46,7 +46,7 @@ class Steps:
         return curves * len(self.method.moments) + 1 if curves else 0
 
     def step(self) -> Program:
-        """The program of the state (and stages) after a step."""
+        """Return the program of the state (and stages) after a step."""
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             state, given = self._state(tape), self._curves(tape)
@@ -78,17 +78,17 @@ class Steps:
         return trace(outputs)
 
     def _state(self, tape: Tape) -> State:
-        """The state before a step."""
+        """Return the state before a step."""
         state = self.equations.state(tape)
         return state._replace(step=tape.input(COLUMNS, self.columns - 1)) if self.columns else state
 
     def _curves(self, tape: Tape) -> list[Given]:
-        """The table's curves at each stage."""
+        """Return the table's curves at each stage."""
         moments = self.method.moments
         return [self.equations.given(tape, moments.index(node)) for node in self.method.nodes]
 
     def _given(self, tape: Tape) -> list[Rates]:
-        """The stages that a program is given."""
+        """Return the stages that a program is given."""
         n, at = self.equations.model.n, self.equations.width
         stages = []
         for _ in self.method.b:
@@ -98,7 +98,7 @@ class Steps:
         return stages
 
     def _stage(self, state: State, stages: Sequence[Rates], row: Sequence[float], given: Given) -> Rates:
-        """The rates at `y + h sum_j row_j K_j`."""
+        """Return the rates at `y + h sum_j row_j K_j`."""
         h, n = state.step, self.equations.model.n
         u = [h * total for total in _sums(row, [K.u for K in stages], n)]
         gains = _sums(row, [K.qd for K in stages], n)
@@ -118,7 +118,7 @@ class Steps:
         return [*unit(equations.model, moved(equations.model, state.q, u)), *qd, state.work + h * power, h]
 
     def _end(self, state: State, stages: Sequence[Rates]) -> list[Scalar]:
-        """The state after the step."""
+        """Return the state after the step."""
         h, b, model = state.step, self.method.b, self.equations.model
         gains = _sums(b, [K.qd for K in stages], model.n)
         qd = [x + h * gain for x, gain in zip(state.qd, gains, strict=True)]

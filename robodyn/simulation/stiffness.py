@@ -27,7 +27,7 @@ SLIP_SPEED = 1e-3
 
 @lru_cache(maxsize=16)
 def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """The scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
+    """Return the scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
     if not coulomb_friction.why(model, scene, frozenset()).active:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
@@ -57,14 +57,14 @@ class Stiffest(NamedTuple):
     along: Floats
 
     def longest(self, method: Method) -> float:
-        """The longest stable step of a method [s]."""
+        """Return the longest stable step of a method [s]."""
         return reach(method) / self.rate
 
     def __str__(self) -> str:
         return f'{self.cause} of "{self.joint}" settles at {self.rate:.3g}/s'
 
     def remedy(self, method: Method, step: float, slip_speed: float) -> str:
-        """What to do about a step that is too long."""
+        """Return what to do about a step that is too long."""
         longest = self.longest(method)
         more = (
             f", or slip_speed = {2.0 * slip_speed * step / longest:.1g} in the scene" if self.cause == FRICTION else ""
@@ -73,7 +73,7 @@ class Stiffest(NamedTuple):
 
 
 def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
-    """The stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
+    """Return the stiffest of what a scene has at q (N, nq) or (nq,); None where nothing is stiff.
 
     The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
     root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
@@ -140,7 +140,7 @@ def _at_limits(a_plan: Plan, cause: str, which: str) -> Iterator[Slope]:
 
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
-    """The root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
+    """Return the root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
     S = np.zeros(M.shape[1])
     for slope in slopes:
         S[slope.joint.rate] += slope.joint.multiplier**2 * slope.value
@@ -162,7 +162,7 @@ def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
 
 
 def reach(method: Method) -> float:
-    """The longest step times rate that a method with fixed steps follows.
+    """Return the longest step times rate that a method with fixed steps follows.
 
     Of an explicit one the end of `|1 - x b^T (1 + x A)^-1 1| <= 1`; 2 where the new speed moves the position; of an
     implicit one where each sweep still leaves no more than CONTRACTION of the error, which is x times the spectral
@@ -182,6 +182,6 @@ def reach(method: Method) -> float:
 
 
 def rounded(step: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten that is no more than this."""
+    """Return the largest of 1, 2 and 5 times a power of ten that is no more than this."""
     power = 10.0 ** floor(log10(step))
     return float(f"{max(k for k in (1, 2, 5) if k * power <= step * (1 + 1e-12)) * power:.1g}")

@@ -94,7 +94,7 @@ def read_table(
 
 
 def curves(scene: Scene) -> tuple[Curve, ...]:
-    """What a scene takes from a table at every moment, each once."""
+    """Return what a scene takes from a table at every moment, each once."""
     return tuple(dict.fromkeys(_curves(scene)))
 
 
@@ -114,7 +114,7 @@ def _curves(scene: Scene) -> Iterator[Curve]:
 
 
 def _begun(scene: Scene, table: Table) -> Scene:
-    """The scene with the initial state in numbers."""
+    """Return the scene with the initial state in numbers."""
 
     def numbers(begun: Mapping[str, Entry]) -> Mapping[str, Entry]:
         return {name: float(table.columns[x][0]) if isinstance(x, str) else x for name, x in begun.items()}
@@ -174,7 +174,7 @@ class Signal:
         return self.table.time - self.table.time[0], self.table.columns
 
     def _loads(self, time: Floats, within: Floats) -> Iterator[Floats]:
-        """The torques and parts of wrenches, each (N,)."""
+        """Yield the torques and parts of wrenches, each (N,)."""
         rows, columns = self._rows
         last = np.searchsorted(rows, within * (1.0 + NEAR), side="right") - 1 if self.held else None
         for name in (curve.column for curve in self.curves if curve.kind == LOAD):
@@ -187,7 +187,7 @@ class Signal:
             raise InputError(what, remedy="give a shorter --duration, or none", file=self.table.file)
 
     def corners(self, knots: int = 1) -> Floats:
-        """(N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
+        """Return (N,) s, increasing: rows at which steps have to end, as torques jump there or their slopes do.
 
         Args:
             knots: of references, whose splines are smooth, only every so many rows.
@@ -206,7 +206,7 @@ class Signal:
         return rows[changes]
 
     def at(self, time: Floats, within: Floats | None = None) -> Floats:
-        """(N, curves) at N times [s] since the simulation began.
+        """Return (N, curves) at N times [s] since the simulation began.
 
         Args:
             within: (N,) s, times between the same rows as those that are meant: what is held jumps at rows.

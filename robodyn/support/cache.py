@@ -59,7 +59,7 @@ class ObjectCache:
         self._largest = largest
 
     def get(self, key: Key) -> bytes | None:
-        """What was kept under this key, or None."""
+        """Return what was kept under this key, or None."""
         if self._folder is None:
             return None
         path = self._folder / _name(key)
@@ -98,7 +98,7 @@ class ObjectCache:
             _prune(self._folder, self._largest)
 
     def held(self) -> tuple[int, int]:
-        """How many files are kept, and their bytes."""
+        """Return how many files are kept, and their bytes."""
         sizes: list[int] = []
         if self._folder is not None:
             with suppress(OSError):
@@ -145,7 +145,7 @@ def _for_this_user(path: str, flags: int) -> int:
 
 
 def _private(path: Path, status: os.stat_result | None = None) -> bool:
-    """Whether only this user may write there, as far as the system tells it."""
+    """Return whether only this user may write there, as far as the system tells it."""
     if not hasattr(os, "getuid"):
         return in_profile(path)
     status = status or path.stat()
@@ -153,7 +153,7 @@ def _private(path: Path, status: os.stat_result | None = None) -> bool:
 
 
 def in_profile(path: Path) -> bool:
-    """Whether a place is in the user's own folder, which systems without owners keep from other users."""
+    """Return whether a place is in the user's own folder, which systems without owners keep from other users."""
     with suppress(OSError, RuntimeError):
         return path.resolve().is_relative_to(Path.home().resolve())
     return False

@@ -72,7 +72,7 @@ class FrozenValue(Frozen):
 
 
 def frozen(value: Any) -> Any:
-    """The value with read-only copies of mappings, sequences and arrays, also inside each other."""
+    """Return the value with read-only copies of mappings, sequences and arrays, also inside each other."""
     if isinstance(value, Mapping):
         return FrozenMapping({key: frozen(each) for key, each in value.items()})
     if isinstance(value, (list, tuple)):
@@ -86,7 +86,7 @@ def frozen(value: Any) -> Any:
 
 
 def frozen_value(value: Any) -> Any:
-    """The value with what can be written in several ways written in one.
+    """Return the value with what can be written in several ways written in one.
 
     Mappings are read-only and sorted, sequences and arrays are tuples, numbers are floats, zero has no sign.
     """

@@ -64,7 +64,7 @@ def installed(libraries: Sequence[Library]) -> dict[str, Installed]:
 
 
 def version_of(name: str) -> str | None:
-    """The version that is installed; None where it is not."""
+    """Return the version that is installed; None where it is not."""
     with suppress(PackageNotFoundError):
         return version(name)
     return None
@@ -86,7 +86,7 @@ def code_digest(folder: Path, without: str = "") -> str:
 
 
 def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Each module with the reason why it does not load, empty if it does.
+    """Yield each module with the reason why it does not load, empty if it does.
 
     Method: one process imports them in turn; where it ends before the last, the next one has ended it, and another
     process goes on behind that.
@@ -101,7 +101,7 @@ def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 
 def _tried(modules: Sequence[str]) -> tuple[list[tuple[str, str]], str]:
-    """What the process says of the modules until it ends, and how it ends."""
+    """Return what the process says of the modules until it ends, and how it ends."""
     call = [sys.executable, "-c", _TRY, json.dumps(sys.path), *modules]
     try:
         done = subprocess.run(call, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL)

@@ -41,7 +41,7 @@ _END = object()
 
 
 def prefetch(items: Iterator[Item]) -> Iterator[Item]:
-    """The same items, each made while the one before is used; what `items` raises is raised in its place."""
+    """Yield the same items, each made while the one before is used; what `items` raises is raised in its place."""
     ready: Queue[Any] = Queue(maxsize=1)
     wanted = True
 
@@ -75,7 +75,7 @@ def prefetch(items: Iterator[Item]) -> Iterator[Item]:
 
 @contextmanager
 def write_behind(use: Callable[..., None]) -> Iterator[Callable[..., None]]:
-    """A function that lets `use` run later, in order; what it raises is raised by a later call or at the end."""
+    """Yield a function that lets `use` run later, in order; what it raises is raised by a later call or at the end."""
     waiting: Queue[Any] = Queue(maxsize=1)
     failures: list[BaseException] = []
 

@@ -32,7 +32,7 @@ def figure(value: float, digits: int = 3) -> str:
 
 
 def listed(names: Collection[str]) -> str:
-    """The first few names and how many more there are."""
+    """Return the first few names and how many more there are."""
     text = ", ".join(shown(name) for name in islice(names, _MOST_NAMES))
     return text if len(names) <= _MOST_NAMES else f"{text}, ... ({len(names)} in all)"
 
@@ -86,5 +86,5 @@ def shortened(names: Sequence[str], most: int) -> list[str]:
 
 
 def _cut(name: str, most: int, head: int) -> str:
-    """The name with at most so many characters, `head` of them before the dots."""
+    """Return the name with at most so many characters, `head` of them before the dots."""
     return name if len(name) <= most else f"{name[:head]}...{name[len(name) - (most - 3 - head) :]}"

@@ -33,11 +33,11 @@ class Sample:
     columns: Mapping[str, Scalar] = field(default_factory=dict)
 
     def motions(self) -> list[Motion]:
-        """How every joint moves in this sample."""
+        """Return how every joint moves in this sample."""
         return motions(self.model, self.q, self.qd, self.qdd)
 
     def position(self, joint: Joint) -> Scalar:
-        """The joint's own position, which for a mimic joint is `multiplier q + offset` [rad or m]."""
+        """Return the joint's own position, which for a mimic joint is `multiplier q + offset` [rad or m]."""
         return joint.multiplier * self.q[joint.coordinate] + joint.offset
 
     def speed(self, joint: Joint) -> Scalar:

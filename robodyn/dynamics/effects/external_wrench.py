@@ -28,7 +28,7 @@ def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:
 
 
 def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple[int, Wrench]:
-    """The body that the wrench acts on, and the wrench about that body's origin in its axes."""
+    """Return the body that the wrench acts on, and the wrench about that body's origin in its axes."""
     body, R, p = sample.model.links[wrench.link]
     axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
     f = axes @ _entries(wrench.force, sample)

@@ -10,7 +10,7 @@ from robodyn.scene.scene import Scene
 
 
 def joint_rates(model: Model) -> range:
-    """The entries of qd and qdd that belong to joints, not to a moving base."""
+    """Return the entries of qd and qdd that belong to joints, not to a moving base."""
     return range(6 if model.floating else 0, model.n)
 
 

@@ -22,7 +22,7 @@ class Stop(NamedTuple):
     spring: LimitSpring
 
     def beyond(self, sample: Sample) -> tuple[Scalar, Scalar]:
-        """How far the joint is beyond the limit, negative within, and the rate of that."""
+        """Return how far the joint is beyond the limit, negative within, and the rate of that."""
         return self.side * (sample.position(self.joint) - self.value), self.side * sample.speed(self.joint)
 
     def torque(self, x: Scalar, xd: Scalar) -> Scalar:

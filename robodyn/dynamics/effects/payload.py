@@ -32,7 +32,7 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 
 def background(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    """The whole motion and gravity, on a robot without mass: what a payload needs to be felt."""
+    """Return the whole motion and gravity, on a robot without mass: what a payload needs to be felt."""
     massless = tuple(MASSLESS for _ in terms.inertias)
     return gravity.add(replace(terms, inertias=massless, qd=sample.qd, qdd=sample.qdd), sample, scene)
 

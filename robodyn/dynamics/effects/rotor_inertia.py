@@ -16,14 +16,14 @@ from robodyn.scene.scene import Scene
 
 
 def rotor_of(joint: Joint, scene: Scene) -> tuple[float, float]:
-    """The rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
+    """Return the rotor inertia [kg m^2] and the gear ratio of a joint: the scene's word, else its transmission's."""
     rotor = scene.rotor.get(joint.name)
     inertia, gear = (None, None) if rotor is None else (rotor.inertia, rotor.gear)
     return joint.rotor_inertia if inertia is None else inertia, joint.reduction if gear is None else gear
 
 
 def armatures(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, float]]:
-    """The body, joint and reflected inertia G^2 J [kg m^2] of every joint that has a rotor."""
+    """Yield the body, joint and reflected inertia G^2 J [kg m^2] of every joint that has a rotor."""
     for i, body in enumerate(model.bodies):
         joint = body.joint
         inertia, gear = rotor_of(joint, scene)

@@ -76,14 +76,14 @@ class ClosedChain:
         return len(self.sizes)
 
     def equations(self, sample: Sample) -> Equations:
-        """The equations of all closures, one after another."""
+        """Return the equations of all closures, one after another."""
         joints = sample.motions()
         places = [closure.relative(self.model, joints) for closure in self.closures]
         parts = [held(closure, place) for closure, place in zip(self.closures, places, strict=True)]
         return Equations(places, *(_all(part[k] for part in parts) for k in range(len(Held._fields))))
 
     def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solver:
-        """What solves `M a - J^T lambda = f`, `J a = b` at a sample.
+        """Return what solves `M a - J^T lambda = f`, `J a = b` at a sample.
 
         Args:
             softness: singular values of C^-1 J^T that are smaller than this part of the largest count for less.

@@ -65,7 +65,7 @@ def _keeping(given: Sequence[int], found: Callable[[Sequence[int]], Floats | Non
 
 
 def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> list[str]:
-    """Which of the positions and speeds that a scene gives had to change for the loops to close."""
+    """Return which of the positions and speeds that a scene gives had to change for the loops to close."""
     names = [*model.coordinates, *model.rates]
     given = [name in scene.initial_q for name in model.coordinates] + [name in scene.initial_qd for name in model.rates]
     changed = [k for k, mine in enumerate(given) if mine and scene.loops and abs(begun[k] - asked[k]) > MISFIT]
@@ -75,7 +75,7 @@ def start_notes(model: Model, scene: Scene, begun: Floats, asked: Floats) -> lis
 
 
 def _rates_of(model: Model, coordinates: Iterable[str]) -> list[int]:
-    """The rates of the joints that these coordinates belong to, in this order."""
+    """Return the rates of the joints that these coordinates belong to, in this order."""
     owner = {}
     for joint in model.independent:
         numbers, rates = (7, 6) if joint.kind == "floating" else (1, 1)
@@ -107,7 +107,7 @@ def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
 
 
 def closed_near(closing: Closing, q: Floats, moves: Floats) -> Floats | None:
-    """The closed place nearest to q after some moves; None if there is none."""
+    """Return the closed place nearest to q after some moves; None if there is none."""
     sample = closing.sample(q.tolist(), (0.0,) * closing.model.n)
     there = unit(closing.model, moved(closing.model, q.tolist(), closing.chain.along_parents(sample, moves.tolist())))
     return _closed(closing, np.array(there, dtype=float), range(closing.model.n))
@@ -131,7 +131,7 @@ def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:
 
 
 def _rotation_vector(R: Floats) -> Floats:
-    """The vector t with exp([t]) = R, |t| <= pi."""
+    """Return the vector t with exp([t]) = R, |t| <= pi."""
     R = np.asarray(R, dtype=float)
     v = 0.5 * np.array((R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]))
     sine, cosine = float(np.sqrt(product(v, v))), 0.5 * (float(np.trace(R)) - 1.0)
@@ -159,13 +159,13 @@ def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Fl
 
 
 def _moving(J: Floats, free: Sequence[int]) -> list[int]:
-    """Those of the free rates that move a loop's point or axes."""
+    """Return those of the free rates that move a loop's point or axes."""
     each = np.abs(J).max(axis=0, initial=0.0)
     return [rate for rate in free if each[rate] > NOTHING * each.max(initial=0.0)]
 
 
 def _shortest(J: Floats, right: Floats) -> Floats:
-    """The shortest x with J x as near to the right side as it can be."""
+    """Return the shortest x with J x as near to the right side as it can be."""
     return shortest(J, right, NOTHING)
 
 
@@ -177,7 +177,7 @@ def _reach(closing: Closing) -> float:
 
 
 def _open(closing: Closing, q: Floats) -> InputError:
-    """Which loop is open by how much where the scene begins."""
+    """Return which loop is open by how much where the scene begins."""
     errors = closing.chain.equations(closing.sample(q.tolist(), (0.0,) * closing.model.n)).error
     rows = [(closure.loop.name, equation) for closure in closing.chain.closures for equation in closure.equations]
     worst = int(np.argmax(np.abs(errors)))

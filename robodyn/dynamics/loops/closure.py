@@ -45,7 +45,7 @@ HOME = Placed(IDENTITY, ZERO, ZERO, ZERO, ZERO, ZERO)
 
 
 def carried(before: Placed, joint: Motion) -> Placed:
-    """The body that a joint carries, from the body before it: the outward recursion in fixed axes."""
+    """Return the body that a joint carries, from the body before it: the outward recursion in fixed axes."""
     R, s = before.R @ joint.R, before.R @ joint.p
     w, v = R @ joint.w, R @ joint.v
     return Placed(
@@ -96,7 +96,7 @@ class Closure:
     equations: tuple[Equation, ...]
 
     def relative(self, model: Model, motions: Sequence[Motion]) -> Relative:
-        """How the link stands and moves against the other.
+        """Return how the link stands and moves against the other.
 
         `v = R^T (v_a - v_b)` and `a = R^T (a_a - a_b - 2 w_b x (v_a - v_b))` for the point of the link, with the
         velocity and the acceleration that the other would have there; a joint adds `axis x r` to the one or takes it

@@ -28,21 +28,21 @@ class Equation(NamedTuple):
     about: str
 
     def of(self, d: Array, B: Array) -> Scalar:
-        """The left side."""
+        """Return the left side."""
         value: Scalar = product(self.D, d)
         return value + (self.E * B).sum() if self.E.any() else value
 
     def force(self) -> Floats:
-        """(3,) on the link, in the axes of the other, for lambda = 1."""
+        """Return (3,) on the link, in the axes of the other, for lambda = 1."""
         return self.D
 
     def moment(self, B: Array) -> Array:
-        """(3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`."""
+        """Return (3,) on the link about its point, in the axes of the other, for lambda = 1: `n_j = E : [e_j] B`."""
         return np.array([(self.E * product(skew(axis), B)).sum() for axis in IDENTITY])
 
 
 def equations_of(loop: Loop) -> tuple[Equation, ...]:
-    """All equations of a closure: those of the point, then those of the axes.
+    """Return all equations of a closure: those of the point, then those of the axes.
 
     A point is held along three axes, or along the loop's directions. A hinge moreover keeps its axis s across two
     vectors t that stand across the hinge's axis in the other link: `t . B s = 0`. A weld keeps the turn `X = B R^T`
@@ -63,7 +63,7 @@ def equations_of(loop: Loop) -> tuple[Equation, ...]:
 
 
 def _across(loop: Loop) -> tuple[Floats, Floats]:
-    """Two vectors across the hinge's axis in the other link, along coordinate axes where it is along one."""
+    """Return two vectors across the hinge's axis in the other link, along coordinate axes where it is along one."""
     s = _unit(loop.to_axis)
     t = np.roll(IDENTITY[int(np.argmax(np.abs(s)))], 1)
     t = _unit(t - s * product(s, t))

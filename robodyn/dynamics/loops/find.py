@@ -45,7 +45,7 @@ class Found(NamedTuple):
 
 @lru_cache(maxsize=16)
 def closed_chain(plan: Plan) -> Found:
-    """The closed chain of a model in a scene.
+    """Return the closed chain of a model in a scene.
 
     Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
     configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
@@ -70,7 +70,7 @@ def closed_chain(plan: Plan) -> Found:
 
 
 def closure_of(model: Model, loop: Loop) -> Closure:
-    """The loop with all its equations, its chains from the nearest body that carries both links."""
+    """Return the loop with all its equations, its chains from the nearest body that carries both links."""
     ends = (
         model.links[loop.link],
         GROUND_FRAME if loop.to == GROUND and GROUND not in model.links else model.links[loop.to],

@@ -86,7 +86,7 @@ class LeastChange:
 
 
 def _order(rows: Sequence[set[int]], count: int) -> list[int]:
-    """Columns in an order that leaves few entries in R: each time the one that meets the fewest others."""
+    """Return columns in an order that leaves few entries in R: each time the one that meets the fewest others."""
     meets: dict[int, set[int]] = {k: set() for k in range(count)}
     for row in rows:
         for k in row:

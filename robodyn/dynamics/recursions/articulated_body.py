@@ -24,7 +24,7 @@ def articulated(body: Inertia) -> Array:
 
 
 def at_parent(A: Array, turns: tuple[Turn, Turn, Turn], p: Array) -> Array:
-    """The same inertia in the axes and about the origin of the parent.
+    """Return the same inertia in the axes and about the origin of the parent.
 
     With `R = Rz Rx Rz` made of the three turns: I, H and M become `R I R^T` and so on, then `H' = H + [p] M` and
     `I' = I + [p] H'^T + ([p] H^T)^T`.
@@ -64,18 +64,18 @@ def _about_x(B: Array, c: Scalar, s: Scalar) -> Array:
 
 
 def _mirrored(B: Array) -> Array:
-    """The symmetric matrix with the upper triangle of B."""
+    """Return the symmetric matrix with the upper triangle of B."""
     return np.array(((B[0, 0], B[0, 1], B[0, 2]), (B[0, 1], B[1, 1], B[1, 2]), (B[0, 2], B[1, 2], B[2, 2])))
 
 
 def wrench_at_parent(b: Array, R: Array, p: Array) -> Array:
-    """The same wrench (n, f) about the parent's origin in the parent's axes: `R n + p x R f`, `R f`."""
+    """Return the same wrench (n, f) about the parent's origin in the parent's axes: `R n + p x R f`, `R f`."""
     f = R @ b[3:]
     return np.concatenate((R @ b[:3] + cross(p, f), f))
 
 
 def acceleration_from_parent(x: Array, R: Array, p: Array) -> Array:
-    """The parent's (wd, a) at the body's origin, in the body's axes: `R^T wd`, `R^T (a + wd x p)`."""
+    """Return the parent's (wd, a) at the body's origin, in the body's axes: `R^T wd`, `R^T (a + wd x p)`."""
     return np.concatenate((R.T @ x[:3], R.T @ (x[3:] + cross(x[:3], p))))
 
 
@@ -91,7 +91,7 @@ def articulated_body(
     forces: Sequence[Scalar],
     rotors: Sequence[float],
 ) -> list[Scalar]:
-    """How much faster than in `motions` the coordinates accelerate: M^-1 (forces - J^T biases).
+    """Return how much faster than in `motions` the coordinates accelerate: M^-1 (forces - J^T biases).
 
     Inward, from the tips to the base, a body answers to an acceleration x = (wd, a) with the wrench `A x + b`. Its
     joint, S being its axis, moves freely: with `U = A S`, `D = S . U + rotor` and `u = force - S . b` its parent feels
@@ -145,7 +145,7 @@ def articulated_body(
 
 
 def _coordinates(model: Model) -> tuple[list[int], list[list[int]]]:
-    """How many joints each coordinate moves, and for each body the shared coordinates that end there.
+    """Return how many joints each coordinate moves, and for each body the shared coordinates that end there.
 
     A shared coordinate ends at the outermost body that carries all the joints that it moves.
     """
@@ -161,7 +161,7 @@ def _coordinates(model: Model) -> tuple[list[int], list[list[int]]]:
 
 
 def _common(parents: Sequence[int], bodies: Sequence[int]) -> int:
-    """The outermost body that carries all these, itself counted."""
+    """Return the outermost body that carries all these, itself counted."""
     above = set(bodies)
     while len(above) > 1:
         last = max(above)

@@ -130,7 +130,7 @@ def composite_body(
 
 
 def rates_inward(model: Model) -> list[int]:
-    """All rates, those of the tips first: an order in which M is factorised without further entries."""
+    """Return all rates, those of the tips first: an order in which M is factorised without further entries."""
     inward = reversed(model.bodies)
     return list(
         dict.fromkeys(joint.rate + k for joint in (b.joint for b in inward) for k in range(len(AXES[joint.kind])))

@@ -137,7 +137,7 @@ def _pair(k: int, other: int) -> tuple[int, int]:
 
 
 def _reduced(A: Array, G: Array, V: Array) -> Array:
-    """A - G V^T, which is symmetric."""
+    """Return A - G V^T, which is symmetric."""
     upper = {(i, j): A[i, j] - G[i] * V[j] for i in range(6) for j in range(i, 6)}
     return np.array([[upper[_pair(i, j)] for j in range(6)] for i in range(6)])
 
@@ -157,7 +157,7 @@ UNDECIDED = 1e-6
 
 
 def aligned(model: Model) -> Model:
-    """The same robot with other axes in its bodies; origins stay, and so do q, qd and tau.
+    """Return the same robot with other axes in its bodies; origins stay, and so do q, qd and tau.
 
     Body i's new axes stand in its old ones as the columns of Q_i: z along its joint, x across this and the axis of the
     first joint that it carries, as Denavit and Hartenberg's. Then `R' = Q_j^T R Q_i` is a turn about x, then one about
@@ -176,7 +176,7 @@ def aligned(model: Model) -> Model:
 
 
 def _axes(joint: Joint, carried: Joint | None) -> Floats:
-    """The new axes of the body that `joint` moves, in its old ones; those of a base or a free body stay."""
+    """Return the new axes of the body that `joint` moves, in its old ones; those of a base or a free body stay."""
     if joint.kind not in ("revolute", "prismatic"):
         return np.eye(3)
     z = joint.axis

@@ -10,7 +10,7 @@ from robodyn.programs.vectors import Array, Scalar, cross, product, skew, vector
 
 
 def euler(I: Array, w: Array, wd: Array) -> Array:
-    """The moment I wd + w x (I w) that turns a body.
+    """Return the moment I wd + w x (I w) that turns a body.
 
     Expanded by entries of I, as Euler wrote it for principal axes: three factors of the off-diagonal entries are also
     entries of the acceleration matrix [wd] + [w][w], and the diagonal enters by differences, so a traced program needs
@@ -35,7 +35,7 @@ def euler(I: Array, w: Array, wd: Array) -> Array:
 
 
 def acceleration_of_point(a_p: Array, r: Array, w: Array, wd: Array) -> Array:
-    """The acceleration of the body's point at r from p: `a = a_p + wd x r + w x (w x r)`.
+    """Return the acceleration of the body's point at r from p: `a = a_p + wd x r + w x (w x r)`.
 
     Args:
         a_p: (3,) acceleration of the point p of the body [m/s^2].
@@ -100,13 +100,13 @@ def moment_about(M: Array, F: Array, r: Array) -> Array:
 
 
 def inertia_about(I_c: Array, m: Scalar, r: Array) -> Array:
-    """The inertia matrix about a point from which the mass centre is at r: `I_c - m [r][r]` (parallel axes)."""
+    """Return the inertia matrix about a point from which the mass centre is at r: `I_c - m [r][r]` (parallel axes)."""
     I: Array = I_c - m * product(skew(r), skew(r))
     return I
 
 
 def inertia_about_centre(I_p: Array, m: Scalar, r: Array) -> Array:
-    """The inertia matrix about the mass centre from that about p, r being c - p: `I_p + m [r][r]`."""
+    """Return the inertia matrix about the mass centre from that about p, r being c - p: `I_p + m [r][r]`."""
     I: Array = I_p + m * product(skew(r), skew(r))
     return I
 

@@ -62,7 +62,7 @@ class Momenta(NamedTuple):
 def momentum_of_bodies(
     parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia]
 ) -> list[tuple[Array, Array]]:
-    """Each body's `P = m v + w x m c` and `H = m c x v + I w`, about its origin and in its axes."""
+    """Return each body's `P = m v + w x m c` and `H = m c x v + I w`, about its origin and in its axes."""
     return [
         (body.m * v + cross(w, body.mc), cross(body.mc, v) + body.I @ w)
         for (w, v), body in zip(velocities(parents, motions), inertias, strict=True)

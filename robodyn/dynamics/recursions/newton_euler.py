@@ -21,7 +21,7 @@ def newton_euler(
     gravity: Array = ZERO,
     wrenches: Iterable[tuple[int, Wrench]] = (),
 ) -> list[Wrench]:
-    """The wrench that each body's parent exerts on it, from the motion of the joints.
+    """Return the wrench that each body's parent exerts on it, from the motion of the joints.
 
     Outward, from the base to the tips, in body axes (j is the parent of i, R and p its joint's rotation and offset):
     `w_i = R^T w_j + w_J`, `wd_i = R^T wd_j + R^T w_j x w_J + wd_J`, `a_i = R^T (a_j + U_j p) + 2 R^T w_j x v_J + a_J`
@@ -59,7 +59,7 @@ def newton_euler(
 def inertial_wrenches(
     parents: Sequence[int], motions: Sequence[Motion], inertias: Sequence[Inertia], gravity: Array = ZERO
 ) -> list[Wrench]:
-    """The wrench that moves each body by itself: the outward half of `newton_euler`, with the same arguments."""
+    """Return the wrench that moves each body by itself: the outward half of `newton_euler`, with the same arguments."""
     w: list[Array] = []
     wd: list[Array] = []
     a: list[Array] = []
@@ -81,7 +81,7 @@ def inertial_wrenches(
 def joint_torques(
     model: Model, motions: Sequence[Motion], reactions: Sequence[Wrench], at_joint: Mapping[int, Scalar]
 ) -> list[Scalar]:
-    """The generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
+    """Return the generalized force along every coordinate: tau = S^T (f, n) + what acts at the joint itself.
 
     Revolute `axis . n`, prismatic `axis . f`; a floating joint gives the moment in the body's axes and the force in the
     parent's, which are dual to its rates. A mimic joint's torque is reflected onto its master by its multiplier.

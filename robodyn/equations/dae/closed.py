@@ -98,7 +98,7 @@ def closed_state(model: Model, scene: Scene, at: Values | None, qd: Values) -> t
 def _begun(
     names: tuple[str, ...], values: Floats, given: Values | None, start: Mapping[str, Entry]
 ) -> tuple[Floats, dict[str, Entry]]:
-    """Where the search begins, and what is to stay: what is given, or else the scene's initial values."""
+    """Return where the search begins, and what is to stay: what is given, or else the scene's initial values."""
     initial: dict[str, Entry] = {name: value for name, value in start.items() if not isinstance(value, str)}
     asked = initial
     if given is not None and len(given):
@@ -150,5 +150,5 @@ def _on_both(robot: Posed, closure: Closure, acting: Wrench) -> list[tuple[int, 
 
 
 def _end(robot: Posed, closure: Closure) -> Frame:
-    """The frame of the other link in its body, of the description's own axes."""
+    """Return the frame of the other link in its body, of the description's own axes."""
     return robot.model.links.get(closure.loop.to, GROUND_FRAME)

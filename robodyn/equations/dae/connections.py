@@ -69,13 +69,13 @@ def basis_about(axis: Array) -> Basis:
 
 
 def held_along(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> list[tuple[str, Equation]]:
-    """Equations that keep the point from moving along some of the directions, with their reactions' names."""
+    """Return equations that keep the point from moving along some of the directions, with their reactions' names."""
     body, other, point, to, R = anchors
     return [(f"F{basis.names[k]}", Along(body, other, point, to, product(R, basis.vectors[k]))) for k in directions]
 
 
 def held_about(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> list[tuple[str, Equation]]:
-    """Equations that keep the body from turning about some of the directions, with their reactions' names.
+    """Return equations that keep the body from turning about some of the directions, with their reactions' names.
 
     For the moment about k = i x j, direction i of the body stays across direction j of the other. Where the body may
     turn about j, direction j of the body stays across -i of the other, so that the moment keeps its place in the other.
@@ -95,7 +95,7 @@ def held_about(anchors: Anchors, basis: Basis, directions: Sequence[int]) -> lis
 def connected(
     name: str, kind: str, anchors: Anchors, found: Sequence[tuple[str, Equation]], free: Sequence[Equation] = ()
 ) -> Connection:
-    """A connection of named equations."""
+    """Return a connection of named equations."""
     return Connection(
         name,
         kind,
@@ -108,13 +108,13 @@ def connected(
 
 
 def weld(name: str, anchors: Anchors, kind: str = "weld") -> Connection:
-    """Nothing moves: 6 equations."""
+    """Hold everything: 6 equations."""
     everything = [*held_along(anchors, PLAIN, (0, 1, 2)), *held_about(anchors, PLAIN, (0, 1, 2))]
     return connected(name, kind, anchors, everything)
 
 
 def hinge(name: str, anchors: Anchors, axis: Array, kind: str = "hinge", free: Sequence[Equation] = ()) -> Connection:
-    """The points coincide, and the body turns about `axis` (its axes) alone: 5 equations."""
+    """Hold the points together, the body turning about `axis` (its axes) alone: 5 equations."""
     basis = basis_about(axis)
     across = [k for k in range(3) if k != basis.last]
     held = [*held_along(anchors, basis, (0, 1, 2)), *held_about(anchors, basis, across)]
@@ -122,7 +122,7 @@ def hinge(name: str, anchors: Anchors, axis: Array, kind: str = "hinge", free: S
 
 
 def slide(name: str, anchors: Anchors, axis: Array, kind: str = "slide", free: Sequence[Equation] = ()) -> Connection:
-    """The body moves along `axis` (its axes) and does not turn: 5 equations."""
+    """Let the body move along `axis` (its axes), and not turn: 5 equations."""
     basis = basis_about(axis)
     across = [k for k in range(3) if k != basis.last]
     held = [*held_along(anchors, basis, across), *held_about(anchors, basis, (0, 1, 2))]
@@ -130,12 +130,12 @@ def slide(name: str, anchors: Anchors, axis: Array, kind: str = "slide", free: S
 
 
 def point(name: str, anchors: Anchors) -> Connection:
-    """The points coincide, a ball joint: 3 equations."""
+    """Hold the points together, a ball joint: 3 equations."""
     return connected(name, "point", anchors, held_along(anchors, PLAIN, (0, 1, 2)))
 
 
 def directions(name: str, anchors: Anchors, along: Sequence[Array]) -> Connection:
-    """The points are level along some directions (in the other's axes): an equation for each."""
+    """Hold the points level along some directions (in the other's axes): an equation for each."""
     unit = [n / np.sqrt(product(n, n)) for n in along]
     body, other, own, to, _ = anchors
     return connected(

@@ -42,7 +42,7 @@ def flat_speeds(at: State) -> Floats:
 
 
 def projected(system: System, at: State, length: float) -> State:
-    """The state near `at` whose places and speeds fulfil the constraints.
+    """Return the state near `at` whose places and speeds fulfil the constraints.
 
     Places by Newton's method, each step the smallest that makes g + G dx = 0, angles being counted as arcs of
     `length`: R turns by exp[dw], c moves by dc. Then speeds, by the smallest change that makes G v = 0.
@@ -85,12 +85,12 @@ def _slowed(system: System, at: State, arcs: Floats) -> State:
 
 
 def _arcs(bodies: int, length: float) -> Floats:
-    """What turns arcs of `length` into angles, and leaves distances."""
+    """Return what turns arcs of `length` into angles, and leaves distances."""
     return np.tile(np.repeat((1.0 / length, 1.0), 3), bodies)
 
 
 def _smallest(A: Floats, b: Floats) -> Floats:
-    """The smallest x with A x = b, or with the smallest error where the equations depend on each other."""
+    """Return the smallest x with A x = b, or with the smallest error where the equations depend on each other."""
     return shortest(A, b, 1e-10)
 
 
@@ -104,6 +104,6 @@ def _moved(at: State, step: Floats) -> State:
 
 
 def _orthonormal(R: Floats) -> Floats:
-    """The rotation next to a matrix that is one but for rounding: R (3 - R^T R) / 2."""
+    """Return the rotation next to a matrix that is one but for rounding: R (3 - R^T R) / 2."""
     turned: Floats = product(R, 1.5 * np.eye(3) - 0.5 * product(R.T, R))
     return turned

@@ -74,7 +74,7 @@ class Counts:
 
 
 def counted(system: System, found: Matrices, rank: Rank, length: float) -> Counts:
-    """The counts of a system in a state."""
+    """Return the counts of a system in a state."""
     names = [(c.name, reaction) for c in system.connections for reaction in c.reactions]
     G = found.G[rank.independent]
     n = len(found.f)
@@ -98,7 +98,7 @@ def _rank(K: Floats) -> int:
 
 
 def _undetermined(G: Floats, rank: Rank, length: float) -> list[int]:
-    """Rows that take part in a combination of rows that vanishes."""
+    """Return rows that take part in a combination of rows that vanishes."""
     if not len(rank.dependent):
         return []
     rows = scaled_rows(G, length)
@@ -126,7 +126,7 @@ class Comparison:
 
 
 def compared(robot: Posed, rank: Rank, solution: Solution, qdd: Floats, wrenches: Sequence[Wrench]) -> Comparison:
-    """The solution of the saddle-point system beside what recursions make of the same state.
+    """Return the solution of the saddle-point system beside what recursions make of the same state.
 
     qdd by articulated bodies, or with loops by `robodyn.dynamics.loops`; then the recursion of forces, with the
     reactions of loops as loads: those of `robodyn.dynamics.loops`, but where rigid bodies leave these open, those of

@@ -59,7 +59,7 @@ class Dae:
 
 
 def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Values = (), tau: Values = ()) -> Dae:
-    """The DAE form of the equations of motion at a configuration.
+    """Return the DAE form of the equations of motion at a configuration.
 
     Each of the N bodies has six coordinates and Newton's and Euler's laws about its mass centre; each joint with f
     degrees of freedom has 6 - f constraint equations with as many reactions:
@@ -86,7 +86,7 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
 
 
 def dae_at(model: Model, scene: Scene, q: Floats, qd: Floats, tau: Floats) -> Dae:
-    """The same for arrays: nq coordinates, n velocities and n torques."""
+    """Return the same for arrays: nq coordinates, n velocities and n torques."""
     robot = posed(model, scene, q.tolist(), qd.tolist(), tau.tolist())
     found = robot.matrices
     if not all(np.isfinite(part).all() for part in found):

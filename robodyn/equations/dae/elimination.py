@@ -31,13 +31,13 @@ class Step:
 
 
 def steps(robot: Posed, left: Reduced, solution: Solution | None) -> tuple[Step, ...]:
-    """Every step with its identity, held against numbers from elsewhere."""
+    """Return every step with its identity, held against numbers from elsewhere."""
     found = [*_velocities(robot, left), *_projected(robot, left)]
     return tuple(found) if solution is None else (*found, *_solved(robot, left, solution))
 
 
 def _velocities(robot: Posed, left: Reduced) -> list[Step]:
-    """The transformation, and that the reactions of joints go."""
+    """Return the transformation, and that the reactions of joints go."""
     rows, J = robot.system.tree, left.J
     G, gamma = robot.matrices.G[:rows], robot.matrices.gamma[:rows]
     return [
@@ -69,7 +69,7 @@ def _velocities(robot: Posed, left: Reduced) -> list[Step]:
 
 
 def _projected(robot: Posed, left: Reduced) -> list[Step]:
-    """What is left, beside the mass matrix and the bias of the recursions."""
+    """Return what is left, beside the mass matrix and the bias of the recursions."""
     model, scene, J = robot.model, replace(robot.scene, loops=()), left.J
     q, qd, tau = (np.array(x, dtype=float) for x in (robot.sample.q, robot.sample.qd, robot.tau))
     return [
@@ -93,7 +93,7 @@ def _projected(robot: Posed, left: Reduced) -> list[Step]:
 
 
 def _solved(robot: Posed, left: Reduced, solution: Solution) -> list[Step]:
-    """The solution of the DAE put into the equations that are left."""
+    """Return the solution of the DAE put into the equations that are left."""
     found, qdd = robot.matrices, accelerations_along(robot, solution)
     a = product(left.J, qdd) + left.drift
     back = _step(

@@ -24,7 +24,7 @@ class Equation(Protocol):
     """A scalar function of the places of some bodies."""
 
     def value(self, at: State) -> Scalar:
-        """The function [m, rad, or the cosine of an angle]."""
+        """Return the function [m, rad, or the cosine of an angle]."""
 
     def row(self, at: State) -> Row:
         """Its rate, as a linear function of speeds."""
@@ -127,7 +127,7 @@ class Turn:
     near: float = 0.0
 
     def _seen(self, at: State) -> Array:
-        """Rotation from the other's axes to the body's."""
+        """Return rotation from the other's axes to the body's."""
         turned: Array = at.places[self.body].R.T @ at.places[self.other].R
         return turned
 
@@ -183,10 +183,10 @@ def stacked(equations: Sequence[Equation], at: State) -> Array:
 
 
 def drifts(equations: Sequence[Equation], at: State) -> Array:
-    """The drift of each."""
+    """Return the drift of each."""
     return np.array([equation.drift(at) for equation in equations])
 
 
 def values(equations: Sequence[Equation], at: State) -> Array:
-    """The value of each, of floats."""
+    """Return the value of each, of floats."""
     return np.array([equation.value(at) for equation in equations], dtype=float)

@@ -21,7 +21,7 @@ from robodyn.scene.scene import Loop, Scene
 
 
 def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:
-    """One for each body's joint, in the order of the bodies; where a joint is floating, one without equations.
+    """Return one for each body's joint, in the order of the bodies; where a joint is floating, one without equations.
 
     Args:
         centres: (3,) mass centre of each body, in its frame [m].
@@ -63,7 +63,7 @@ def mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Co
 
 
 def loop_connections(model: Model, centres: Sequence[Array], loops: Sequence[Loop]) -> Iterator[Connection]:
-    """The closures of a scene."""
+    """Yield the closures of a scene."""
     for loop in loops:
         body, R, place = _frame(model, centres, loop.link, loop.point)
         other, R_o, to = _frame(model, centres, loop.to, loop.to_point)
@@ -94,7 +94,7 @@ def _unit(axis: Array) -> Array:
 
 
 def _turn_between(a: Array, b: Array) -> Array:
-    """A rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a.
+    """Return a rotation that takes the unit vector a to b: half a turn about a + b, after half a turn about a.
 
     Where they are opposite, half a turn about a vector across them.
     """
@@ -134,7 +134,7 @@ class Posed:
 
 
 def posed(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scalar], tau: Sequence[Scalar]) -> Posed:
-    """The robot in a state; `q`, `qd` and `tau` may be any scalar.
+    """Return the robot in a state; `q`, `qd` and `tau` may be any scalar.
 
     Raises:
         InputError: the scene does not fit the model.
@@ -164,7 +164,7 @@ def along_joints(model: Model, system: System, terms: Terms, tau: Sequence[Scala
 
 
 def own_rates(model: Model, system: System, along: Sequence[Scalar]) -> list[Scalar]:
-    """The n entries, in the order of `model.rates`, out of those of all joints in the order of the bodies."""
+    """Return the n entries, in the order of `model.rates`, out of those of all joints in the order of the bodies."""
     out: list[Scalar] = [0.0] * model.n
     start = 0
     for body, connection in zip(model.bodies, system.joints, strict=True):

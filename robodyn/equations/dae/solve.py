@@ -32,7 +32,7 @@ class Rank(NamedTuple):
 
 
 def ranked(rows: Floats) -> Rank:
-    """The rows one after another: each is independent unless it lies in the span of those before it.
+    """Return the rows one after another: each is independent unless it lies in the span of those before it.
 
     Gram and Schmidt's orthogonalisation, in blocks of rows for what came before the block; what is left of a row is
     taken again where it is little (Kahan and Parlett: "twice is enough").
@@ -62,7 +62,7 @@ def ranked(rows: Floats) -> Rank:
 
 
 def _outside(rows: Floats, basis: Floats) -> Floats:
-    """What of rows lies outside the span of an orthonormal basis."""
+    """Return what of rows lies outside the span of an orthonormal basis."""
     return np.asarray(rows - product(rows, basis.T, basis))
 
 
@@ -98,7 +98,7 @@ def rank_of(G: Floats, length: float) -> Rank:
 
 
 def saddle(M: Floats, G: Floats) -> Floats:
-    """The matrix [[M, G^T], [G, 0]]."""
+    """Return the matrix [[M, G^T], [G, 0]]."""
     m, n = G.shape
     K = np.zeros((n + m, n + m))
     K[:n, :n], K[n:, :n], K[:n, n:] = M, G, G.T
@@ -106,7 +106,7 @@ def saddle(M: Floats, G: Floats) -> Floats:
 
 
 def equilibrated(K: Floats) -> tuple[Floats, Floats]:
-    """A symmetric matrix whose rows and columns have largest entries near 1, and the factors that made it so.
+    """Return a symmetric matrix whose rows and columns have largest entries near 1, and the factors that made it so.
 
     Source: Ruiz, *A scaling algorithm to equilibrate both rows and columns norms in matrices* (2001).
     """

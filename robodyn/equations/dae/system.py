@@ -92,7 +92,7 @@ def matrices(
     wrenches: Sequence[tuple[int, Wrench]] = (),
     along: Sequence[Scalar] | None = None,
 ) -> Matrices:
-    """The system in a state.
+    """Return the system in a state.
 
     Newton's and Euler's laws of each body about its mass centre: `m dv/dt = m g + F`, `I_c wd + w x I_c w = M`. What
     acts along joints enters as S^T along; a rotor adds its inertia to M along the joint, `S^T J S`.
@@ -144,7 +144,7 @@ def _forces(system: System, at: State, gravity: Array, wrenches: Sequence[tuple[
 
 
 def joint_wrenches(system: System, at: State, found: Matrices, a: Array, reactions: Sequence[Scalar]) -> list[Wrench]:
-    """The force and moment that each body's parent exerts on it, about its origin in its axes, drives included.
+    """Return the force and moment that each body's parent exerts on it, about its origin in its axes, drives included.
 
     The reactions of its joint's equations; along the joint's coordinates what acts there, less `J (S a + sigma)` for a
     rotor, and the reactions of the mimic rules that it takes part in.

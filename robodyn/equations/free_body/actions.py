@@ -55,7 +55,7 @@ class Applied(NamedTuple):
 
 
 def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> list[Applied]:
-    """The wrenches of the surroundings, each at the point of its link where it acts."""
+    """Return the wrenches of the surroundings, each at the point of its link where it acts."""
     places = {
         "external wrench": [(w.link, w.point) for w in scene.wrenches if any(w.force) or any(w.moment)],
         "fluid": [(immersed.link, immersed.centre) for immersed in scene.immersed],
@@ -101,7 +101,7 @@ class Cut(NamedTuple):
 
 
 def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int, float]]) -> Cut:
-    """The wrench at the joint of body i, taken apart."""
+    """Return the wrench at the joint of body i, taken apart."""
     joint, (f, n) = model.bodies[i].joint, wrench
     if joint.kind == "fixed":
         return Cut(joint, wrench, f, n, None, 0.0, {})
@@ -116,7 +116,7 @@ def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int,
 
 
 def at_joint(number: int, at: Cut, by: str, motion: Motion | None = None, sign: float = 1.0) -> Iterator[Action]:
-    """What a joint does to the body that it carries, or with `motion` and -1 to that body's parent."""
+    """Yield what a joint does to the body that it carries, or with `motion` and -1 to that body's parent."""
     R, p = (motion.R, motion.p) if motion is not None else (np.eye(3), np.zeros(3))
     minus = "" if sign > 0 else "-"
 

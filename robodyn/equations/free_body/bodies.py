@@ -44,7 +44,7 @@ def free_bodies(
     scene: Scene = DEFAULT,
     columns: Mapping[str, float] | None = None,
 ) -> FreeBodies:
-    """Every body of a robot cut free, with all forces and moments on it: they add up to zero.
+    """Return every body of a robot cut free, with all forces and moments on it: they add up to zero.
 
     The reactions come from the force recursion; weights and inertial forces from each body's own acceleration and
     Euler's laws about its mass centre. Their balance therefore checks one against the other.
@@ -83,7 +83,7 @@ def free_bodies(
 def _cut_free(
     model: Model, terms: Terms, joints: list[Motion], cuts: list[Cut], around: list[Applied]
 ) -> Iterator[FreeBody]:
-    """Each body with what acts on it."""
+    """Yield each body with what acts on it."""
     parents = model.parents
     moving, speeding = narrowed_all(velocities(parents, joints)), narrowed_all(accelerations(parents, joints))
     where, joints = narrowed_all(poses(parents, joints)), narrowed_all(joints)

@@ -26,7 +26,7 @@ SEED = 0
 
 
 def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
-    """Torques with accelerations by each scheme against the torques of the motion they were derived from.
+    """Return torques with accelerations by each scheme against the torques of the motion they were derived from.
 
     Where the accelerations are given, they are forgotten and derived from the positions. Where they are not, a smooth
     motion like the given one takes its place, with white noise of the size that was found in the data: the truth is
@@ -55,14 +55,14 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
 
 
 def torques(a_plan: Plan, samples: Trajectory) -> Floats:
-    """(N, n) of a motion, by NumPy."""
+    """Return (N, n) of a motion, by NumPy."""
     program = a_plan.torques()
     run = NumpyBlocks(program, runner_of(program, a_plan).widths)
     return np.asarray(run(sources_of(samples, a_plan.scene), len(samples)), dtype=float)
 
 
 def like(model: Model, samples: Trajectory) -> Trajectory:
-    """A motion whose accelerations are splines through the derived ones, and its exact velocities and positions.
+    """Return a motion whose accelerations are splines through the derived ones, and its exact velocities and positions.
 
     Sampled half-way between the samples, so that no spline through its positions is the motion itself.
 
@@ -107,7 +107,7 @@ FEWEST = 32
 
 
 def rate_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
-    """The largest change of a joint's peak torque, relative to the largest peak, where samples are left out.
+    """Return the largest change of a joint's peak torque, relative to the largest peak, where samples are left out.
 
     Accelerations that the data do not give are derived from the samples that are left. Times are per sample of the
     data, so they tell what leaving out saves.

@@ -67,15 +67,15 @@ class Effort:
         return CALLED + size * (CALL if interpreted else CODE)
 
     def cost(self, method: Method) -> float:
-        """Seconds of work per evaluation."""
+        """Return seconds of work per evaluation."""
         return self._evaluation + (SCIPY if method.adaptive else 0.0)
 
     def work(self, motion: Simulation) -> float:
-        """Seconds of work of a motion."""
+        """Return seconds of work of a motion."""
         return motion.evaluations * self.cost(motion.method)
 
     def is_stiff(self) -> bool:
-        """Whether the motion, made as it is without an accuracy, asks for an implicit method.
+        """Return whether the motion, made as it is without an accuracy, asks for an implicit method.
 
         Raises:
             InputError: no method can do it.
@@ -96,7 +96,7 @@ class Effort:
         self.floor = max(self.left - share, 0.0)
 
     def run(self, name: str, **how: Any) -> Simulation:
-        """The motion by a method, with this step or tolerance.
+        """Return the motion by a method, with this step or tolerance.
 
         Raises:
             TooMuchError: it takes more than what is left of the way's share.

@@ -25,7 +25,7 @@ def needs_rationals(target: float) -> bool:
 
 
 def with_promise(part: Part, target: float) -> Part:
-    """The part with a note that says by which arithmetic the target is met.
+    """Return the part with a note that says by which arithmetic the target is met.
 
     Raises:
         MeshError: what the surface encloses is not known that well.

@@ -90,7 +90,7 @@ class Ladder:
         return next(other for other in best if _takes(other) <= _takes(rung) and other.error <= rung.error)
 
     def cheapest(self, target: float) -> Rung | None:
-        """The quickest rung whose errors are all within the target; None if there is none."""
+        """Return the quickest rung whose errors are all within the target; None if there is none."""
         return next((rung for rung in self.front if rung.error <= target), None)
 
 
@@ -113,7 +113,7 @@ class Accuracy:
 
 
 def front(rungs: Iterable[Rung]) -> tuple[Rung, ...]:
-    """Those that are more accurate than all that take no longer, by median time."""
+    """Return those that are more accurate than all that take no longer, by median time."""
     found: list[Rung] = []
     for rung in sorted(rungs, key=lambda rung: (_takes(rung), rung.error)):
         if not found or rung.error < found[-1].error:

@@ -52,7 +52,7 @@ Act = Callable[[], Moments]
 
 
 def mesh_accuracy(triangles: Triangles) -> Accuracy:
-    """Errors of volume and inertia by every method against the integral in exact rationals, and their times.
+    """Return errors of volume and inertia by every method against the integral in exact rationals, and their times.
 
     The error of the inertia is that of the matrix about the centre of mass, in the Frobenius norm.
 
@@ -136,7 +136,7 @@ def _acts(
 
 
 def _countable(way: Callable[[Floats], Moments]) -> bool:
-    """Whether all its arithmetic is NumPy's."""
+    """Return whether all its arithmetic is NumPy's."""
     whole = getattr(way, "func", way)
     return whole not in (by_hull, by_decimation, by_winding_numbers)
 

@@ -80,7 +80,7 @@ def by_triangles(triangles: Triangles, dtype: type, reference: Floats) -> Moment
 
 
 def inertia(moments: Moments) -> Array:
-    """(3, 3) fractions, about the centre of mass at density 1, without any rounding of their own."""
+    """Return (3, 3) fractions, about the centre of mass at density 1, without any rounding of their own."""
     V, first, S = (exact(part) if isinstance(part, np.ndarray) else exact(part).item() for part in moments)
     about = S - np.outer(first, first) / V
     turned: Array = np.eye(3, dtype=int) * about.trace() - about
@@ -105,7 +105,7 @@ def _of_matrix(matrix: Floats) -> Moments:
 
 
 def _winding(points: Floats, corners: Floats) -> Floats:
-    """How often the surface goes around each point: crossings of a ray along z, with their signs."""
+    """Return how often the surface goes around each point: crossings of a ray along z, with their signs."""
     X = corners - 0.0
     a, b, c = X[:, 0], X[:, 1], X[:, 2]
     p = points[:, None]
@@ -158,7 +158,7 @@ def by_decimation(corners: Floats, tolerance: float) -> Moments:
 
 
 def union_with_a_copy(corners: Floats) -> Any:
-    """The body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
+    """Return the body united with itself moved by a fifth of its box: what uniting bodies of this size takes.
 
     Raises:
         MeshError: the surface is no manifold.
@@ -179,7 +179,7 @@ def _manifold(corners: Floats) -> Any:
 
 
 def _about_origin(corners: Floats) -> Moments:
-    """The integral over a closed surface."""
+    """Return the integral over a closed surface."""
     found = integrate(MemoryTriangles("surface", np.ascontiguousarray(corners)))
     r, V = found.reference, found.volume
     first = found.first + V * r

@@ -39,13 +39,13 @@ class MotionError:
         return cls(sizes[kinds])
 
     def __call__(self, found: Floats, expected: Floats) -> Floats:
-        """(N,) the largest relative difference at each time; nan where a number is not finite."""
+        """Return (N,) the largest relative difference at each time; nan where a number is not finite."""
         off: Floats = (np.abs(found - expected) / self.scale).max(axis=1)
         return off
 
 
 def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
-    """States (N, nq + n) at any times of a motion, by polynomials between those recorded.
+    """Return states (N, nq + n) at any times of a motion, by polynomials between those recorded.
 
     Of degree 7 where steps are of one length; else cubic ones with the slopes of the states, which stay between records
     that are far apart.
@@ -62,7 +62,7 @@ def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
 
 
 def _slopes(motion: Simulation) -> Floats:
-    """(N, nq) the rates of positions; of a quaternion h those of `h (w / 2)`, w along the body's axes."""
+    """Return (N, nq) the rates of positions; of a quaternion h those of `h (w / 2)`, w along the body's axes."""
     slopes = np.zeros_like(motion.q)
     for joint in motion.model.independent:
         k, i = joint.coordinate, joint.rate
@@ -94,7 +94,7 @@ SAME = 1e-12
 
 
 def apart(coarse: Simulation, fine: Simulation) -> float:
-    """How far a motion is from a finer one: at times that both record, up to a limit that ends either.
+    """Return how far a motion is from a finer one: at times that both record, up to a limit that ends either.
 
     Where there are few of these, at those of the coarser, between records of the other. inf where one ends at another
     limit than the other, or both are too short.
@@ -115,7 +115,7 @@ def apart(coarse: Simulation, fine: Simulation) -> float:
 
 
 def seen(motion: Simulation | None) -> list[float]:
-    """Times of some records of a motion, spread over it, at which another one is compared with it."""
+    """Return times of some records of a motion, spread over it, at which another one is compared with it."""
     if motion is None:
         return []
     last = len(motion.time) - (2 if motion.ended else 1)
@@ -130,7 +130,7 @@ def _late(one: Simulation, other: Simulation) -> float:
 
 
 def _limit(motion: Simulation) -> str:
-    """The limit that ends a motion."""
+    """Return the limit that ends a motion."""
     return motion.ended.rpartition(" at ")[0]
 
 

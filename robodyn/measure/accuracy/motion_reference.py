@@ -52,7 +52,7 @@ class Reference:
 
 
 def motion_reference(plan: Plan, duration: float, run: Run | None = None) -> Reference:
-    """The motion of a plan's robot from its scene's initial state; joint limits are not looked at.
+    """Return the motion of a plan's robot from its scene's initial state; joint limits are not looked at.
 
     By power series in 77 digits, of two orders with tolerances of their own, where that takes seconds; else, and for
     tables and closed chains, by DOP853 (or Radau) and by a Gauss-Legendre method of order 6 (or RK4), in doubles.
@@ -91,7 +91,7 @@ class Piece(NamedTuple):
 
 
 def _series(plan: Plan, duration: float, order: int, tolerance: float) -> Callable[[Floats], Floats]:
-    """The motion at any times, from pieces that are series.
+    """Return the motion at any times, from pieces that are series.
 
     Raises:
         InputError: it has no series, or they take more than `PATIENCE`.
@@ -157,7 +157,7 @@ def _in_doubles(model: Model, duration: float, run: Run) -> Reference:
 
 
 def _first(run: Run, duration: float, ways: list[tuple[str, dict[str, Any]]]) -> Simulation:
-    """The first of some simulations that gets through."""
+    """Return the first of some simulations that gets through."""
     problem: InputError | None = None
     for method, how in ways:
         try:

@@ -47,7 +47,7 @@ class UnsettledError(InputError):
 
 
 def refined(effort: Effort, name: str, target: float) -> Settled:
-    """The motion by a method, refined until that changes it by less than the target.
+    """Return the motion by a method, refined until that changes it by less than the target.
 
     Raises:
         UnsettledError: the changes stop falling above the target, or the work is done.
@@ -94,7 +94,7 @@ def _finer(how: dict[str, float], motion: Simulation | None) -> dict[str, float]
 
 
 def _expected(name: str, last: float, change: float, target: float) -> float:
-    """The error that is left after a change which followed another one; inf if that cannot be told."""
+    """Return the error that is left after a change which followed another one; inf if that cannot be told."""
     if method_named(name).adaptive:
         return change if change <= target else inf
     if change * SLOWEST > last:
@@ -153,7 +153,7 @@ def graze(motion: Simulation) -> Graze | None:
 
 
 def _missed(limits: Limits, motion: Simulation, moved: Floats) -> Iterator[tuple[int, float, float]]:
-    """Where joints turn back before a limit: which, minus what was left to it, and when; the nearest of them."""
+    """Yield where joints turn back before a limit: which, minus what was left to it, and when; the nearest of them."""
     room, rate, length = limits.room(motion.q), limits.rate(motion.qd), np.diff(motion.time)
     rows, places = np.nonzero((rate[:-1] < 0.0) & (rate[1:] >= 0.0))
     least = np.minimum(room[rows, places], room[rows + 1, places])
@@ -166,7 +166,7 @@ def _missed(limits: Limits, motion: Simulation, moved: Floats) -> Iterator[tuple
 
 
 def _passed(limits: Limits, motion: Simulation) -> Iterator[tuple[int, float, float]]:
-    """How far the joint that ended a motion would have gone on, braked as it is at the limit."""
+    """Yield how far the joint that ended a motion would have gone on, braked as it is at the limit."""
     if not motion.ended:
         return
     place = first_largest(-limits.room(motion.q[-1]))

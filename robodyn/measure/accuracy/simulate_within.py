@@ -28,7 +28,7 @@ APART = 'move the limit or the start, or write joint_limits = "spring" or "ignor
 
 
 def simulate_within(model: Model, scene: Scene, duration: float | None, target: float, **how: Any) -> Simulation:
-    """The motion by the quickest method whose error is expected to be within the target, and which one that is.
+    """Return the motion by the quickest method whose error is expected to be within the target, and which one that is.
 
     The steps of a method are halved, or its tolerance is tightened, until that changes the motion by less than the
     target, the change having fallen from one halving to the next; then another method, independent and with steps of
@@ -102,7 +102,7 @@ def _pair(effort: Effort, target: float, wanted: float, stiff: bool) -> tuple[Se
 
 
 def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settled:
-    """The first method that can be refined until that changes less than half of what is wanted.
+    """Return the first method that can be refined until that changes less than half of what is wanted.
 
     Raises:
         InputError: none can.
@@ -119,7 +119,7 @@ def _settled(effort: Effort, target: float, wanted: float, stiff: bool) -> Settl
 
 
 def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
-    """The motion by another method, and how far it is from the first.
+    """Return the motion by another method, and how far it is from the first.
 
     Raises:
         InputError: no other method gets through.
@@ -150,7 +150,7 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
 
 
 def _closer(how: dict[str, float], motion: Simulation, off: float) -> dict[str, float] | None:
-    """A smaller tolerance or step, of a method that is so many targets off from a motion; None at the end."""
+    """Return a smaller tolerance or step, of a method that is so many targets off from a motion; None at the end."""
     if "rtol" in how:
         rtol = max(how["rtol"] * min(0.01, 0.1 / max(off, TINY)), LEAST_RTOL)
         return {"rtol": rtol} if how["rtol"] > LEAST_RTOL else None

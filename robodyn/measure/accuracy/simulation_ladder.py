@@ -104,7 +104,7 @@ class _Try:
 def _tries(
     a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference, executor: str
 ) -> tuple[list[_Try], list[str]]:
-    """A method at ever shorter steps or tolerances as long as that helps, and what failed."""
+    """Return a method at ever shorter steps or tolerances as long as that helps, and what failed."""
     found: list[_Try] = []
     failed: list[str] = []
     why = ""
@@ -133,7 +133,7 @@ def _tries(
 
 
 def _settings(method: Method, duration: float) -> Iterator[tuple[str, MethodOptions, dict[str, Any]]]:
-    """Names, and steps or tolerances, of the rungs of a method."""
+    """Yield names, and steps or tolerances, of the rungs of a method."""
     if method.adaptive:
         for rtol in TOLERANCES:
             yield f"{method.name}, rtol {rtol:g}", MethodOptions(method, 0.0, rtol), {"rtol": rtol}
@@ -173,7 +173,7 @@ def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
 
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
-    """How long the motion is, and what is to be said about it."""
+    """Return how long the motion is, and what is to be said about it."""
     motion = settled(run, duration)
     if not motion.ended:
         return duration, []
@@ -185,7 +185,7 @@ def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
 
 
 def settled(run: Run, duration: float) -> Simulation:
-    """The motion by the first method that gets through.
+    """Return the motion by the first method that gets through.
 
     Raises:
         InputError: none does.

@@ -139,12 +139,12 @@ def _scaled(factor: int, a: Series, out: Series) -> Term:
 
 
 def fixed(number: float) -> int:
-    """The integer that stands for a float."""
+    """Return the integer that stands for a float."""
     return int(Fraction(number) * (1 << BITS))
 
 
 def step_of(series: Sequence[Series], tolerance: float) -> float:
-    """The step at which the first term left out is about the tolerance [s]; infinite if the series end.
+    """Return the step at which the first term left out is about the tolerance [s]; infinite if the series end.
 
     By the radius of convergence that the later half of the coefficients shows, some of which may be zero.
     """
@@ -158,7 +158,7 @@ def step_of(series: Sequence[Series], tolerance: float) -> float:
 
 
 def summed(series: Sequence[Series], step: int) -> list[int]:
-    """The state after a step."""
+    """Return the state after a step."""
     ends = []
     for each in series:
         total = 0

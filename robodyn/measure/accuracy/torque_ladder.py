@@ -38,7 +38,7 @@ Sources = Mapping[str, np.ndarray[Any, Any]]
 
 @np.errstate(all="ignore")
 def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -> Accuracy:
-    """Errors of the torques of a motion by every executor against 50 digits, their times, and what effects cost.
+    """Return errors of the torques of a motion by every executor against 50 digits, their times, and what effects cost.
 
     An error is the largest difference of a torque over the largest torque, on at most 16 samples. Times are for one
     sample of the whole motion, by one thread.
@@ -91,7 +91,7 @@ def _executors() -> tuple[Executor, ...]:
 def _executor_ladder(
     program: Program, widths: Mapping[str, int], ways: tuple[Executor, ...], sources: Sources, count: int
 ) -> tuple[Ladder, list[str]]:
-    """The ladder, and which executors are left out, and why."""
+    """Return the ladder, and which executors are left out, and why."""
     reference, digits = (Multiprecision(program, digits=digits) for digits in (DIGITS, FEWER_DIGITS))
     acts: dict[str, Callable[[], Any]] = {}
     for way in ways:
@@ -116,7 +116,7 @@ def _executor_ladder(
 
 
 def _pairs(program: Program, sources: Sources, count: int, rows: Any) -> tuple[Any, Spread]:
-    """The torques of some rows as mpmath numbers, and the time for a sample of up to a block."""
+    """Return the torques of some rows as mpmath numbers, and the time for a sample of up to a block."""
     run, few = DoubleDouble(program), min(count, BLOCK)
     given = {name: values[:few] for name, values in sources.items()}
     ((_, time),) = timed({"": partial(run, given, few)}, 1 / few).values()
@@ -137,7 +137,7 @@ def _error(tau: Any, expected: Any) -> float:
 
 
 def _effects(a_plan: Plan, sources: Sources, count: int) -> tuple[EffectPrice, ...]:
-    """Each by its own program, not by subtraction; the largest torque of each at any joint."""
+    """Price each by its own program, not by subtraction; the largest torque of each at any joint."""
     model, total = a_plan.model, a_plan.torques().size
     found = []
     for effect in a_plan.effects:

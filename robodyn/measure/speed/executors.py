@@ -61,7 +61,7 @@ def random_sources(model: Model, scene: Scene, samples: int) -> dict[str, Floats
 
 
 def laid_out(sources: Mapping[str, Floats], order: Order, dtype: DTypeLike) -> dict[str, NDArray[Any]]:
-    """The same numbers with contiguous columns ("F") or rows ("C")."""
+    """Return the same numbers with contiguous columns ("F") or rows ("C")."""
     return {name: np.asarray(values, dtype, order) for name, values in sources.items()}
 
 
@@ -99,7 +99,7 @@ class Executor(NamedTuple):
 
 
 def available() -> tuple[Executor, ...]:
-    """The executors that run here; the first is NumPy in double precision."""
+    """Return the executors that run here; the first is NumPy in double precision."""
     plain = Executor("numpy", np.float64, NumpyBlocks)
     if compiler().problem:
         return (plain,)
@@ -124,7 +124,7 @@ def build_times(way: Executor, program: Program, widths: Mapping[str, int]) -> t
 
 
 def executor_benches(work: Work, threads: int) -> tuple[tuple[ExecutorBench, ...], CopyBench]:
-    """Every executor on the same samples, and copying memory, all in turn.
+    """Time every executor on the same samples, and copying memory, all in turn.
 
     Raises:
         InputError: a result is not finite.

@@ -30,7 +30,7 @@ KEPT = {"link": {"inertial"}, "joint": {"origin", "parent", "child", "axis", "li
 def compared(
     model: Model, gravity: Gravity, sources: Mapping[str, Floats], samples: int, watch: Callable[[str], None]
 ) -> PeersBench:
-    """What other libraries take for the same torques.
+    """Return what other libraries take for the same torques.
 
     Args:
         sources: q, qd and qdd (samples, n), columns being contiguous.
@@ -63,7 +63,7 @@ def _bench(task: Task, time: Timing, torques: Floats, expected: Floats) -> PeerB
 
 
 def library_tasks(name: str, model: Model, gravity: Gravity, sources: Mapping[str, Floats]) -> list[Task]:
-    """The torques of these samples by a library of LIBRARIES, computed once.
+    """Return the torques of these samples by a library of LIBRARIES, computed once.
 
     Raises:
         Exception: the library is not installed or refuses the robot, or a joint floats.
@@ -95,7 +95,7 @@ def bare_scene(model: Model, gravity: Gravity = DEFAULT.gravity) -> Scene:
 
 
 def bare_description(model: Model) -> str:
-    """The links of a robot's description with their inertias, and its joints, and nothing else."""
+    """Return the links of a robot's description with their inertias, and its joints, and nothing else."""
     from xml.etree import ElementTree
 
     assert model.description is not None, "it is not a model of bodies alone"

@@ -22,7 +22,7 @@ class Timing:
     runs: int
 
     def per(self, amount: int) -> Timing:
-        """The same for one of an amount."""
+        """Return the same for one of an amount."""
         return Timing(self.least / amount, self.median / amount, self.runs)
 
 

@@ -85,7 +85,7 @@ def _work(program: Program, a_plan: Plan, sources: Mapping[str, Floats], samples
 
 
 def _resting(a_plan: Plan, sources: tuple[str, ...]) -> Plan:
-    """The plan of motions in which these are zero."""
+    """Return the plan of motions in which these are zero."""
     model = a_plan.model
     return plan(model, a_plan.scene, frozenset((source, i) for source in sources for i in range(model.n)))
 
@@ -134,6 +134,6 @@ def _programs(a_plan: Plan, work: Work, watch: Callable[[str], None]) -> tuple[P
 
 
 def _run(compiled: CompiledBlocks, sources: Mapping[str, Floats], samples: int) -> Callable[[], object]:
-    """One thread on the first samples, with columns contiguous."""
+    """Return a run by one thread on the first samples, with columns contiguous."""
     out = np.empty((samples, len(compiled.program.outputs)), order="F")
     return partial(compiled, {name: values[:samples] for name, values in sources.items()}, samples, out)
