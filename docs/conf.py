@@ -18,6 +18,8 @@ extensions = ["myst_parser"]
 exclude_patterns = ["_build"]
 myst_heading_anchors = 3
 html_theme = "furo"
+html_show_copyright = False
+smartquotes = False
 html_title = f"robodyn {release}"
 html_static_path = ["pictures"]
 

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from benchmarks.bench_accuracy import accuracy_table
 from benchmarks.coverage_of_bars import coverage_table
 from benchmarks.derivative_errors import derivatives_table
 
@@ -38,6 +37,13 @@ def effects_table() -> str:
     still = frozenset((source, i) for source in ("qd", "qdd") for i in range(model.n))
     rows = [(effect.name, effect.adds, effect.why(model, nothing, still).reason) for effect in EFFECTS]
     return table(("effect", "adds", "off when"), rows, left=(0, 1, 2))
+
+
+def accuracy_table() -> str:
+    """Return the table of errors, for which Pinocchio must be installed."""
+    from benchmarks.bench_accuracy import accuracy_table as measured_table
+
+    return measured_table()
 
 
 def steady_tables() -> dict[str, Callable[[], str]]:
