@@ -23,9 +23,10 @@ from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import REPORT, reported
 from robodyn.cli.screen import page, show
 from robodyn.measure.accuracy.ladder import Accuracy
-from robodyn.report.json_accuracy import accuracy_json
+from robodyn.report.accuracy import accuracy_sections
+from robodyn.report.json.runs import accuracy_json
 from robodyn.report.plotting import form_of, rendered
-from robodyn.report.text_accuracy import accuracy_text
+from robodyn.report.renderers.text import text
 from robodyn.support.files import write_whole
 
 
@@ -72,10 +73,10 @@ def command(
         write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"
     if report:
-        from robodyn.report.page_accuracy import accuracy_page
+        from robodyn.report.accuracy import accuracy_page
 
         written += reported(report, lambda pictures: accuracy_page(found, target, pictures))
-    show(accuracy_json(found, target) if form == "json" else accuracy_text(found, target, page()) + written)
+    show(accuracy_json(found, target) if form == "json" else text(accuracy_sections(found, target), page()) + written)
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))
 
 

@@ -10,7 +10,7 @@ from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.measure.speed.run import bench
-from robodyn.report.json_bench import bench_json
+from robodyn.report.json.runs import bench_json
 from robodyn.report.text_bench import bench_text
 
 

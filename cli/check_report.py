@@ -11,7 +11,7 @@ from robodyn.checks.project import Task
 from robodyn.checks.run import Checked
 from robodyn.cli.screen import page
 from robodyn.report.github_check import check_github
-from robodyn.report.json_check import check_json
+from robodyn.report.json.descriptions import check_json
 from robodyn.report.junit_check import check_junit
 from robodyn.report.sarif_check import check_sarif
 from robodyn.report.statistics_check import check_statistics

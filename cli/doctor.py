@@ -7,7 +7,7 @@ import click
 from robodyn.cli.options import FORMAT
 from robodyn.cli.screen import show
 from robodyn.measure.doctor import doctor, healthy
-from robodyn.report.json_doctor import doctor_json
+from robodyn.report.json.descriptions import doctor_json
 from robodyn.report.text_doctor import doctor_text
 
 

@@ -13,8 +13,7 @@ from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
-from robodyn.report.json_dae import dae_json
-from robodyn.report.json_equations import closed_json, ode_json
+from robodyn.report.json.equations import closed_json, dae_json, ode_json
 from robodyn.report.latex_dae import dae_latex
 from robodyn.report.latex_equations import closed_latex
 from robodyn.report.text_dae import dae_text

@@ -12,7 +12,7 @@ from robodyn.cli.options import AT, DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, 
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.screen import page, show
 from robodyn.equations.free_body.bodies import free_bodies
-from robodyn.report.json_free_body import free_bodies_json
+from robodyn.report.json.equations import free_bodies_json
 from robodyn.report.text_free_body import free_bodies_text
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model

@@ -15,8 +15,9 @@ from robodyn.cli.reports import reported
 from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
-from robodyn.report.json_inertia import inertia_json
-from robodyn.report.text_inertia import inertia_text
+from robodyn.report.bodies import inertia_sections
+from robodyn.report.json.bodies import inertia_json
+from robodyn.report.renderers.text import text
 from robodyn.solids.inertia.properties import Pose
 from robodyn.solids.inertia.urdf_text import inertial_element
 from robodyn.solids.inertia.view import View
@@ -53,13 +54,13 @@ def meshes(
         return 0
     written = ""
     if shapes and parts:
-        from robodyn.report.page_inertia import parts_page
+        from robodyn.report.inertia_pages import parts_page
 
         written = reported(report, lambda pictures: parts_page(outcomes, view, shapes(pictures)))
     if form == "urdf":
         show("\n".join(map(_element, outcomes)) + "\n")
     else:
-        show(inertia_json(outcomes, view) if form == "json" else inertia_text(parts, view, page()) + written)
+        show(inertia_json(outcomes, view) if form == "json" else text(inertia_sections(parts, view), page()) + written)
     return 2 if failed else 0
 
 
@@ -132,16 +133,17 @@ def _combined(
     report: str | None,
     shapes: Callable[[bool], list[Floats | None]] | None,
 ) -> None:
-    from robodyn.report.json_composite import combination_json
-    from robodyn.report.text_composite import combination_text
+    from robodyn.report.composite import combination_sections
+    from robodyn.report.json.bodies import combination_json
     from robodyn.solids.composite_mass import combined
 
     found, written = combined(parts, places, mass), ""
     if shapes:
-        from robodyn.report.page_composite import combination_page
+        from robodyn.report.inertia_pages import combination_page
 
         written = reported(report, lambda pictures: combination_page(found, view, shapes(pictures)))
     if form == "urdf":
         show(inertial_element(found.body, "") + "\n")
     else:
-        show(combination_json(found, view) if form == "json" else combination_text(found, view, page()) + written)
+        sections = combination_sections(found, view)
+        show(combination_json(found, view) if form == "json" else text(sections, page()) + written)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,16 +13,17 @@ from robodyn.cli.inertia_options import check_use, one_each
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import pictured, write_report
 from robodyn.cli.screen import page, show
-from robodyn.report.json_comparison import comparison_json
-from robodyn.report.json_composite import link_json, link_shapes_json, robot_json
-from robodyn.report.text_comparison import comparison_text
-from robodyn.report.text_composite import link_shapes_text, link_text, robot_text
+from robodyn.report.composite import comparison_sections, link_sections, link_shapes_sections, robot_sections
+from robodyn.report.document import Section
+from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
+from robodyn.report.renderers.text import text
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.from_shapes import link_from_shapes
 from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Kind
+from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.urdf_text import inertial_element
 from robodyn.solids.inertia.view import View
 
@@ -60,17 +62,17 @@ def _compared(description: Description, view: View, form: str, report: str | Non
     kind: Kind = ctx.params["geometry"] or "visual"
     found = compare(description, kind, _reading(ctx))
     written = _written(report, "differences_page", found)
-    show(comparison_json(found) if form == "json" else comparison_text(found, page()) + written)
+    show(comparison_json(found) if form == "json" else text(comparison_sections(found), page()) + written)
 
 
 def _written(report: str | None, build: str, *given: Any) -> str:
     """Write the report that a function builds, if one is asked for; a line that says so."""
     if report is None:
         return ""
-    from robodyn.report import page_composite
+    from robodyn.report import inertia_pages
 
     pictures = () if build == "differences_page" else (pictured(report),)
-    return write_report(report, getattr(page_composite, build)(*given, *pictures))
+    return write_report(report, getattr(inertia_pages, build)(*given, *pictures))
 
 
 def _checked(description: Description) -> Checked:
@@ -85,22 +87,16 @@ def _whole(description: Description, view: View, form: str, report: str | None, 
     found = robot_inertia(description, ctx.params["at"] or ())
     checked = _checked(description)
     written = _written(report, "robot_page", found, description, view, checked)
-    if form == "urdf":
-        show(inertial_element(found.body, "") + "\n")
-    else:
-        show(robot_json(found, view, checked) if form == "json" else robot_text(found, view, checked, page()) + written)
+    json = partial(robot_json, found, view, checked)
+    _show(form, found.body, json, robot_sections(found, view, checked), written)
 
 
 def _declared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = link_inertia(description, ctx.params["link"])
     checked = _checked(description).of_link(found.name)
     written = _written(report, "link_page", found, description, view, checked)
-    if form == "urdf":
-        show(inertial_element(found.body, "") + "\n")
-    elif form == "json":
-        show(link_json(description.name, found, view, checked))
-    else:
-        show(link_text(description.file, found, view, checked, page()) + written)
+    json = partial(link_json, description.name, found, view, checked)
+    _show(form, found.body, json, link_sections(description.file, found, view, checked), written)
 
 
 def _from_shapes(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
@@ -114,9 +110,13 @@ def _from_shapes(description: Description, view: View, form: str, report: str | 
         reading=_reading(ctx),
     )
     written = _written(report, "link_shapes_page", found, description, view)
+    json = partial(link_shapes_json, description.name, found, view)
+    _show(form, found.body, json, link_shapes_sections(description.file, found, view), written)
+
+
+def _show(form: str, body: MassProperties, json: Callable[[], str], sections: Iterable[Section], written: str) -> None:
+    """Show a body in the form that is asked for."""
     if form == "urdf":
-        show(inertial_element(found.body, "") + "\n")
-    elif form == "json":
-        show(link_shapes_json(description.name, found, view))
+        show(inertial_element(body, "") + "\n")
     else:
-        show(link_shapes_text(description.file, found, view, page()) + written)
+        show(json() if form == "json" else text(sections, page()) + written)

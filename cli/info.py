@@ -8,7 +8,7 @@ from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
 from robodyn.cli.screen import page, show
-from robodyn.report.json_overview import overview_json
+from robodyn.report.json.descriptions import overview_json
 from robodyn.report.text_overview import overview_text
 
 

@@ -13,8 +13,9 @@ from robodyn.cli.reports import REPORT, get_ready, reported
 from robodyn.cli.screen import page, show
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
-from robodyn.report.json_simulation import simulation_json
-from robodyn.report.text_simulation import simulation_text
+from robodyn.report.json.runs import simulation_json
+from robodyn.report.renderers.text import text
+from robodyn.report.simulation import simulation_sections
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table
@@ -94,8 +95,8 @@ def command(
             writer.write(result.time, result.columns)
         written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
     if report:
-        from robodyn.report.page_simulation import simulation_page
+        from robodyn.report.simulation_page import simulation_page
 
         written += reported(report, lambda pictures: simulation_page(result, pictures))
-    show(simulation_json(result) if form == "json" else simulation_text(result, explain, page()) + written)
+    show(simulation_json(result) if form == "json" else text(simulation_sections(result, explain), page()) + written)
     return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))

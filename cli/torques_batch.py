@@ -21,7 +21,7 @@ from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.programs.run.llvm.machine import compiler
-from robodyn.report.json_batch import batch_json
+from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
 from robodyn.support.input_file import read_input

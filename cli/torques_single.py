@@ -66,17 +66,18 @@ def run_single(
         if out:
             said += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
         if report:
-            from robodyn.report.page_torques import torques_page
+            from robodyn.report.torques_page import torques_page
 
             said += reported(report, lambda pictures: torques_page(result, model, scene, pictures, draw))
     if form == "json":
-        from robodyn.report.json_torques import torques_json
+        from robodyn.report.json.loads import torques_json
 
         show(torques_json(result))
     else:
-        from robodyn.report.text_torques import torques_text
+        from robodyn.report.renderers.text import text
+        from robodyn.report.torques import torques_sections
 
-        show(torques_text(result, options["explain"], page()) + said)
+        show(text(torques_sections(result, options["explain"]), page()) + said)
     return result
 
 

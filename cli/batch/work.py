@@ -12,7 +12,7 @@ from robodyn.errors import InputError, RobodynError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
 from robodyn.loads.torques import torques
-from robodyn.report.json_torques import torques_json
+from robodyn.report.json.loads import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
 from robodyn.support.doubts import Doubt
 from robodyn.support.files import write_whole

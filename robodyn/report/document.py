@@ -1,9 +1,9 @@
-"""What a report says, whatever it is shown as: a page of verdicts, paragraphs, tables, figures and downloads."""
+"""The document model of all reports: blocks of verdicts, paragraphs, tables, figures and downloads."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from robodyn.report.table import printable
@@ -135,6 +135,8 @@ class Downloads:
 
 
 Block = Heading | Paragraph | Verdict | Facts | Table | HeatMap | Figure | Gallery | Findings | Downloads
+Section = Sequence[Block]
+"""Blocks that belong together: text has an empty line between sections."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +153,35 @@ class Document:
     blocks: tuple[Block, ...]
     command: str = ""
     versions: tuple[str, ...] = ()
+
+
+_LEVELS: dict[str, Level] = {"warning": "doubtful"}
+
+
+def remarks(kind: str, lines: Iterable[str]) -> Section:
+    """Return a list of remarks that begin with their kind: warning, note, remark or repaired; nothing without any."""
+    items = tuple((_LEVELS.get(kind, "neutral"), f"{kind}: {line}", ()) for line in lines)
+    return [Findings(items)] if items else []
+
+
+def paragraphs(lines: Iterable[str]) -> list[Block]:
+    """Return a paragraph for each line."""
+    return [Paragraph(line) for line in lines]
+
+
+def on_page(sections: Iterable[Section], caption: str = "") -> list[Block]:
+    """Return the blocks of sections for a page.
+
+    Args:
+        caption: of tables without one, before the title of their first column.
+    """
+    blocks = [block for section in sections for block in section]
+    return [
+        replace(block, caption=f"{caption}: {block.head[0]}")
+        if isinstance(block, Table) and not block.caption
+        else block
+        for block in blocks
+    ]
 
 
 def code_lines(text: str) -> str:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from robodyn.loads.result import Result
-from robodyn.report.document import Level, Verdict
-from robodyn.report.table import Content, Page, is_noise, number, printable
+from robodyn.report.document import Level, Paragraph, Section, Table, Verdict, paragraphs
+from robodyn.report.table import Content, is_noise, number, printable
 from robodyn.robot.limits import Coverage, Excess, Reached, Unchecked
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import ranked
@@ -162,18 +162,18 @@ def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
 
 
-def limits_text(joints: int, exceeded: Sequence[Excess], limits: Sequence[Coverage], headline: str, page: Page) -> str:
+def limits_section(joints: int, exceeded: Sequence[Excess], limits: Sequence[Coverage], headline: str) -> Section:
     """Return the verdict's headline, or a table of what is exceeded, and what could not be checked.
 
     Args:
         joints: how many there are.
         headline: of the verdict, where nothing is exceeded.
     """
-    unchecked = "".join(f"{line}\n" for line in unchecked_words(limits))
+    unchecked = paragraphs(unchecked_words(limits))
     if not exceeded:
-        return f"{headline}.\n{unchecked}"
+        return [Paragraph(f"{headline}."), *unchecked]
     head, rows = exceeded_table(exceeded)
-    return f"LIMITS EXCEEDED by {len(rows)} of {count(joints, 'joint')}\n{page.table((head, rows))}{unchecked}"
+    return [Table(f"LIMITS EXCEEDED by {len(rows)} of {count(joints, 'joint')}", head, rows), *unchecked]
 
 
 def exceeded_table(exceeded: Sequence[Excess]) -> Content:

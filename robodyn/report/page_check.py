@@ -21,7 +21,7 @@ from robodyn.report.document import (
     Verdict,
     downloads,
 )
-from robodyn.report.json_check import check_json
+from robodyn.report.json.descriptions import check_json
 from robodyn.report.table import printable
 from robodyn.report.text_check import marked
 

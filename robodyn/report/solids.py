@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from robodyn.programs.vectors import length, product
-from robodyn.report.figures import SOFT
+from robodyn.report.document import Figure
+from robodyn.report.figures import INK, SERIES, SOFT, plot
 from robodyn.report.svg_arrows import RIGHT, TOWARDS, UP
+from robodyn.report.table import number
+from robodyn.solids.inertia.properties import MassProperties
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
@@ -23,6 +26,7 @@ _CELLS, _FEWEST, _MOST = 230, 60, 30_000
 there would be too many triangles otherwise."""
 _PLACES = np.array((1, 1 << 20, 1 << 40))
 """Numbers that make one of three."""
+_SIDE = 420
 _LIGHT = np.array([0.25, 0.55, 0.8])
 _TINTS = ((0.62, 0.67, 0.74), (0.53, 0.59, 0.68))
 _MARKED = (0.95, 0.60, 0.25)
@@ -90,3 +94,29 @@ def triad(canvas: Canvas) -> None:
         across, up, _ = PAPER[:, k]
         axes.plot((0, across), (0, up), color=SOFT, linewidth=1.5)
         axes.text(1.35 * across, 1.35 * up, letter, color=SOFT, ha="center", va="center", fontsize=11)
+
+
+def body_figure(name: str, body: MassProperties, triangles: Floats, key: str) -> Figure:
+    """A solid with its mass centre and its principal axes."""
+    solids = on_paper([(0, triangles)])
+    reach = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+
+    def draw(canvas: Canvas) -> None:
+        axes = canvas.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_axis_off()
+        axes.set_aspect("equal", adjustable="datalim")
+        if solids:
+            paint(axes, solids)
+        centre = product(PAPER, body.com)
+        for k, axis in enumerate(body.principal.axes):
+            across, up, _ = 0.3 * reach * product(PAPER, axis)
+            ends = ((centre[0] - across, centre[0] + across), (centre[1] - up, centre[1] + up))
+            axes.plot(*ends, color=SERIES[(1, 2, 5)[k]], linewidth=2, label=f"axis {k + 1}")
+        axes.plot(centre[0], centre[1], marker="o", markersize=7, linestyle="none", color=INK, label="centre of mass")
+        axes.margins(0.08)
+        canvas.legend(loc="upper left", ncols=4, columnspacing=1.0)
+        triad(canvas)
+
+    moments = ", ".join(number(moment) for moment in body.principal.moments)
+    alt = f"Picture of {name} with its centre of mass and its principal axes; principal moments {moments} kg m^2"
+    return Figure(f"{name}: centre of mass and principal axes", alt, plot(_SIDE, _SIDE, draw, key))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
+from robodyn.report.bodies import point_text
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
-from robodyn.report.text_body import point_text
 from robodyn.support.floats import Floats
 
 AXES = ("x", "y", "z")

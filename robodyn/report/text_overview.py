@@ -8,9 +8,9 @@ import numpy as np
 
 from robodyn.checks.overview import Branch, Meshes, Overview
 from robodyn.programs.vectors import product
+from robodyn.report.bodies import point_text
 from robodyn.report.check_words import check_line
 from robodyn.report.table import PLAIN, Content, Page, number, printable
-from robodyn.report.text_body import point_text
 from robodyn.robot.urdf.description import Joint, Limit
 from robodyn.support.wording import shown
 

@@ -12,8 +12,8 @@ from helpers.html_pages import checked
 
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.timing import Spread
+from robodyn.report.accuracy import accuracy_page
 from robodyn.report.html_page import html
-from robodyn.report.page_accuracy import accuracy_page
 
 MESHES = ROBOTS / "meshes"
 ARM = str(ROBOTS / "meshed_arm.urdf")

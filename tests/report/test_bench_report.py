@@ -20,7 +20,7 @@ from robodyn.measure.speed.result import (
     ProgramBench,
     Timing,
 )
-from robodyn.report.json_bench import bench_json
+from robodyn.report.json.runs import bench_json
 from robodyn.report.table import Page
 from robodyn.report.text_bench import bench_text
 

@@ -13,7 +13,7 @@ from helpers.oracles import ROBOTS, robot
 
 from robodyn.loads.torques import torques
 from robodyn.report.drawing import at_once, beside
-from robodyn.report.page_torques import torques_page
+from robodyn.report.torques_page import torques_page
 from robodyn.scene.scene import DEFAULT
 
 

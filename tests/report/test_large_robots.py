@@ -9,6 +9,7 @@ from functools import cache
 import pytest
 from helpers.html_pages import Page, checked
 from helpers.oracles import ROBOTS, robot
+from helpers.report_text import torques_text
 
 import robodyn
 from robodyn.loads.result import Result
@@ -17,8 +18,7 @@ from robodyn.report.figures_torques import share_figures
 from robodyn.report.html_page import html
 from robodyn.report.limits_words import LINES
 from robodyn.report.markdown_page import markdown
-from robodyn.report.page_torques import torques_page
-from robodyn.report.text_torques import torques_text
+from robodyn.report.torques_page import torques_page
 from robodyn.support.wording import shortened
 
 SIDES = [f"hand_{side}_{finger}_flex_{k}_joint" for side in ("left", "right") for finger in "abcde" for k in range(4)]

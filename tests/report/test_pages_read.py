@@ -14,8 +14,8 @@ from robodyn.report import html_page
 from robodyn.report.document import Document, Table
 from robodyn.report.glossary import MEANINGS
 from robodyn.report.html_page import html
-from robodyn.report.page_simulation import simulation_page
-from robodyn.report.page_torques import torques_page
+from robodyn.report.simulation_page import simulation_page
+from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate
 

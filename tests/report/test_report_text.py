@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.report_text import torques_text
 
 import robodyn
 from robodyn.loads.result import Result
 from robodyn.report.table import Page
-from robodyn.report.text_torques import torques_text
 from robodyn.scene.read import load_scene
 from robodyn.trajectory.robot_motion import motion
 

@@ -6,12 +6,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from helpers.report_text import simulation_text
 from helpers.simulated_robots import pendulum, turntable
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.report.json_simulation import simulation_json
-from robodyn.report.text_simulation import simulation_text
+from robodyn.report.json.runs import simulation_json
 from robodyn.scene.scene import Drive, Friction
 from robodyn.simulation import follow
 from robodyn.simulation.methods import TooMuchError

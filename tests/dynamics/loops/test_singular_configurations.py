@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.closed_chains import bennett, crank_slider, four_bars, parallelogram
+from helpers.report_text import simulation_text
 
 import robodyn
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.report.json_simulation import simulation_json
-from robodyn.report.page_simulation import simulation_page
-from robodyn.report.text_simulation import simulation_text
+from robodyn.report.json.runs import simulation_json
+from robodyn.report.simulation_page import simulation_page
 from robodyn.simulation import singular
 
 LEAVE = "the loops leave 2 degrees of freedom where the motion begins, and 1 nearby: "

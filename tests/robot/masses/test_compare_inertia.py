@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.report.text_comparison import comparison_text
+from robodyn.report.composite import comparison_sections
+from robodyn.report.renderers.text import text
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.masses.slips import relative, slip
@@ -144,7 +145,7 @@ def test_last_digits_change_neither_order_nor_text(ulps):
     )
     found = compare(load_description(f'<robot name="r">{links}{joints}</robot>'.encode()))
     assert [link.name for link in found.links] == ["c", "a", "b", "d"]
-    rows = comparison_text(found).splitlines()[3:7]
+    rows = text(comparison_sections(found)).splitlines()[3:7]
     assert [row.split()[1] for row in rows] == ["20", "0", "0", "0"]
 
 

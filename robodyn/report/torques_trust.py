@@ -10,8 +10,7 @@ from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph
 from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, number, relative_text
-from robodyn.report.text_joints import derivation_table
-from robodyn.report.text_torques import effect_table
+from robodyn.report.torques_tables import derivation_table, effect_table
 from robodyn.support.wording import count
 
 

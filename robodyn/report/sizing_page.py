@@ -12,11 +12,10 @@ from robodyn.loads.history import Curves
 from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
-from robodyn.report.document import Block, Facts, Figure, Gallery, Heading, Level, Verdict
+from robodyn.report.document import Block, Figure, Gallery, Heading, Level, Table, Verdict
 from robodyn.report.limits_words import offenders, offenders_first
-from robodyn.report.table import Page, number, printable
-from robodyn.report.text_blocks import blocks_of
-from robodyn.report.text_sizing import in_words, sizing_parts
+from robodyn.report.sizing import in_words, sizing_sections
+from robodyn.report.table import number, printable
 from robodyn.robot.model import Model
 from robodyn.scene.motor import Curve
 from robodyn.scene.scene import Scene
@@ -43,16 +42,8 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
     if figures:
         over = offenders(result)
         yield Gallery(tuple(figures[name] for name in sorted(figures, key=lambda name: name not in over)))
-    for block in blocks_of(lambda page: "\n".join(_tables(result, page))):
-        if not isinstance(block, Facts):
-            yield block
-
-
-def _tables(result: Result, page: Page) -> Iterator[str]:
-    """The text without its verdicts, which come first here."""
-    for part in sizing_parts(offenders_first(result), page):
-        if not part.startswith("Verdicts"):
-            yield part
+    for section in sizing_sections(offenders_first(result)):
+        yield from (block for block in section if isinstance(block, Table))  # verdicts come first here
 
 
 def sizing_verdict(result: Result) -> Verdict:

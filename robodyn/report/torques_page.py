@@ -13,6 +13,7 @@ from robodyn.report.document import (
     Facts,
     Gallery,
     Heading,
+    HeatMap,
     Paragraph,
     Table,
     Verdict,
@@ -20,17 +21,23 @@ from robodyn.report.document import (
     downloads,
 )
 from robodyn.report.drawing import Draw, at_once
-from robodyn.report.input_words import input_words
-from robodyn.report.json_torques import torques_json
-from robodyn.report.limits_words import effort_use, limits_verdict, offenders_first, speed_use
-from robodyn.report.page_limits import limits_blocks
-from robodyn.report.page_trust import trust
-from robodyn.report.page_worst import heaviest_load
+from robodyn.report.json.loads import torques_json
+from robodyn.report.limits_words import (
+    LINES,
+    effort_use,
+    exceeded_table,
+    limits_verdict,
+    offenders_first,
+    speed_use,
+    use,
+)
 from robodyn.report.plots_torques import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
-from robodyn.report.text_joints import share_table
-from robodyn.report.text_torques import base_table, load_table
+from robodyn.report.torques import input_words
+from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
+from robodyn.report.torques_trust import trust
+from robodyn.report.torques_worst import heaviest_load
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import ranked
@@ -55,7 +62,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     ordered = offenders_first(result)
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
-        from robodyn.report.page_sizing import sizing_verdict
+        from robodyn.report.sizing_page import sizing_verdict
 
         blocks.append(sizing_verdict(result))
     if result.accuracy is not None:
@@ -64,11 +71,11 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks.append(Verdict("good" if met else "bad", headline, (f"{result.accuracy.said}.",)))
     blocks += [Paragraph(line) for line in input_words(result, most=None)]
     if result.joints:
-        blocks += [_facts(result), *limits_blocks(ordered), *heaviest_load(result, model, scene, plots)]
+        blocks += [_facts(result), *_limits(ordered), *heaviest_load(result, model, scene, plots)]
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(ordered))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
-            from robodyn.report.page_sizing import sizing_blocks
+            from robodyn.report.sizing_page import sizing_blocks
 
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
@@ -81,15 +88,44 @@ def _facts(result: Result) -> Facts:
     joints, size = result.joints, result_sizes(result)
     powerful = ranked(joints, key=lambda joint: joint.peak_power)[0]
     items = []
-    for use, what in ((effort_use, "effort"), (speed_use, "speed")):
-        joint = ranked(joints, key=use)[0]
-        if use(joint):
-            items.append((f"Largest use of a limit of {what}", f"{100 * use(joint):.0f} %", printable(joint.name)))
+    for share, what in ((effort_use, "effort"), (speed_use, "speed")):
+        joint = ranked(joints, key=share)[0]
+        if share(joint):
+            items.append((f"Largest use of a limit of {what}", f"{100 * share(joint):.0f} %", printable(joint.name)))
     items.append(("Largest power of a joint", f"{number(powerful.peak_power, size['W'])} W", printable(powerful.name)))
     work = sum(joint.work_positive for joint in joints)
     back = -sum(joint.work_negative for joint in joints)
     items.append(("Work of all joints", f"{number(work, size['J'])} J", f"{number(back, size['J'])} J returned"))
     return Facts(tuple(items))
+
+
+def _limits(result: Result) -> Iterator[Block]:
+    """A map of all joints, and a table of the limits that are exceeded where the verdict does not name them all.
+
+    Args:
+        result: with the joints that exceed limits first.
+    """
+    found = heat_map(result)
+    if found is None:
+        return
+    yield Heading("Use of limits")
+    if len(result.exceeded) > LINES + 1:
+        yield Table("Limits that are exceeded", *exceeded_table(result.exceeded))
+    yield found
+
+
+def heat_map(result: Result) -> HeatMap | None:
+    """Return how much of its limits of effort and velocity each joint uses; None where there are no limits."""
+    rows = []
+    for joint in result.joints:
+        cells = (
+            (use(joint.peak, joint.effort_limit), None if joint.effort_limit is None else effort_use(joint)),
+            (use(joint.max_speed, joint.velocity_limit), None if joint.velocity_limit is None else speed_use(joint)),
+        )
+        rows.append((joint.name, cells))
+    if all(share is None for _, cells in rows for _, share in cells):
+        return None
+    return HeatMap("How much of its limits each joint uses", ("effort", "velocity"), rows)
 
 
 def _plots(result: Result, plots: Plots | None) -> Iterator[Block]:
@@ -131,8 +167,6 @@ def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
 
 def _momentum(result: Result) -> Iterator[Block]:
     if result.momentum is not None:
-        from robodyn.report.text_momentum import momentum_table
-
         title, rows = momentum_table(result.momentum)
         yield Heading("Momentum and energy")
         yield Table(title, *rows)

@@ -19,13 +19,13 @@ from robodyn.report.document import (
     Verdict,
     csv_text,
     downloads,
+    on_page,
 )
-from robodyn.report.json_simulation import simulation_json
+from robodyn.report.json.runs import simulation_json
 from robodyn.report.limits_words import simulation_limits
+from robodyn.report.simulation import simulation_sections
 from robodyn.report.sizes import simulation_sizes
 from robodyn.report.table import drift_text, is_noise, number, printable, relative_text
-from robodyn.report.text_blocks import blocks_of
-from robodyn.report.text_simulation import simulation_text
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import Floats, ranked
 
@@ -47,7 +47,7 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
     blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]
     if pictures:
         blocks += [*_poses(result), *_plots(result)]
-    blocks += [Heading("In numbers"), *blocks_of(lambda page: simulation_text(result, True, page), "Motion")]
+    blocks += [Heading("In numbers"), *on_page(simulation_sections(result, explain=True), "Motion")]
     table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
     files = [
         Download("result.json", "application/json", simulation_json(result)),

@@ -1,4 +1,4 @@
-"""What motors, gears, bearings and the foundation bear, as text for a person."""
+"""What motors, gears, bearings and the foundation bear."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing_result import BearingLoad, Exceeded, JointSizing, MotorLoad, Sizing
+from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import Content, Page, is_noise, moment, number, printable
+from robodyn.report.table import Content, is_noise, moment, number
 
 _WORDS = {
     "motor torque": "the motor's torque",
@@ -29,29 +30,28 @@ _LIMITS = {
 }
 
 
-def sizing_parts(result: Result, page: Page) -> Iterator[str]:
-    """The parts of the report on sizing: use of joints, motors, bearings, foundation, and a verdict for each joint."""
+def sizing_sections(result: Result) -> Iterator[Section]:
+    """Yield use of joints, motors, bearings, foundation, and a verdict for each joint."""
     sizing = result.sizing
     if sizing is None:
         return
     if sizing.joints:
-        yield f"How joints are used\n{page.table(_use(result, sizing))}"
+        yield [Table("How joints are used", *_use(result, sizing))]
     size = result_sizes(result)
     if any(joint.motor for joint in sizing.joints):
-        yield f"Motors, torque and speed at their shafts\n{page.table(_motors(sizing, size))}"
+        yield [Table("Motors, torque and speed at their shafts", *_motors(sizing, size))]
     if sizing.bearings:
-        yield f"Bearings: largest loads, parent on child, at the joint's origin\n{page.table(_bearings(sizing, size))}"
-    yield f"Foundation: ground on robot, in the base's axes\n{page.table(_foundation(sizing, size))}"
+        title = "Bearings: largest loads, parent on child, at the joint's origin"
+        yield [Table(title, *_bearings(sizing, size))]
+    yield [Table("Foundation: ground on robot, in the base's axes", *_foundation(sizing, size))]
     if sizing.joints:
-        yield "".join(["Verdicts\n", *(f"{line}\n" for line in verdicts(result.joints, sizing))])
+        yield [Paragraph("Verdicts"), verdicts(result.joints, sizing)]
 
 
-def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Iterator[str]:
-    """For each joint one line in plain words for everything that it exceeds, or how near it comes to its limits."""
-    wide = max((len(printable(joint.name)) for joint in sizing.joints), default=0)
-    for load, joint in zip(loads, sizing.joints, strict=True):
-        for name, line in _verdict(load, joint):
-            yield f"{printable(name):{wide}}  {line}"
+def verdicts(loads: Sequence[JointLoad], sizing: Sizing) -> Facts:
+    """Return of each joint in plain words everything that it exceeds, or how near it comes to its limits."""
+    each = [_verdict(load, joint) for load, joint in zip(loads, sizing.joints, strict=True)]
+    return Facts(tuple((name, line, "") for lines in each for name, line in lines))
 
 
 def _verdict(load: JointLoad, joint: JointSizing) -> Iterator[tuple[str, str]]:

@@ -1,0 +1,185 @@
+"""What accuracy costs: every method with its errors and times, and as a page error against time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Price, Rung
+from robodyn.measure.timing import Spread
+from robodyn.report.document import (
+    Block,
+    Document,
+    Download,
+    Figure,
+    Gallery,
+    Heading,
+    Paragraph,
+    Section,
+    Table,
+    Verdict,
+    downloads,
+    on_page,
+    paragraphs,
+)
+from robodyn.report.json.runs import accuracy_json
+from robodyn.report.table import printable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+_UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns")}
+_WHERE = {"end": "error at the end", "way": "along the way", "middle": "error in the middle", "whole": "anywhere"}
+
+
+def accuracy_sections(accuracy: Accuracy, target: float | None = None) -> Iterator[Section]:
+    """Yield errors, times and operations of every method, the front of those worth their time, and prices beside it.
+
+    Args:
+        target: the error for which the quickest method is named.
+    """
+    for ladder in accuracy.ladders:
+        answer = [] if target is None else [Paragraph(_answer(ladder, target))]
+        yield [_ladder(accuracy.name, ladder), *answer]
+    if accuracy.prices:
+        yield [Table("Beside it", ("what", "time [ms]", "quartiles [ms]"), _prices(accuracy.prices))]
+    if accuracy.effects:
+        head = ("without", "torque lost, at most", "at", "operations saved")
+        rows = [
+            (effect.name, f"{effect.torque:#.4g} {effect.unit}", effect.joint, str(effect.saved))
+            for effect in accuracy.effects
+        ]
+        yield [Table("Effects", head, rows)]
+    yield paragraphs(accuracy.notes)
+
+
+def _ladder(name: str, ladder: Ladder) -> Table:
+    scale, unit = _UNITS[ladder.per]
+    per = f" per {ladder.per}" if ladder.per == "sample" else ""
+    errors = [_WHERE.get(measure, f"error of {measure}") for measure in ladder.measures]
+    moves = any(rung.drift is not None for rung in ladder.rungs)
+    more = ("energy drift", "evaluations") if moves else ()
+    head = ("method", *errors, *more[:1], f"time [{unit}]", f"quartiles [{unit}]", *more[1:], "operations", "verdict")
+    rows = [
+        (
+            rung.name,
+            *map(error_text, rung.errors),
+            *((error_text(rung.drift or 0.0),) if moves else ()),
+            *_time(rung.time, scale),
+            *((_count(rung.evaluations),) if moves else ()),
+            _count(rung.operations),
+            _verdict(ladder, rung),
+        )
+        for rung in sorted(ladder.rungs, key=lambda rung: rung.time.median)
+    ]
+    return Table(f"{printable(name)}: {ladder.title}{per}, errors against {ladder.reference}", head, rows)
+
+
+def _answer(ladder: Ladder, target: float) -> str:
+    found = ladder.cheapest(target)
+    if found is None:
+        best = min(rung.error for rung in ladder.rungs)
+        return f"no method reaches {target:g}; the best error is {error_text(best)}"
+    return f"cheapest within {target:g}: {found.name}"
+
+
+def _verdict(ladder: Ladder, rung: Rung) -> str:
+    other = ladder.dominator(rung)
+    return "front" if other is None else f"dominated by {other.name}"
+
+
+def _prices(prices: tuple[Price, ...]) -> list[tuple[str, ...]]:
+    return [(price.name, *_time(price.time, 1e3)) for price in prices]
+
+
+def _time(time: Spread, scale: float) -> tuple[str, str]:
+    return _digits(scale * time.median), f"{_digits(scale * time.low)} .. {_digits(scale * time.high)}"
+
+
+def _count(number: float | None) -> str:
+    return "-" if number is None else f"{number:.0f}" if number < 1e7 else f"{number:.2e}"
+
+
+def _digits(x: float) -> str:
+    return f"{x:.0f}" if x >= 99.95 else f"{x:#.3g}"
+
+
+def error_text(error: float) -> str:
+    """Two digits; 0 for none."""
+    return f"{error:.1e}" if error else "0"
+
+
+def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: bool = True) -> Document:
+    """Which method to take, error against time, and every method in numbers.
+
+    Args:
+        target: the error for which the quickest method is named.
+    """
+    blocks: list[Block] = [_met(accuracy, target)]
+    if pictures:
+        blocks += [
+            Heading("Error against time"),
+            Gallery(tuple(_figure(accuracy, k, target) for k in range(len(accuracy.ladders)))),
+        ]
+    blocks += [Heading("Methods"), *on_page(accuracy_sections(accuracy, target))]
+    files = [Download("accuracy.json", "application/json", accuracy_json(accuracy, target))]
+    blocks += [Heading("Data"), downloads(files, "robodyn accuracy --format json prints it")]
+    return Document(PurePath(accuracy.name).name, "What each further digit costs in time", tuple(blocks))
+
+
+def _met(accuracy: Accuracy, target: float | None) -> Verdict:
+    """The quickest method within the target, or the ends of the front."""
+    if target is None:
+        return Verdict("neutral", "Methods that are worth their time", tuple(map(_front, accuracy.ladders)))
+    found = [(ladder, ladder.cheapest(target)) for ladder in accuracy.ladders]
+    met = all(rung is not None for _, rung in found)
+    headline = f"The target of {target:g} {'is met' if met else 'is not met by every task'}"
+    reasons = [
+        f"{ladder.title}: {f'{rung.name} has an error of {error_text(rung.error)}' if rung else _best(ladder)}."
+        for ladder, rung in found
+    ]
+    return Verdict("good" if met else "bad", headline, tuple(reasons))
+
+
+def _best(ladder: Ladder) -> str:
+    best = min(ladder.rungs, key=lambda rung: rung.error)
+    return f"no method reaches it; the best is {best.name} with an error of {error_text(best.error)}"
+
+
+def _front(ladder: Ladder) -> str:
+    first, last = ladder.front[0], ladder.front[-1]
+    if first is last:
+        return (
+            f"{ladder.title}: {first.name} is quickest and most accurate, with an error of {error_text(first.error)}."
+        )
+    least, most, times = error_text(last.error), error_text(first.error), last.time.median / first.time.median
+    return (
+        f"{ladder.title}: from {first.name}, with an error of {most}, to {last.name}, with {least} in {times:.3g} "
+        "times the time."
+    )
+
+
+def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
+    from matplotlib import rc_context
+    from matplotlib.rcsetup import cycler
+
+    from robodyn.report.figures import SERIES, plot
+    from robodyn.report.plot_accuracy import draw_accuracy
+
+    ladder = accuracy.ladders[k]
+
+    def draw(canvas: Canvas) -> None:
+        canvas.set_layout_engine("constrained")
+        with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
+            draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
+        (axes,) = canvas.axes
+        axes.set_title("")
+        beside = axes.get_legend()
+        assert beside is not None
+        beside.remove()
+        canvas.legend(loc="outside lower left", ncols=2, fontsize="small")
+
+    words = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}"
+    return Figure(ladder.title, words, plot(400, 500, draw, f"ladder {k}"))

@@ -1,0 +1,157 @@
+"""Mass properties of meshes: amounts, inertia matrix, principal moments, symmetry, and how far the numbers hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import inf, isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.programs.vectors import Array
+from robodyn.report.document import Block, Facts, Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.table import is_noise, number, printable
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Part
+
+if TYPE_CHECKING:
+    from robodyn.solids.mesh.symmetry_kinds import Axis, Plane
+    from robodyn.solids.mesh.tessellation import Bars
+
+AXES = ("x", "y", "z")
+_UNKNOWN = "an unknown amount (facets too coarse)"
+_MOST = 9
+"""Planes and axes that are listed; of the others there is a count."""
+
+
+def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
+    """Yield of each part mass, centre, inertia as the view asks for it, principal moments, errors, warnings."""
+    for part in parts:
+        size = " x ".join(number(x) for x in part.hi - part.lo)
+        state = "closed" if part.closed else "not closed"
+        count = f"{part.triangles} triangle{'' if part.triangles == 1 else 's'}"
+        yield [Paragraph(f"{printable(part.name)}: {count}, {state}, {size} m")]
+        yield [amounts(part.body, _reach(part), ", at an assumed density" if part.assumed else "", part.body.area)]
+        yield from inertia_tables(part.body, view)
+        yield _symmetry(part)
+        yield _trust(part)
+
+
+def amounts(body: MassProperties, reach: float = 0.0, remark: str = "", area: float | None = None) -> Facts:
+    """Return mass, volume, area, density and mass centre as far as they are known.
+
+    Args:
+        reach: beside which a coordinate vanishes [m].
+        remark: behind the mass; area: [m^2] where it is to be told.
+    """
+    found = (("volume", body.volume, "m^3"), ("area", area, "m^2"), ("density", body.density, "kg/m^3"))
+    items = [("mass", f"{number(body.mass)} kg{remark}", "")]
+    items += [(name, f"{number(value)} {unit}", "") for name, value, unit in found if value is not None]
+    return Facts((*items, ("centre of mass", f"{point_text(body.com, reach)} m", "")))
+
+
+def point_text(point: Array, reach: float = 0.0) -> str:
+    """Return coordinates in brackets; 0 for what vanishes beside `reach`."""
+    return f"({', '.join(number(x, reach) for x in point)})"
+
+
+def inertia_tables(body: MassProperties, view: View) -> Iterator[Section]:
+    """Yield the inertia matrix as the view asks for it; principal moments and axes, and which axes are not unique."""
+    _, matrix = view.inertia(body)
+    scale = float(np.abs(matrix).max())
+    rows = [(AXES[i], *(number(x, scale) for x in matrix[i])) for i in range(3)]
+    yield [Table(f"Inertia {view.words} [kg m^2]", ("", *AXES), rows)]
+    principal = body.principal
+    rows = [(str(k + 1), number(principal.moments[k]), *(f"{x:.6f}" for x in principal.axes[k])) for k in range(3)]
+    head = ("", "moment [kg m^2]", *(f"axis {name}" for name in AXES))
+    moments = Table("Principal moments about the centre of mass", head, rows)
+    yield [moments, *paragraphs([principal.remark] if principal.remark else [])]
+
+
+def _trust(part: Part) -> Section:
+    """Return errors, repairs, notes and warnings."""
+    errors = (
+        f"relative error of the volume: arithmetic {part.arithmetic:.0e} ({part.method}), "
+        f"rounding of the file at most {part.rounding:.0e}"
+    )
+    repairs = [
+        f"{step.what}; volume {number(step.volume_before)} to {number(step.volume_after)} m^3" for step in part.repairs
+    ]
+    union = [] if part.union is None else [f"holes and overlaps: relative error at most {part.union:.0e}"]
+    more = paragraphs([*union, *_tessellation(part), *part.notes])
+    return [Paragraph(errors), *remarks("repaired", repairs), *more, *remarks("warning", part.warnings)]
+
+
+def _symmetry(part: Part) -> Section:
+    """Return planes and axes that hold or nearly do, and products that are 0 by them; nothing if none were sought."""
+    found, reach = part.symmetry, _reach(part)
+    if found is None:
+        return []
+    things: list[Plane | Axis] = [*found.planes, *found.axes]
+    rows = [_row(thing, reach) for thing in things if thing.verdict != "none"]
+    if not rows:
+        least = [f"; the nearest plane leaves {_percent(plane.asymmetry)} outside" for plane in found.planes[:1]]
+        return paragraphs(["Symmetry", f"none{''.join(least)}"])
+    blocks: list[Block] = [Table("Symmetry", ("", "normal or axis", "at", "asymmetry", "verdict"), rows[:_MOST])]
+    return blocks + paragraphs([*([f"and {len(rows) - _MOST} more"] if len(rows) > _MOST else []), *_zeros(part)])
+
+
+def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
+    from robodyn.solids.mesh.symmetry_kinds import Plane
+
+    if isinstance(thing, Plane):
+        name, direction, place = "plane", thing.normal, number(thing.offset, reach)
+    else:
+        name = "axis of revolution" if thing.fold == inf else f"axis, {thing.fold:.0f}-fold"
+        direction, place = thing.direction, point_text(thing.point, reach)
+    along = ", ".join(f"{x + 0.0:.4g}" for x in direction.round(9))
+    return name, f"({along})", f"{place} m", _short(thing.asymmetry, 1.0), thing.verdict
+
+
+def _zeros(part: Part) -> Iterator[str]:
+    """Yield the products that are 0 by symmetry, with what was computed."""
+    products = [product for product in part.symmetry.products if product.zero] if part.symmetry else []
+    if products and part.body.density is not None:
+        density, scale = part.body.density, float(np.trace(part.body.inertia))
+        computed = ", ".join(_short(-product.residual * density, scale) for product in products)
+        yield f"0 by symmetry: I{', I'.join(product.axes for product in products)} (computed {computed} kg m^2)"
+
+
+def _tessellation(part: Part) -> Sequence[str]:
+    """Return how far facets leave the numbers from those of a smooth body; nothing where they were not asked."""
+    found, smooth = part.tessellation, part.corrected
+    if found is None or smooth is None:
+        return ()
+    if not found.mesh.volume:
+        return ("tessellation: no facets that may stand for a curved face",)
+    moments = ", ".join(number(x) for x in smooth.principal.moments)
+    meant, tight, wide = (_bars(bars, part.body.gyration) for bars in (found.mesh, found.on_surface, found.rest))
+    volume, inertia, centre = (f"within {on}, else {off}" for on, off in zip(tight, wide, strict=True))
+    return (
+        "tessellation: if facets are meant flat, nothing is missing; if they stand for smooth faces, the volume is off "
+        f"by up to {meant[0]}, the inertia by {meant[1]}, the centre of mass by {meant[2]}",
+        f"with smooth faces through the corners: volume {number(smooth.volume or 0.0)} m^3, "
+        f"principal moments {moments} kg m^2, centre of mass {point_text(smooth.com, _reach(part))} m",
+        f"if the corners are on them: volume {volume}; inertia {inertia}; centre of mass {centre}",
+    )
+
+
+def _bars(bars: Bars, gyration: float) -> tuple[str, str, str]:
+    """Return those of volume, inertia and centre of mass."""
+    centre = bars.centre * gyration
+    length = f"{centre:.1g} m" if isfinite(centre) else _UNKNOWN
+    return _percent(bars.volume), _percent(bars.inertia), length
+
+
+def _reach(part: Part) -> float:
+    return float(np.abs((part.lo, part.hi)).max())
+
+
+def _short(value: float, scale: float) -> str:
+    """Return one digit; 0 for what vanishes beside `scale`."""
+    return "0" if is_noise(abs(value), scale) else f"{value:.0e}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if isfinite(share) else _UNKNOWN

@@ -1,0 +1,233 @@
+"""What meshes, links and robots weigh, as reports for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import PurePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.errors import MeshError
+from robodyn.programs.vectors import Array, product
+from robodyn.report.bodies import inertia_sections
+from robodyn.report.check_words import check_line, check_verdict
+from robodyn.report.composite import (
+    combination_sections,
+    comparison_sections,
+    link_sections,
+    link_shapes_sections,
+    robot_sections,
+)
+from robodyn.report.document import (
+    Block,
+    Document,
+    Download,
+    Facts,
+    Figure,
+    Gallery,
+    Heading,
+    Level,
+    Section,
+    Verdict,
+    downloads,
+    on_page,
+)
+from robodyn.report.json.bodies import (
+    combination_json,
+    comparison_json,
+    inertia_json,
+    link_json,
+    link_shapes_json,
+    robot_json,
+)
+from robodyn.report.table import number, printable
+from robodyn.robot.assemble import assemble
+from robodyn.robot.configuration import configuration
+from robodyn.robot.masses.compare import Comparison
+from robodyn.robot.masses.declared import LinkInertia, RobotInertia
+from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.robot.urdf.description import Description
+from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.validity import validity
+from robodyn.solids.inertia.view import View
+from robodyn.solids.mesh_mass import Part
+
+if TYPE_CHECKING:
+    from robodyn.checks.run import Checked
+
+_FAR = 0.1
+"""Relative difference of a link from its shapes that is counted."""
+
+
+def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequence[Array | None]) -> Document:
+    """Return what each mesh encloses, and how far the numbers hold; and why meshes failed.
+
+    Args:
+        shapes: the triangles (m, 3, 3) of each part [m], None for those without a picture.
+    """
+    parts = [each for each in outcomes if isinstance(each, Part)]
+    failures = [each for each in outcomes if isinstance(each, MeshError)]
+    names = ", ".join(part.name for part in parts)
+    failed = f"{len(failures)} of {len(outcomes)} meshes failed"
+    blocks: list[Block] = [Verdict("bad", failed, tuple(f"{each}." for each in failures))] if failures else []
+    blocks.append(_verdict(parts))
+    for k, (part, triangles) in enumerate(zip(parts, shapes, strict=True)):
+        if len(outcomes) > 1:
+            blocks.append(Heading(printable(part.name)))
+        blocks.append(_weights(part.body))
+        if triangles is not None:
+            from robodyn.report.solids import body_figure
+
+            name = printable(PurePath(part.name).name)
+            blocks.append(Gallery((body_figure(name, part.body, triangles, f"mesh {k}"),)))
+        blocks += _numbers(inertia_sections([part], view))
+    blocks += _data("inertia.json", inertia_json(outcomes, view))
+    title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
+    return Document(title, f"Mass properties: {names}", tuple(blocks))
+
+
+def combination_page(found: Combination, view: View, shapes: Sequence[Array | None]) -> Document:
+    """Return meshes as one rigid body.
+
+    Args:
+        shapes: the triangles (m, 3, 3) of each mesh in its own axes [m], None without a picture.
+    """
+    placed = [
+        product(triangles, np.asarray(R, dtype=float).T) + np.asarray(p, dtype=float)
+        for triangles, (R, p) in zip(shapes, found.poses, strict=True)
+        if triangles is not None
+    ]
+    names = ", ".join(part.name for part in found.parts)
+    doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
+    figures = []
+    if placed:
+        from robodyn.report.solids import body_figure
+
+        figures.append(body_figure("The whole", found.body, np.concatenate(placed), "whole"))
+    blocks = _body(found.body, _possible(found.body, doubts), combination_sections(found, view), figures)
+    return _document("Meshes as one rigid body", names, blocks, combination_json(found, view))
+
+
+def robot_page(found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
+    """Return the whole robot, its joints locked."""
+    figures: list[Figure] = []
+    if pictures:
+        from robodyn.report.robot_picture import robot_figure, shapes_of
+
+        model = assemble(description)
+        q = configuration(model, found.at)
+        figures.append(robot_figure(model, q, "", "this configuration", shapes_of(model)[0]))
+    what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
+    verdict = _possible(found.body, found.warnings, checked)
+    blocks = _body(found.body, verdict, robot_sections(found, view, checked), figures)
+    return _document(found.name, what, blocks, robot_json(found, view, checked))
+
+
+def link_page(found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
+    """Return a link as declared."""
+    sections = link_sections(description.file, found, view, checked)
+    figures = _figures(description, found, pictures)
+    blocks = _body(found.body, _possible(found.body, (), checked), sections, figures)
+    data = link_json(description.name, found, view, checked)
+    return _document(f"{description.name}: {found.name}", f"Link {found.name} as declared", blocks, data)
+
+
+def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> Document:
+    """Return a link made of its shapes."""
+    sections, figures = link_shapes_sections(description.file, found, view), _figures(description, found, pictures)
+    blocks = _body(found.body, _possible(found.body, found.shapes.remarks), sections, figures)
+    what = f"Link {found.name} from its {found.kind} shapes, {found.weight}"
+    return _document(f"{description.name}: {found.name}", what, blocks, link_shapes_json(description.name, found, view))
+
+
+def differences_page(found: Comparison) -> Document:
+    """Return declared inertias against those of shapes."""
+    differences = [link.difference.inertia for link in found.links if link.difference is not None]
+    far, rest = sum(difference > _FAR for difference in differences), len(found.links) - len(differences)
+    level: Level = "doubtful" if far else "good" if differences else "neutral"
+    headline = f"{far} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
+    verdict = Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
+    blocks = [verdict, Heading("Links"), *on_page(comparison_sections(found), "Declared against shapes")]
+    data = _data("comparison.json", comparison_json(found))
+    return Document(found.name, "Declared inertias against shapes", (*blocks, *data))
+
+
+def _body(
+    body: MassProperties, verdict: Verdict, sections: Iterable[Section], figures: Sequence[Figure]
+) -> list[Block]:
+    """Return the blocks on one rigid body: whether it can exist, what it weighs, and the figures of the text."""
+    gallery = [Gallery(tuple(figures))] if figures else []
+    return [verdict, _weights(body), *gallery, Heading("In numbers"), *_numbers(sections)]
+
+
+def _document(title: str, what: str, blocks: Sequence[Block], data: str) -> Document:
+    return Document(title, what, (*blocks, *_data("inertia.json", data)))
+
+
+def _figures(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[Figure]:
+    """Return the visual shapes of a link, where there are some, with its centre of mass and principal axes."""
+    if not pictures or not found.body.mass:
+        return []
+    from robodyn.report.robot_picture import shapes_of
+    from robodyn.report.solids import body_figure
+
+    shapes, _ = shapes_of(assemble(description))
+    triangles = None if shapes is None else shapes.triangles.get(found.name)
+    return [] if triangles is None else [body_figure(printable(found.name), found.body, triangles, "link")]
+
+
+def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> Verdict:
+    """Return whether a body can exist; no better than what the check says of its description.
+
+    Args:
+        doubts: what is doubtful about it.
+        checked: what a check found in the description that it is declared in.
+    """
+    faults = validity(body).faults if body.mass or body.S_c.any() else ()
+    if checked is not None:
+        if not checked.fit:
+            found = check_verdict(checked)
+            return replace(found, reasons=(*found.reasons, *faults, *doubts))
+        if checked.findings:
+            doubts = (*doubts, f"robodyn check: {check_line(checked)}.")
+    if faults:
+        return Verdict("bad", "No body can have this mass and inertia", (*faults, *doubts))
+    sure = "Physically possible"
+    return Verdict("doubtful", f"{sure}, with doubts", tuple(doubts)) if doubts else Verdict("good", sure)
+
+
+def _verdict(parts: Sequence[Part]) -> Verdict:
+    open_ones = ", ".join(printable(part.name) for part in parts if not part.closed)
+    doubts = [f"{printable(part.name)}: {text}." for part in parts for text in part.warnings]
+    repairs = [f"{printable(part.name)}: repaired, {step.what}." for part in parts for step in part.repairs]
+    error = max(max(part.arithmetic, part.rounding, part.union or 0.0) for part in parts)
+    reasons = [f"The volume holds within {error:.0e} of itself, for the surface as the file has it.", *repairs, *doubts]
+    if any(part.assumed for part in parts):
+        reasons.append("The density is assumed: --density or --mass says what it is.")
+    if open_ones:
+        return Verdict("bad", f"Not closed, so that the mass is not definite: {open_ones}", tuple(reasons))
+    if doubts or repairs:
+        return Verdict("doubtful", "Mass and inertia, with repairs or doubts", tuple(reasons))
+    return Verdict("good", f"{'Closed' if len(parts) == 1 else 'All closed'} and without faults", tuple(reasons))
+
+
+def _weights(body: MassProperties) -> Facts:
+    found = (("Volume", body.volume, "m^3"), ("Surface", body.area, "m^2"), ("Density", body.density, "kg/m^3"))
+    items = [("Mass", f"{number(body.mass)} kg", "")]
+    items += [(name, f"{number(value)} {unit}", "") for name, value, unit in found if value is not None]
+    size = float(np.sqrt(body.principal.moments.max() / body.mass)) if body.mass else 0.0
+    centre = ", ".join(number(x, size) for x in body.com)
+    return Facts((*items, ("Centre of mass", f"({centre}) m", "")))
+
+
+def _numbers(sections: Iterable[Section]) -> list[Block]:
+    """Return what the text says beyond the facts at the top."""
+    return [block for block in on_page(sections, "Values") if not isinstance(block, Facts)]
+
+
+def _data(name: str, text: str) -> list[Block]:
+    how = "robodyn inertia --format json prints it"
+    return [Heading("Data"), downloads([Download(name, "application/json", text)], how)]

@@ -1,0 +1,1 @@
+"""JSON of every result: stable keys, SI units, full precision."""

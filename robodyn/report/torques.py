@@ -1,0 +1,112 @@
+"""The result of `torques`: joints, what makes their peaks, base loads, self-checks, limits, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robodyn.loads.result import Result
+from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.limits_words import limits_section, limits_verdict, offenders_first
+from robodyn.report.sizes import result_sizes
+from robodyn.report.table import number, printable, relative_text
+from robodyn.report.torques_tables import (
+    base_table,
+    derivation_table,
+    effect_table,
+    load_table,
+    momentum_table,
+    share_table,
+)
+from robodyn.support.wording import count
+
+_NAMED = 6
+
+
+def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]:
+    """Yield joints, what makes their peaks, base loads, self-checks, limits exceeded, warnings.
+
+    Args:
+        explain: add why each effect is on or off, what it costs, and the plan.
+    """
+    result = offenders_first(result)
+    yield _head(result)
+    if result.joints:
+        yield [Table("", *load_table(result))]
+        yield [Table("What makes the peaks", *share_table(result))]
+    if result.derivation:
+        methods, rows = derivation_table(result.derivation, result.samples_suffice)
+        yield [Table(methods, *rows) if rows else Paragraph(methods)]
+    yield _base(result)
+    if result.momentum:
+        title, rows = momentum_table(result.momentum)
+        yield [Table(title, *rows)]
+    if result.sizing:
+        from robodyn.report.sizing import sizing_sections
+
+        yield from sizing_sections(result)
+    if explain:
+        plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
+        yield [Table(f"Effects: {plan}", *effect_table(result))]
+    yield _checks(result)
+    if result.joints or result.doubts:
+        headline = limits_verdict(result).headline
+        yield limits_section(len(result.joints), result.exceeded, result.limits, headline)
+    if result.accuracy:
+        yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
+    yield remarks("warning", result.warnings)
+
+
+def _head(result: Result) -> Section:
+    x, y, z = result.gravity
+    what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
+    robot = f"{result.robot}: {what}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    return paragraphs([robot, *input_words(result)])
+
+
+def _base(result: Result) -> Section:
+    head, rows = base_table(result)
+    title = "Base wrench: ground on robot, about the base's origin"
+    if all(rms == "0" for *_, rms in rows):
+        return [Paragraph(f"{title}: zero throughout")]
+    return [Table(title, head, rows)]
+
+
+def _checks(result: Result) -> Section:
+    checks, balance = result.checks, result.checks.energy_balance
+    size = result_sizes(result)["J"]
+    work, stored, residual, sampling = (
+        number(x, size) for x in (balance.work, balance.energy_change, balance.residual, abs(balance.quadrature))
+    )
+    laws = [relative_text(x) for x in (checks.first_law, checks.second_law, checks.power)]
+    lines = (
+        "Self-checks, from momenta and energy",
+        f"energy: work {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
+        f"laws at {count(checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
+        f"power {laws[2]}",
+    )
+    return paragraphs(lines)
+
+
+def input_words(result: Result, most: int | None = _NAMED) -> Iterator[str]:
+    """Yield what a reader of a report has to know of the table to understand its numbers.
+
+    Args:
+        most: joints that are named for each place where some are held; None names all.
+    """
+    if result.origin:
+        stamp = f"{result.origin:.6f}".rstrip("0").rstrip(".")
+        yield f"Times count from the first stamp of the table, {stamp} s."
+    if result.held:
+        yield f"Held still, for want of columns: {'; '.join(_places(result, most))}."
+
+
+def _places(result: Result, most: int | None) -> Iterator[str]:
+    """Yield the places where joints are held, with the joints of each."""
+    units = {joint.name: "m" if joint.unit == "N" else "rad" for joint in result.joints}
+    places: dict[str, list[str]] = {}
+    for name, value in result.held.items():
+        floating = "m" if name[-2:] in ("_x", "_y", "_z") else ""
+        places.setdefault(f"{value:.6g} {units.get(name, floating)}".strip(), []).append(printable(name))
+    for place, names in places.items():
+        more = "" if most is None or len(names) <= most else f" and {len(names) - most} more"
+        yield f"at {place} {', '.join(names[:most])}{more}"

@@ -1,0 +1,159 @@
+"""The tables of a report on torques: loads of joints and base, shares of effects, derivatives, momentum."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from robodyn.dynamics.momenta import GROUND
+from robodyn.loads.result import JointLoad, MomentumReport, Result
+from robodyn.report.limits_words import use
+from robodyn.report.sizes import result_sizes, speed_unit
+from robodyn.report.table import Content, is_noise, moment, number, printable
+from robodyn.trajectory.motion import Derivation
+
+_KNOWN = 1e-6
+"""Of a peak: an error bar that is smaller is left out."""
+_UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power": "W"}
+
+
+def load_table(result: Result) -> Content:
+    """What each joint carries."""
+    size = result_sizes(result)
+    rows = []
+    for joint in result.joints:
+        load, speed = size[joint.unit], speed_unit(joint.unit)
+        rows.append(
+            (
+                joint.name,
+                f"{number(joint.peak, load)} {joint.unit}",
+                moment(joint.peak_time, joint.peak, load),
+                number(joint.rms, load),
+                number(joint.cubic_mean, load),
+                f"{number(joint.max_speed, size[speed])} {speed}",
+                number(joint.peak_power, size["W"]),
+                number(joint.work_positive, size["J"]),
+                number(joint.work_negative, size["J"]),
+                use(joint.peak, joint.effort_limit),
+                use(joint.max_speed, joint.velocity_limit),
+            )
+        )
+    head = ("joint", "peak", "at [s]", "RMS", "cubic mean", "max speed", "peak power [W]", "work [J]", "returned [J]")
+    return (*head, "of effort limit", "of velocity limit"), rows
+
+
+def base_table(result: Result) -> Content:
+    """Peaks of the base wrench."""
+    size = result_sizes(result)
+    rows = []
+    for part in result.base_wrench:
+        unit = "N" if part.name[0] == "f" else "N m"
+        peak, rms = number(part.peak, size[unit]), number(part.rms, size[unit])
+        rows.append((part.name, f"{peak} {unit}", moment(part.peak_time, part.peak, size[unit]), rms))
+    return ("", "peak", "at [s]", "RMS"), rows
+
+
+def effect_table(result: Result) -> Content:
+    """Which effects are on, what they cost, and why."""
+    rows = [
+        (
+            effect.name,
+            "on" if effect.verdict.active else "off",
+            str(effect.operations) if effect.verdict.active else "",
+            str(effect.saved) if effect.verdict.active and effect.saved is not None else "",
+            effect.verdict.reason,
+        )
+        for effect in result.effects
+    ]
+    return ("effect", "", "operations alone", "saved without", "why"), rows
+
+
+def share_table(result: Result) -> Content:
+    """For every joint what each effect adds to its peak; effects that add nothing are left out."""
+    joints, size = result.joints, result_sizes(result)
+    names = [effect.name for effect in result.effects]
+    present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
+    head = ["joint", *present, "sum"]
+    rows = [[joint.name, *(number(joint.shares[name], size[joint.unit]) for name in present)] for joint in joints]
+    for joint, row in zip(joints, rows, strict=True):
+        row.append(f"{number(joint.peak, size[joint.unit])} {joint.unit}")
+    for title, values in (
+        ("error (95 %)", [_bar(joint) for joint in joints]),
+        ("friction holds", [number(joint.hold) for joint in joints]),
+    ):
+        if set(values) != {"0"}:
+            head.append(title)
+            for row, value in zip(rows, values, strict=True):
+                row.append("" if value == "0" else f"+- {value}")
+    return tuple(head), [tuple(row) for row in rows]
+
+
+def _bar(joint: JointLoad) -> str:
+    """Return the error bar of a peak; 0 if it is known to a millionth."""
+    return f"{joint.error_bar:.2g}" if joint.error_bar > _KNOWN * abs(joint.peak) else "0"
+
+
+def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
+    """A line that names the methods, and rows for the joints with noise in their data; for all if methods differ."""
+    joints = derivation.joints
+    velocity, acceleration = _named(joint.velocity for joint in joints), _named(joint.acceleration for joint in joints)
+    several = len({*velocity, *acceleration}) > 1
+    quantities = " and ".join(name for name, used in (("velocity", velocity), ("acceleration", acceleration)) if used)
+    shown = [joint for joint in joints if joint.noise or several]
+    text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
+    if not shown:
+        return f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}", None
+    rows: list[tuple[str, ...]] = [
+        (
+            joint.name,
+            joint.acceleration if joint.velocity == "given" else joint.velocity,
+            joint.source,
+            f"{joint.noise:.2g}",
+            f"{joint.quantum:.3g}" if joint.quantum else "",
+            f"{joint.std:.2g}",
+        )
+        for joint in shown
+    ]
+    head = (
+        "joint",
+        "method",
+        "from",
+        "its noise",
+        "grid",
+        "noise left",
+    )
+    return text, (head, rows)
+
+
+def _named(methods: Iterable[str]) -> list[str]:
+    return [method for method in dict.fromkeys(methods) if method != "given"]
+
+
+def momentum_table(report: MomentumReport) -> tuple[str, Content]:
+    """A title that says about what and in which frame, and for each quantity its least and its greatest."""
+    owner = "the ground" if report.frame == GROUND else printable(report.frame)
+    about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
+        *report.about
+    )
+    scales = _scales(report)
+    rows = []
+    for row in report.ranges:
+        kind = row.name.partition("_")[0]
+        name = f"{row.name} [{_UNITS[kind]}]"
+        least, greatest = (
+            (number(value, scales[kind]), moment(time, value, scales[kind]))
+            for value, time in ((row.least, row.least_time), (row.greatest, row.greatest_time))
+        )
+        rows.append((name, *least, *greatest))
+    title = f"Momentum and energy in the frame of {owner}, L about {about}; power is tau . qd"
+    return title, (("", "least", "at [s]", "greatest", "at [s]"), rows)
+
+
+def _scales(report: MomentumReport) -> dict[str, float]:
+    """Return what is noise beside: L also beside p at the mass centre's distance, energies beside their largest."""
+    scales: dict[str, float] = {}
+    for row in report.ranges:
+        kind = row.name.partition("_")[0]
+        scales[kind] = max(scales.get(kind, 0.0), abs(row.least), abs(row.greatest))
+    scales["L"] = max(scales["L"], scales["p"] * scales["com"])
+    scales["T"] = scales["V"] = max(scales["T"], scales["V"])
+    return scales
