@@ -235,5 +235,17 @@ def test_every_extra_is_described():
         assert f"| `{extra}` |" in PAGES["docs/howto/install.md"]
 
 
+def test_figures_of_the_readme_are_those_of_the_benchmarks():
+    compiled = {row[0]: float(row[8].split()[0]) for row in cells(TABLES["speed"])}
+    text = " ".join(PAGES["README.md"].split())
+    shown = re.findall(r"([\d.]+) ns (?:per sample )?for (?:a |an )?(\w+)", text)
+    assert {name: float(number) for number, name in shown} == {name: round(compiled[name]) for _, name in shown}
+    assert len(shown) == 3
+    errors = {row[0]: row for row in cells(TABLES["accuracy"])}
+    assert f"50 digits to {errors['torques'][4]} of the largest" in text
+    against = errors["torques, fixed base"]
+    assert f"Pinocchio to {against[4]}, on {against[2]} robots" in text
+
+
 def test_readme_is_short():
     assert len(PAGES["README.md"].splitlines()) <= LONGEST_README
