@@ -13,6 +13,7 @@ from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.solids.inertia.properties import Pose
+from robodyn.support.wording import count
 
 T = TypeVar("T")
 
@@ -100,7 +101,7 @@ def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T |
     if len(values) in (0, 1):
         return [values[0] if values else None] * len(files)
     if len(values) != len(files):
-        what = f"{option} is given {len(values)} times for {len(files)} mesh{'' if len(files) == 1 else 'es'}"
+        what = f"{option} is given {len(values)} times for {count(len(files), 'mesh', 'meshes')}"
         raise InputError(what, remedy="give it once, or once for each mesh")
     return list(values)
 

@@ -6,11 +6,12 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, ProgressColumn
+    from rich.progress import Progress, TaskID
 
     from robodyn.trajectory.reader import TrajectoryReader
 
@@ -23,22 +24,25 @@ MANY_ROBOTS = 10
 
 
 @contextmanager
+def _bar(what: str, total: float, *columns: str, files: str = "", **how: Any) -> Iterator[tuple[Progress, TaskID]]:
+    """Yield a bar of these columns of `rich.progress`, or texts with braces, and its task; `how` is for `Progress`."""
+    from rich import progress
+    from rich.console import Console
+
+    shown = [progress.TextColumn(name) if "{" in name else getattr(progress, name)() for name in columns]
+    ends = progress.TextColumn(what), progress.BarColumn(), *shown, progress.TimeRemainingColumn()
+    with progress.Progress(*ends, console=Console(stderr=True), transient=True, **how) as bar:
+        yield bar, bar.add_task(what, total=total, files=files)
+
+
+@contextmanager
 def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
     """Yield a function to call after each block of the reader; it moves the bar if there is one."""
     if reader.size_bytes < LONG or not sys.stderr.isatty():
         yield lambda *_: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("reading"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("reading", total=reader.size_bytes)
-
-        def tick(*_: Any) -> None:
-            bar.update(task, completed=reader.position_bytes)
-
-        yield tick
+    with _bar("reading", reader.size_bytes, "DownloadColumn") as (bar, task):
+        yield lambda *_: bar.update(task, completed=reader.position_bytes)
 
 
 @contextmanager
@@ -47,11 +51,8 @@ def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
     if not worth_a_bar(map(bytes_of, files)):
         yield lambda: None
         return
-    from rich.progress import MofNCompleteColumn
-
-    with bar_of_meshes(MofNCompleteColumn()) as bar:
-        task = bar.add_task("measuring", total=len(files))
-        yield lambda: bar.advance(task)
+    with _bar("measuring", len(files), "MofNCompleteColumn", "TaskProgressColumn") as (bar, task):
+        yield lambda: bar.update(task, advance=1)
 
 
 @contextmanager
@@ -63,22 +64,8 @@ def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], Non
     if count < MANY_ROBOTS or not sys.stderr.isatty():
         yield lambda: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(what, total=count)
+    with _bar(what, count, "MofNCompleteColumn", auto_refresh=False) as (bar, task):
         yield lambda: bar.update(task, advance=1, refresh=True)
-
-
-def bar_of_meshes(*columns: ProgressColumn) -> Progress:
-    """Return a bar with a percentage and the time left."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
-
-    shown = (TextColumn("measuring"), BarColumn(), *columns, TaskProgressColumn(), TimeRemainingColumn())
-    return Progress(*shown, console=Console(stderr=True), transient=True)
 
 
 def worth_a_bar(sizes: Iterable[int]) -> bool:
@@ -96,31 +83,21 @@ def bytes_of(path: Path) -> int:
 
 @contextmanager
 def files_done(paths: Sequence[str]) -> Iterator[Callable[[int], None]]:
-    """A function to call with the number of each file that is done; it moves the bar and the time left, on a terminal.
+    """Yield a function to call with the number of each file that is done; it moves the bar, on a terminal.
 
     The bar has no thread of its own; what is printed on a terminal meanwhile stands above it.
     """
     if len(paths) < 2 or not sys.stderr.isatty():
         yield lambda number: None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
     sizes = [os.path.getsize(path) + 1 if os.path.isfile(path) else 1 for path in paths]
-    columns = (TextColumn("computing"), BarColumn(), TextColumn("{task.fields[files]} files"), TimeRemainingColumn())
     shown = sys.stdout is not None and sys.stdout.isatty()
-    how = {"transient": True, "auto_refresh": False, "redirect_stdout": shown}
-    with Progress(*columns, console=Console(stderr=True), **how) as bar:  # type: ignore[arg-type]
-        done = 0
-        task = bar.add_task("computing", total=sum(sizes), files=f"0 of {len(paths)}")
+    first, done, columns = f"0 of {len(paths)}", count(1), ("{task.fields[files]} files",)
+    with _bar("computing", sum(sizes), *columns, files=first, auto_refresh=False, redirect_stdout=shown) as (bar, task):
         bar.refresh()
-
-        def tick(number: int) -> None:
-            nonlocal done
-            done += 1
-            bar.update(task, advance=sizes[number], files=f"{done} of {len(paths)}", refresh=True)
-
-        yield tick
+        yield lambda number: bar.update(
+            task, advance=sizes[number], files=f"{next(done)} of {len(paths)}", refresh=True
+        )
 
 
 _MOST, _OVERDUE = 0.99, 1.02
@@ -170,8 +147,7 @@ def metered(files: Sequence[str]) -> Iterator[tuple[Callable[[int], None] | None
         yield None, lambda: None
         return
     meter, shown = Meter(sizes), (0, False)
-    with bar_of_meshes() as bar:
-        task = bar.add_task("measuring", total=meter.total)
+    with _bar("measuring", meter.total, "TaskProgressColumn") as (bar, task):
 
         def show() -> None:
             nonlocal shown

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.program import Program, trace
@@ -32,8 +32,7 @@ def laws(plan: Plan) -> Program:
     """
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = plan.sample(tape)
-        terms = applied(plan.effects, sample, plan.scene)
+        sample, terms = plan.terms(tape)
         q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
         dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
         joints = motions(sample.model, q, qd, sample.qdd)
@@ -100,8 +99,7 @@ def energy(plan: Plan) -> Program:
     """Return the program of the stored energy [J] and of the power lost [W]."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = plan.sample(tape)
-        terms = applied(plan.effects, sample, plan.scene)
+        sample, terms = plan.terms(tape)
         joints = sample.motions()
         return [stored_energy(plan, sample, terms, joints), power_lost(plan, sample, terms, joints)]
 
@@ -112,8 +110,7 @@ def losses(plan: Plan) -> Program:
     """Return the program of the power lost alone [W]."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = plan.sample(tape)
-        terms = applied(plan.effects, sample, plan.scene)
+        sample, terms = plan.terms(tape)
         return [power_lost(plan, sample, terms, sample.motions())]
 
     return trace(outputs)

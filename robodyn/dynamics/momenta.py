@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from robodyn.dynamics.arrays import arrays_of, zero_sources
 from robodyn.dynamics.effects import rotor_inertia
 from robodyn.dynamics.inverse import runner_of
-from robodyn.dynamics.plan import Plan, applied, plan
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
@@ -139,8 +139,7 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
     """Return the program of `COLUMNS`: mass centre, p, L, kinetic and potential energy."""
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = a_plan.sample(tape)
-        terms = applied(a_plan.effects, sample, a_plan.scene)
+        sample, terms = a_plan.terms(tape)
         joints = sample.motions()
         whole = momenta_of(sample.model.parents, joints, terms.inertias)
         R, p = _from_base(sample.model, joints, view.frame)

@@ -77,14 +77,14 @@ class Plan:
     def torques(self) -> Program:
         """Return the program of tau alone, all effects together."""
         refuse_loops(self.scene)
-        return trace(lambda tape: loads(*self._with(tape, self.effects)).tau, self.model.tips_first)
+        return trace(lambda tape: loads(*self.terms(tape)).tau, self.model.tips_first)
 
     def wrenches(self, joints: bool = False) -> Program:
         """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
         refuse_loops(self.scene)
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
-            result = loads(*self._with(tape, self.effects))
+            result = loads(*self.terms(tape))
             return [*result.tau, *_flat(result.reactions if joints else result.reactions[:1])]
 
         return trace(outputs, self.model.tips_first)
@@ -102,11 +102,12 @@ class Plan:
     def without(self, effect: Effect) -> Program:
         """Return the program of tau with one effect left out: what the others cost."""
         others = [e for e in self.effects if e is not effect]
-        return trace(lambda tape: loads(*self._with(tape, others)).tau, self.model.tips_first)
+        return trace(lambda tape: loads(*self.terms(tape, others)).tau, self.model.tips_first)
 
-    def _with(self, tape: Tape, effects: Iterable[Effect]) -> tuple[Sample, Terms]:
+    def terms(self, tape: Tape, effects: Iterable[Effect] | None = None) -> tuple[Sample, Terms]:
+        """Return the sample of `tape`, and what some effects add up to in it; all that are on if None are named."""
         sample = self.sample(tape)
-        return sample, applied(effects, sample, self.scene)
+        return sample, applied(self.effects if effects is None else effects, sample, self.scene)
 
 
 def at_rest(sample: Sample) -> Terms:

@@ -15,6 +15,8 @@ from robodyn.programs.run.trial import Trial, trial
 from robodyn.robot.urdf.packages import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.libraries import Installed, Library, installed, version_of
+from robodyn.support.threads import cores
+from robodyn.support.wording import count
 
 Verdict = Literal["ok", "note", "missing", "broken"]
 NEEDED = (
@@ -117,10 +119,10 @@ def _processor(loads: bool) -> Iterator[Line]:
             features = [name for name in _FEATURES if f"+{name}," in here.features + ","]
             text = f"{here.cpu} to LLVM: {', '.join(features) or 'no vector instructions known'}"
             yield Line("machine", "instructions", text)
-    cores, usable = os.cpu_count() or 1, _usable_cores()
-    limited = usable < cores
+    whole, usable = os.cpu_count() or 1, cores()
+    limited = usable < whole
     remark = "this process is bound to fewer cores than there are" if limited else ""
-    yield Line("machine", "cores", f"{usable} of {cores}", "note" if limited else "ok", remark)
+    yield Line("machine", "cores", f"{usable} of {whole}", "note" if limited else "ok", remark)
 
 
 def _model_name() -> str:
@@ -129,10 +131,6 @@ def _model_name() -> str:
     except OSError:
         return ""
     return next((line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")), "")
-
-
-def _usable_cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def tried_apart() -> Trial:
@@ -177,7 +175,7 @@ def _cache() -> Iterator[Line]:
         yield Line("cache", "cache folder", str(folder), "broken", remark)
         return
     files, size = objects.held()
-    text = f"{folder}, writable, {size / 1e6:.3g} MB in {files} file{'' if files == 1 else 's'}"
+    text = f"{folder}, writable, {size / 1e6:.3g} MB in {count(files, 'file')}"
     yield Line("cache", "cache folder", text, figures={"bytes": size, "files": files})
 
 

@@ -12,7 +12,7 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.find import NOTHING, jacobian
+from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.composite_body import total
 from robodyn.errors import InputError
@@ -135,8 +135,7 @@ def loop_program(equations: Equations) -> Program:
 
 
 def _rank(closing: Closing, state: Floats) -> int:
-    q = state[: closing.model.nq].tolist()
-    J = jacobian(closing.chain, closing.sample(q, (0.0,) * closing.model.n))
+    J = closing.jacobian(state[: closing.model.nq].tolist())
     return int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0
 
 

@@ -11,11 +11,10 @@ import numpy as np
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.find import jacobian
 from robodyn.dynamics.loops.necessary import FEW
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
@@ -65,7 +64,7 @@ def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
 
 def _lost(closing: Closing, q: list[float]) -> tuple[Floats, Floats]:
     """(equations, lost) and (n, freedoms): what the equations do not ask for, and the speeds that they leave."""
-    U, values, V = np.linalg.svd(jacobian(closing.chain, closing.sample(q, (0.0,) * closing.model.n)))
+    U, values, V = np.linalg.svd(closing.jacobian(q))
     rank = int((values > FEW * values.max(initial=0.0)).sum())
     return U[:, rank:], V[rank:].T
 
@@ -156,19 +155,13 @@ def _jacobians(plan: Plan, states: Floats) -> Floats:
 
 @lru_cache(maxsize=16)
 def _ready(plan: Plan) -> Runner:
-    equations = Equations(plan)
-    return runner_of(_program(equations), plan, {STATE: equations.width})
-
-
-def _program(equations: Equations) -> Program:
-    chain, n = necessary.closing(equations.plan).chain, equations.model.n
+    equations, closing = Equations(plan), necessary.closing(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        state = equations.state(tape)
-        sample = necessary.closing(equations.plan).sample(state.q, [0.0] * n)
-        return [row.get(rate, 0.0) for row in chain.equations(sample).J for rate in range(n)]
+        rows = closing.chain.equations(closing.at_rest(equations.state(tape).q)).J
+        return [row.get(rate, 0.0) for row in rows for rate in range(plan.model.n)]
 
-    return trace(outputs)
+    return runner_of(trace(outputs), plan, {STATE: equations.width})
 
 
 def passing_notes(found: tuple[Singular, ...], usual: int) -> list[str]:

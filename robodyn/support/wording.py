@@ -37,9 +37,9 @@ def listed(names: Collection[str]) -> str:
     return text if len(names) <= _MOST_NAMES else f"{text}, ... ({len(names)} in all)"
 
 
-def count(amount: int, noun: str) -> str:
-    """Return a number with its noun in the singular or the plural."""
-    return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
+def count(amount: int, noun: str, plural: str = "") -> str:
+    """Return a number with its noun in the singular or the plural, which ends in s if it is not given."""
+    return f"{amount} {noun if amount == 1 else plural or f'{noun}s'}"
 
 
 def alternatives(name: str, valid: Collection[str], kind: str) -> str:

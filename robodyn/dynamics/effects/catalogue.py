@@ -2,35 +2,12 @@
 
 from __future__ import annotations
 
-from robodyn.dynamics.effects import (
-    coriolis,
-    coulomb_friction,
-    external_wrench,
-    fluid,
-    gravity,
-    inertia,
-    joint_spring,
-    limit_spring,
-    mimic,
-    moving_base,
-    payload,
-    rotor_inertia,
-    viscous_friction,
-)
+from importlib import import_module
+
 from robodyn.dynamics.effects.effect import Effect
 
-EFFECTS: tuple[Effect, ...] = (
-    gravity.EFFECT,
-    inertia.EFFECT,
-    coriolis.EFFECT,
-    moving_base.EFFECT,
-    payload.EFFECT,
-    viscous_friction.EFFECT,
-    coulomb_friction.EFFECT,
-    rotor_inertia.EFFECT,
-    joint_spring.EFFECT,
-    limit_spring.EFFECT,
-    external_wrench.EFFECT,
-    fluid.EFFECT,
-    mimic.EFFECT,
+_FILES = (
+    *("gravity", "inertia", "coriolis", "moving_base", "payload", "viscous_friction", "coulomb_friction"),
+    *("rotor_inertia", "joint_spring", "limit_spring", "external_wrench", "fluid", "mimic"),
 )
+EFFECTS: tuple[Effect, ...] = tuple(import_module(f"robodyn.dynamics.effects.{name}").EFFECT for name in _FILES)

@@ -108,7 +108,7 @@ def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
 
 def closed_near(closing: Closing, q: Floats, moves: Floats) -> Floats | None:
     """Return the closed place nearest to q after some moves; None if there is none."""
-    sample = closing.sample(q.tolist(), (0.0,) * closing.model.n)
+    sample = closing.at_rest(q.tolist())
     there = unit(closing.model, moved(closing.model, q.tolist(), closing.chain.along_parents(sample, moves.tolist())))
     return _closed(closing, np.array(there, dtype=float), range(closing.model.n))
 
@@ -178,7 +178,7 @@ def _reach(closing: Closing) -> float:
 
 def _open(closing: Closing, q: Floats) -> InputError:
     """Return which loop is open by how much where the scene begins."""
-    errors = closing.chain.equations(closing.sample(q.tolist(), (0.0,) * closing.model.n)).error
+    errors = closing.chain.equations(closing.at_rest(q.tolist())).error
     rows = [(closure.loop.name, equation) for closure in closing.chain.closures for equation in closure.equations]
     worst = int(np.argmax(np.abs(errors)))
     name, equation = rows[worst]
@@ -190,7 +190,7 @@ def _open(closing: Closing, q: Floats) -> InputError:
 
 def _check_dropped(closing: Closing, q: Floats) -> None:
     """Raise if an equation that was dropped does not hold."""
-    motions = closing.sample(q.tolist(), (0.0,) * closing.model.n).motions()
+    motions = closing.at_rest(q.tolist()).motions()
     for closure, equation in closing.dropped:
         place = closure.relative(closing.model, motions)
         error = float(equation.of(place.d, place.B))

@@ -15,10 +15,11 @@ from math import factorial
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.find import Dropped, Found
+from robodyn.dynamics.loops.find import Dropped, Found, jacobian
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.programs.vectors import Array, Scalar, cross, product, sqrt, vector
 from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
 
 TERMS = 10
 """Of the series for turns within a step: errors below 1e-16 up to 1 rad per step, 1e-9 up to 3."""
@@ -121,6 +122,13 @@ class Closing:
 
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> Sample:
         return Sample(self.model, tuple(q), tuple(qd), (0.0,) * self.model.n)
+
+    def at_rest(self, q: Sequence[Scalar]) -> Sample:
+        return self.sample(q, (0.0,) * self.model.n)
+
+    def jacobian(self, q: Sequence[float]) -> Floats:
+        """(equations, n) J where the robot stands."""
+        return jacobian(self.chain, self.at_rest(q))
 
     def inertial(self, sample: Sample) -> Terms:
         """Inertias alone."""

@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_start import closed_near, closed_start
 from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.find import Dropped, Found, closed_chain, independent, jacobian
+from robodyn.dynamics.loops.find import Dropped, Found, closed_chain, independent
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import across
@@ -41,9 +41,9 @@ def necessary(plan: Plan) -> Found:
     begun = _begun(closing)
     if begun is None:
         return found
-    J = _jacobian(closing, begun)
+    J = closing.jacobian(begun.tolist())
     rank = _rank(J)
-    if rank == found.chain.count or any(_rank(_jacobian(closing, q)) > rank for q in _nearby(closing, begun, J)):
+    if rank == found.chain.count or any(_rank(closing.jacobian(q.tolist())) > rank for q in _nearby(closing, begun, J)):
         return found
     kept = set(independent(J, FEW))
     closures, dropped, at = [], list(found.dropped), 0
@@ -71,10 +71,6 @@ def _nearby(closing: Closing, q: Floats, J: Floats) -> list[Floats]:
     drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
     places = [closed_near(closing, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]
-
-
-def _jacobian(closing: Closing, q: Floats) -> Floats:
-    return jacobian(closing.chain, closing.sample(q.tolist(), (0.0,) * closing.model.n))
 
 
 def _rank(J: Floats) -> int:
