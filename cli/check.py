@@ -9,8 +9,8 @@ from typing import Any
 
 import click
 
-from robodyn.checks.asked import Asked
-from robodyn.checks.baseline import compared, write_baseline
+from robodyn.checks.compare.baseline import compared, write_baseline
+from robodyn.checks.context import Asked
 from robodyn.checks.project import Task, check_tasks, fix_task, tasks_for
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import Checked, Options
@@ -150,7 +150,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         from robodyn.report.page_check import check_page
 
         click.echo(write_report(flags["report"], check_page(checked)).strip(), err=True)
-    fatal = (Severity.E, Severity.W) if flags["strict"] else (Severity.E,)
+    fatal = (Severity.ERROR, Severity.WARNING) if flags["strict"] else (Severity.ERROR,)
     return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))
 
 

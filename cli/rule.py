@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from robodyn.checks.catalogue import RULES
-from robodyn.checks.find_rules import found_by, instead_of
+from robodyn.checks.catalogue import RULES, found_by, instead_of
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
 from robodyn.report.text_check_rules import rules_text

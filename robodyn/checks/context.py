@@ -2,24 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from robodyn.checks.asked import NOTHING, Asked
-from robodyn.checks.reading import Reading
-from robodyn.checks.tree import Tree, build_tree
-from robodyn.checks.view import View
-from robodyn.errors import DescriptionError
+from robodyn.checks.reading.tree import Tree, build_tree
+from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.robot.urdf.description import Description, read_description
+from robodyn.robot.urdf.document import Reading
 from robodyn.robot.urdf.packages import Search
+from robodyn.robot.urdf.view import View
+from robodyn.support.wording import alternatives, shown
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
 
 T = TypeVar("T")
+TARGETS = ("mujoco", "drake", "gz", "kdl", "isaac")
+"""The programs whose verdict is known; see `robodyn.checks.consumers.verdicts`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is asked.
+
+    Attributes:
+        targets: programs whose verdict RD901 gives.
+        against: a git revision whose version of the file RD902 compares with.
+        trajectory: a file with a motion along which RD802 holds the limits against the loads; reading: how it is read,
+            as for `read_motion`.
+
+    Raises:
+        InputError: a target is not known.
+    """
+
+    targets: tuple[str, ...] = ()
+    against: str | None = None
+    trajectory: str | None = None
+    reading: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for target in self.targets:
+            if target not in TARGETS:
+                raise InputError(f"there is no target {shown(target)}", remedy=alternatives(target, TARGETS, "targets"))
+
+
+NOTHING = Asked()
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +83,6 @@ class Thresholds:
 
 
 DEFAULT = Thresholds()
-THRESHOLDS = tuple(one.name for one in fields(Thresholds))
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +119,7 @@ class Context:
     @cached_property
     def view(self) -> View:
         """Links, joints and numbers, as far as they can be read. From stage DOCUMENT on."""
-        return View.of(self.reading.root)
+        return View(self.reading.root)
 
     @cached_property
     def tree(self) -> Tree:

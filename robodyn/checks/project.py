@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from robodyn.checks.config import Config, find_config, read_config
-from robodyn.checks.fix import Fixed, fixed
-from robodyn.checks.reading import Reading
+from robodyn.checks.fixes.fix import Fixed, fixed
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import EVERYTHING, Checked, Options, Unread, check_one, read_one, rules_for
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.errors import InputError
+from robodyn.robot.urdf.document import Reading
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import is_xacro, read_source

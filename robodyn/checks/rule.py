@@ -1,8 +1,8 @@
 """What a check is made of: rules, what they are given, and what they find.
 
-A rule is one file in `robodyn/checks/rules/`, named after its code, and nothing else is needed to add one. It ends in
-`RULE = Rule(...)`. Its `check` is a generator: it is given a `Context`, yields one `Fault` for each thing that is
-wrong, and never raises. What it may rely on is its `stage`:
+A rule is one file in `robodyn/checks/rules/`, named after its code, and nothing else is needed to add one. Its
+docstring is its documentation, and its `check`, which `@rule` makes the rule, is a generator: it is given a `Context`,
+yields one `Fault` for each thing that is wrong, and never raises. What it may rely on is its `stage`:
 
     TEXT      `context.reading`: the bytes, and what is wrong with them as XML
     DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
@@ -16,21 +16,38 @@ Whatever is costly and serves several rules is a function of the context, called
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from robodyn.checks.context import Context
-from robodyn.checks.view import Subject
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.document import Reading
+from robodyn.robot.urdf.source_positions import BOM, Span
+from robodyn.robot.urdf.view import Subject
+
+__all__ = [
+    "Context",
+    "Edit",
+    "Excerpt",
+    "Fault",
+    "Faults",
+    "Finding",
+    "Fix",
+    "Rule",
+    "Severity",
+    "Stage",
+    "excerpt",
+    "rule",
+]
 
 
 class Severity(Enum):
-    """E fails the check, W fails it with `--strict`, I is a remark."""
+    """ERROR fails the check, WARNING fails it with `--strict`, NOTE is a remark."""
 
-    E = "error"
-    W = "warning"
-    I = "note"
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
 
 
 class Stage(IntEnum):
@@ -86,6 +103,9 @@ class Fault:
     fix: Fix | None = None
 
 
+Faults = Iterable[Fault]
+
+
 @dataclass(frozen=True, slots=True)
 class Rule:
     """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both."""
@@ -98,7 +118,25 @@ class Rule:
     explanation: str
     bad: str
     good: str
-    check: Callable[[Context], Iterable[Fault]]
+    check: Callable[[Context], Faults]
+
+
+def rule(
+    severity: Severity, stage: Stage, *, bad: str, good: str, explanation: str = ""
+) -> Callable[[Callable[[Context], Faults]], Rule]:
+    """Make the decorated function the rule of its module: `rd201_mass_not_positive` is RD201, mass-not-positive.
+
+    The module's docstring is the summary, one sentence, and after a blank line the explanation, which is given here
+    where it has figures in it.
+    """
+
+    def decorate(check: Callable[[Context], Faults]) -> Rule:
+        code, _, name = check.__module__.rpartition(".")[2].partition("_")
+        summary, _, text = (sys.modules[check.__module__].__doc__ or "").partition("\n\n")
+        names = code.upper(), name.replace("_", "-")
+        return Rule(*names, severity, stage, summary, explanation or text.strip(), bad, good, check)
+
+    return decorate
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,3 +171,28 @@ class Finding:
     cause: str | None
     fix: Fix | None
     excerpt: Excerpt
+
+
+_BEFORE, _AFTER = 60, 60
+"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
+
+
+def excerpt(reading: Reading, at: Span) -> Excerpt:
+    """The line in which the span begins, without its indent, and cut where it is long."""
+    data = reading.data
+    last = min(at.start + _AFTER, len(data))
+    start = max(_after_newline(data, max(at.start - _BEFORE, 0), at.start), len(BOM) * data.startswith(BOM))
+    end = min(
+        (found for found in (data.find(b"\n", at.start, last), data.find(b"\r", at.start, last)) if found >= 0),
+        default=last,
+    )
+    before = data[start : at.start].decode(reading.encoding, "ignore").lstrip()
+    text = data[at.start : end].decode(reading.encoding, "ignore").rstrip()
+    within = data[at.start : min(at.end, end)].decode(reading.encoding, "ignore")
+    shown = (before + text).replace("\t", " ")
+    return Excerpt(shown, len(before), max(min(len(within), len(text)), 1))
+
+
+def _after_newline(data: bytes, first: int, last: int) -> int:
+    """The place after the last line end in [first, last), or `first`."""
+    return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1

@@ -6,19 +6,16 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from robodyn.checks.asked import NOTHING, Asked
-from robodyn.checks.catalogue import CODES, RULES
-from robodyn.checks.context import DEFAULT, Context, Thresholds
-from robodyn.checks.excerpt import excerpt
-from robodyn.checks.find_rules import instead_of
-from robodyn.checks.reading import Reading, read
-from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage
+from robodyn.checks.catalogue import CODES, RULES, instead_of
+from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
+from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
-from robodyn.checks.view import Subject
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
+from robodyn.robot.urdf.document import Reading, read
 from robodyn.robot.urdf.sources import content_of, is_xacro
+from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import shown
 
 Source = str | os.PathLike[str] | bytes
@@ -79,7 +76,7 @@ class Checked:
     @property
     def fit(self) -> bool:
         """Whether there are no errors."""
-        return not self.count(Severity.E)
+        return not self.count(Severity.ERROR)
 
     def of_link(self, name: str) -> Checked:
         """The findings about a link."""
@@ -169,9 +166,9 @@ def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Find
         return findings
     ran = {rule.code for rule in rules}
     left, unused = waived(findings, given)
-    if unused_waiver.RULE.code in ran:
+    if unused_waiver.check.code in ran:
         faults = [unused_waiver.unused(waiver, code) for waiver, code in unused if code in ran]
-        left += [_finding(context.reading, unused_waiver.RULE, fault) for fault in faults]
+        left += [_finding(context.reading, unused_waiver.check, fault) for fault in faults]
     return left
 
 

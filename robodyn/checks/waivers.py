@@ -15,8 +15,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from robodyn.checks.context import Context
-from robodyn.checks.reading import Reading
 from robodyn.checks.rule import Finding
+from robodyn.robot.urdf.document import Reading
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.source_positions import Span
 from robodyn.support.wording import alternatives, shown

@@ -10,7 +10,7 @@ from robodyn.report.document import Level, Verdict
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked
 
-LEVELS: dict[Severity, Level] = {Severity.E: "bad", Severity.W: "doubtful", Severity.I: "neutral"}
+LEVELS: dict[Severity, Level] = {Severity.ERROR: "bad", Severity.WARNING: "doubtful", Severity.NOTE: "neutral"}
 UNFIT = "not fit for use as it is"
 _NAMED = 8
 
@@ -36,11 +36,11 @@ def check_verdict(checked: Checked) -> Verdict:
     """Return whether the descriptions can be used, and the first errors."""
     errors, warnings, notes = (checked.count(severity) for severity in LEVELS)
     if errors:
-        level, headline = LEVELS[Severity.E], f"{counted(errors, 'error')}: {UNFIT}"
+        level, headline = LEVELS[Severity.ERROR], f"{counted(errors, 'error')}: {UNFIT}"
     elif checked.unread:
         level, headline = "bad", f"{counted(len(checked.unread), 'file')} could not be read"
     elif warnings:
-        level, headline = LEVELS[Severity.W], f"No errors, {counted(warnings, 'warning')}"
+        level, headline = LEVELS[Severity.WARNING], f"No errors, {counted(warnings, 'warning')}"
     else:
         more = f", {counted(notes, 'note')}" if notes else ""
         level, headline = "good", f"No errors and no warnings{more}"
@@ -49,7 +49,7 @@ def check_verdict(checked: Checked) -> Verdict:
 
 def error_lines(checked: Checked) -> list[str]:
     """Return a sentence for each of the first errors, with its place."""
-    worst = [finding for finding in checked.findings if finding.severity is Severity.E]
+    worst = [finding for finding in checked.findings if finding.severity is Severity.ERROR]
     lines = [f"{finding.file}, line {finding.line}: {finding.message}." for finding in worst[:_NAMED]]
     more = len(worst) - len(lines)
     return [*lines, f"{counted(more, 'more error')}: robodyn check lists all."] if more else lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from robodyn.checks.fix import Fixed, Made
+from robodyn.checks.fixes.fix import Fixed, Made
 from robodyn.checks.rule import Finding
 from robodyn.report.table import printable
 

@@ -9,7 +9,7 @@ from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Unread
 from robodyn.report.table import printable
 
-COMMANDS = {Severity.E: "error", Severity.W: "warning", Severity.I: "notice"}
+COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
 
 def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:

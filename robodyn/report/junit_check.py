@@ -19,7 +19,7 @@ def check_junit(checked: Checked, strict: bool = False) -> str:
         checked: what was found.
         strict: warnings fail, too.
     """
-    fatal = {Severity.E, Severity.W} if strict else {Severity.E}
+    fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
     suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in checked.files]
     suites += map(_unread, checked.unread)
     failures = sum(finding.severity in fatal for finding in checked.findings)

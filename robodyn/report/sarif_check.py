@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from robodyn.checks.identity import fingerprints
-from robodyn.checks.reading import Reading
+from robodyn.checks.compare.baseline import fingerprints
 from robodyn.checks.rule import Edit, Finding, Rule
 from robodyn.checks.run import Unread
+from robodyn.robot.urdf.document import Reading
 from robodyn.robot.urdf.source_positions import Places
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

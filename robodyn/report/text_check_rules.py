@@ -9,9 +9,9 @@ from robodyn.checks.rule import Rule, Severity
 
 _WIDTH = 100
 _WEIGHT = {
-    Severity.E: "error: the check fails",
-    Severity.W: "warning: the check fails with --strict",
-    Severity.I: "note: the check does not fail",
+    Severity.ERROR: "error: the check fails",
+    Severity.WARNING: "warning: the check fails with --strict",
+    Severity.NOTE: "note: the check does not fail",
 }
 
 

@@ -11,10 +11,10 @@ from helpers.command_line import run
 from helpers.example_robots import path_of
 
 import robodyn
-from robodyn.checks.asked import TARGETS, Asked
-from robodyn.checks.consumers import FACTS
+from robodyn.checks.compare.regression import changes
+from robodyn.checks.consumers.verdicts import FACTS
+from robodyn.checks.context import TARGETS, Asked
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.regression import changes
 from robodyn.checks.rule import Finding
 from robodyn.checks.rules import rd802_limits_along_motion as along
 from robodyn.checks.rules import rd902_regression as regression
@@ -41,11 +41,11 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def versions(tmp_path: Path) -> Path:
     """arm.urdf with the rule's good example committed and its bad one in place."""
     file = tmp_path / "arm.urdf"
-    file.write_text(regression.RULE.good)
+    file.write_text(regression.check.good)
     git(tmp_path, "init", "-q")
     git(tmp_path, "add", "arm.urdf")
     git(tmp_path, "commit", "-qm", "good")
-    file.write_text(regression.RULE.bad)
+    file.write_text(regression.check.bad)
     return file
 
 
@@ -54,7 +54,7 @@ def test_an_earlier_version(versions: Path) -> None:
     messages = " ".join(one.message for one in results)
     assert "mass 2 kg has become 2.2 kg" in messages
     assert not found(str(versions), "RD902", Asked())
-    versions.write_text(regression.RULE.good)
+    versions.write_text(regression.check.good)
     assert not found(str(versions), "RD902", Asked(against="HEAD"))
 
 
@@ -98,10 +98,10 @@ def test_limits_along_a_motion(tmp_path: Path) -> None:
     file = tmp_path / "swing.csv"
     rows = "\n".join(f"{t:.17g},{np.sin(t * 3):.17g}" for t in time)
     file.write_text(f"time,q_shoulder\n{rows}\n")
-    results = found(along.RULE.bad.encode(), "RD802", Asked(trajectory=str(file)))
+    results = found(along.check.bad.encode(), "RD802", Asked(trajectory=str(file)))
     assert {one.bound for one in results} == {-0.5, 0.5}
-    assert not found(along.RULE.good.encode(), "RD802", Asked(trajectory=str(file)))
-    assert not found(along.RULE.bad.encode(), "RD802", Asked())
+    assert not found(along.check.good.encode(), "RD802", Asked(trajectory=str(file)))
+    assert not found(along.check.bad.encode(), "RD802", Asked())
 
 
 SAID = {"loads it as it is": "loads", "loads it with changes": "alters", "rejects it": "rejects"}

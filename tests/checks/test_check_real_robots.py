@@ -43,7 +43,7 @@ def test_every_file_is_read_and_each_finding_has_a_place(path: Path) -> None:
 
 @pytest.mark.parametrize("stem", CLEAN)
 def test_clean_robots_have_no_errors(stem: str) -> None:
-    assert [finding for finding in named(stem) if finding.severity is Severity.E] == []
+    assert [finding for finding in named(stem) if finding.severity is Severity.ERROR] == []
 
 
 def test_fingers_of_allegro_break_the_triangle_inequality() -> None:
@@ -77,4 +77,4 @@ def test_other_known_defects() -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_our_robots_have_no_errors_but_those_that_they_waive(name: str) -> None:
-    assert [finding for finding in found(FOLDER / f"{name}.urdf") if finding.severity is Severity.E] == []
+    assert [finding for finding in found(FOLDER / f"{name}.urdf") if finding.severity is Severity.ERROR] == []

@@ -20,7 +20,7 @@ from robodyn.report.github_check import check_github
 
 def finding(file: str = "a.urdf", message: str = "m", remedy: str = "r", cause: str | None = None) -> Finding:
     place = {"line": 3, "column": 7, "start": 0, "end": 1, "subject": None, "measured": None, "bound": None}
-    text = {"code": "RD208", "name": "some-rule", "severity": Severity.E, "fix": None, "excerpt": Excerpt("", 0, 1)}
+    text = {"code": "RD208", "name": "some-rule", "severity": Severity.ERROR, "fix": None, "excerpt": Excerpt("", 0, 1)}
     return Finding(file=file, message=message, remedy=remedy, cause=cause, **place, **text)  # type: ignore[arg-type]
 
 

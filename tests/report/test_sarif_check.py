@@ -11,10 +11,10 @@ from helpers.schemas import SARIF, json_schema
 from jsonschema import Draft7Validator
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.reading import read
 from robodyn.checks.rule import Edit, Fix, Severity
 from robodyn.checks.run import check_one
 from robodyn.report.sarif_check import check_sarif
+from robodyn.robot.urdf.document import read
 
 BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")
 
@@ -66,7 +66,7 @@ def test_rules_are_described() -> None:
     described = sarif(BOTH.encode())["runs"][0]["tool"]["driver"]["rules"]
     assert [one["id"] for one in described] == [rule.code for rule in RULES]
     assert all(one["shortDescription"]["text"] and one["help"]["text"] for one in described)
-    levels = {Severity.E: "error", Severity.W: "warning", Severity.I: "note"}
+    levels = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
     assert [one["defaultConfiguration"]["level"] for one in described] == [levels[rule.severity] for rule in RULES]
 
 

@@ -1,19 +1,27 @@
-"""RD005: an element or an attribute that URDF does not know, or has once only."""
+"""Elements and attributes are those of URDF, and each stands where URDF has it and as often.
 
-from __future__ import annotations
+urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link
+without mass, a misspelt attribute takes its default. Elements with a namespace prefix, and those at the top that
+belong to other tools (gazebo, ros2_control, ...), are left alone.
+"""
 
 from collections.abc import Iterator, Sequence
 
-from robodyn.checks.attributes import Subject
-from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.grammar import Kind, own_elements
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.reading.grammar import Kind, own_elements
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import alternatives, shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=one_link(f'<mass value="2"/>{INERTIA}<orgin xyz="0 0 0.1"/>'),
+    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
+)
+def check(context: Context) -> Faults:
     for element, kind, subject in own_elements(context.view.root):
         yield from _children(element, kind, subject)
         for name in element.values:
@@ -43,18 +51,3 @@ def _is_near(tag: str, known: Sequence[str]) -> bool:
     from difflib import get_close_matches
 
     return len(tag) < 30 and bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75))
-
-
-RULE = Rule(
-    code="RD005",
-    name="unknown-element",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Elements and attributes are those of URDF, and each stands where URDF has it and as often.",
-    explanation="""urdfdom and most other readers ignore what they do not know: a misspelt <inertal> makes a link
-without mass, a misspelt attribute takes its default. Elements with a namespace prefix, and those at the top that
-belong to other tools (gazebo, ros2_control, ...), are left alone.""",
-    bad=one_link(f'<mass value="2"/>{INERTIA}<orgin xyz="0 0 0.1"/>'),
-    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
-    check=check,
-)

@@ -1,19 +1,24 @@
-"""RD006: a product of inertia under its other name."""
+"""Products of inertia are called ixy, ixz and iyz.
 
-from __future__ import annotations
+The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy;
+where one of them stands in place of its twin, the product is taken for 0 or the whole inertial is dropped.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
-from robodyn.checks.view import numbers
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.view import numbers
 
 _PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=one_link('<mass value="2"/>' + INERTIA.replace("iyz", 'iyx="0.001" iyz')),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+)
+def check(context: Context) -> Faults:
     for link in context.view.links:
         inertia = None if link.inertial is None else link.inertial.inertia_element
         for lower, upper in _PAIRS:
@@ -43,17 +48,3 @@ def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
         return None
     start = len(inertia.places.data[: span.start].rstrip(b" \t\r\n"))
     return Fix(f"delete {lower}", (Edit(start, span.end, ""),), safe=True)
-
-
-RULE = Rule(
-    code="RD006",
-    name="transposed-product",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Products of inertia are called ixy, ixz and iyz.",
-    explanation="""The inertia matrix is symmetric and URDF has its upper triangle. Readers ignore iyx, izx and izy;
-where one of them stands in place of its twin, the product is taken for 0 or the whole inertial is dropped.""",
-    bad=one_link('<mass value="2"/>' + INERTIA.replace("iyz", 'iyx="0.001" iyz')),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-    check=check,
-)

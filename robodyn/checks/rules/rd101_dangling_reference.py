@@ -1,18 +1,17 @@
-"""RD101: a joint whose parent or child is no link."""
+"""The parent and the child of every joint are links of the robot.
 
-from __future__ import annotations
+Readers refuse the file, or leave out the joint and everything that hangs on it.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.reading import unexpanded
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import View, value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import View, value_span
+from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.ERROR, Stage.DOCUMENT, bad=arm().replace('child link="upper"', 'child link="uper"'), good=arm())
+def check(context: Context) -> Faults:
     links = context.view.link
     if _explained(context.view):
         return
@@ -33,16 +32,3 @@ def _explained(view: View) -> bool:
     missing = {name for joint in view.joints for name in (joint.parent, joint.child) if name} - view.link.keys()
     nameless = any(not joint.parent or not joint.child for joint in view.joints)
     return not view.links or (not nameless and len(missing) <= len(view.links) - len({*named} - {""}))
-
-
-RULE = Rule(
-    code="RD101",
-    name="dangling-reference",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="The parent and the child of every joint are links of the robot.",
-    explanation="""Readers refuse the file, or leave out the joint and everything that hangs on it.""",
-    bad=arm().replace('child link="upper"', 'child link="uper"'),
-    good=arm(),
-    check=check,
-)

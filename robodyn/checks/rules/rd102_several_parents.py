@@ -1,18 +1,23 @@
-"""RD102: a link that hangs on several joints."""
+"""No link is the child of two joints.
 
-from __future__ import annotations
+A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for
+it.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.structure import first_above
-from robodyn.checks.view import value_span
+from robodyn.checks.reading.tree import first_above
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+)
+def check(context: Context) -> Faults:
     above = first_above(context.view)
     for joint in context.view.joints:
         first = above.get(joint.child, joint)
@@ -29,17 +34,3 @@ def check(context: Context) -> Iterator[Fault]:
             what=what,
             remedy="a link has one parent: remove one joint, or correct its child",
         )
-
-
-RULE = Rule(
-    code="RD102",
-    name="several-parents",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="No link is the child of two joints.",
-    explanation="""A URDF is a tree. Of a closed chain one joint is left out, and made of what the simulator has for
-it.""",
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    check=check,
-)

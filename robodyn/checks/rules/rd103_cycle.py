@@ -1,18 +1,23 @@
-"""RD103: links that hang on each other."""
+"""Going from child to parent leads to the root.
 
-from __future__ import annotations
+Links in a cycle hang on nothing. Some readers do not notice and recurse until memory ends.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.structure import cycles, first_above
-from robodyn.checks.view import value_span
+from robodyn.checks.reading.tree import first_above
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.structure import cycles
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import listed, shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "b", "a")),
+    good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
+)
+def check(context: Context) -> Faults:
     above = first_above(context.view)
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.element.start)
@@ -28,16 +33,3 @@ def check(context: Context) -> Iterator[Fault]:
             what=what,
             remedy="a URDF is a tree: correct a parent",
         )
-
-
-RULE = Rule(
-    code="RD103",
-    name="cycle",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Going from child to parent leads to the root.",
-    explanation="""Links in a cycle hang on nothing. Some readers do not notice and recurse until memory ends.""",
-    bad=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "b", "a")),
-    good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
-    check=check,
-)

@@ -1,17 +1,22 @@
-"""RD104: links that do not hang together."""
+"""Exactly one link has no parent.
 
-from __future__ import annotations
+All other links hang on it. Readers refuse a second root, or leave out all that hangs on it. Where
+another rule of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.structure import first_above
+from robodyn.checks.reading.tree import first_above
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import listed
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("fore")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+)
+def check(context: Context) -> Faults:
     view = context.view
     above = first_above(view)
     orderly = len(view.link) == len(view.links) and len(above) == len(view.joints)
@@ -26,17 +31,3 @@ def check(context: Context) -> Iterator[Fault]:
             measured=len(roots),
             bound=1,
         )
-
-
-RULE = Rule(
-    code="RD104",
-    name="several-roots",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Exactly one link has no parent.",
-    explanation="""All other links hang on it. Readers refuse a second root, or leave out all that hangs on it. Where
-another rule of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.""",
-    bad=arm(more=a_link("fore")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    check=check,
-)

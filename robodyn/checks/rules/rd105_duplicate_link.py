@@ -1,35 +1,33 @@
-"""RD105: two links of one name."""
+"""No two links have the same name.
 
-from __future__ import annotations
+Readers refuse the file, or keep one of the two and lose the other without a word.
+"""
 
-from collections.abc import Iterator
+from collections.abc import Mapping, Sequence
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import JointView, LinkView
 
 
-def check(context: Context) -> Iterator[Fault]:
-    view = context.view
-    for part in view.links:
-        first = view.link.get(part.name, part)
-        if first is not part:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("upper")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+)
+def check(context: Context) -> Faults:
+    return namesakes("link", context.view.links, context.view.link)
+
+
+def namesakes(kind: str, parts: Sequence[LinkView | JointView], first: Mapping[str, LinkView | JointView]) -> Faults:
+    """The parts whose name another one before them has."""
+    for part in parts:
+        before = first.get(part.name, part)
+        if before is not part:
             yield Fault(
                 at=part.name_span,
                 subject=part.subject,
-                what=f"a second link of this name; the first is in line {first.element.line}",
+                what=f"a second {kind} of this name; the first is in line {before.element.line}",
                 remedy="rename or remove one of them",
             )
-
-
-RULE = Rule(
-    code="RD105",
-    name="duplicate-link",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="No two links have the same name.",
-    explanation="""Readers refuse the file, or keep one of the two and lose the other without a word.""",
-    bad=arm(more=a_link("upper")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    check=check,
-)

@@ -1,29 +1,15 @@
-"""RD109: a robot without links."""
+"""A robot has one link at least.
 
-from __future__ import annotations
+Often a sign of a file that was written by a failed conversion, or of xacro macros that were never
+called.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import one_link
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.ERROR, Stage.DOCUMENT, bad='<robot name="part">\n</robot>\n', good=one_link())
+def check(context: Context) -> Faults:
     if not context.view.links:
         what = "the robot has no links"
         yield Fault(at=context.view.root.span, what=what, remedy="add a <link>", measured=0, bound=1)
-
-
-RULE = Rule(
-    code="RD109",
-    name="no-links",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="A robot has one link at least.",
-    explanation="""Often a sign of a file that was written by a failed conversion, or of xacro macros that were never
-called.""",
-    bad='<robot name="part">\n</robot>\n',
-    good=one_link(),
-    check=check,
-)

@@ -1,19 +1,25 @@
-"""RD110: names that other formats refuse."""
+"""Names of letters, digits and _ survive a conversion to other formats.
 
-from __future__ import annotations
+USD (Isaac Sim) takes no other character and renames what has one, after which programs look for
+the old name in vain; SDF keeps some names for itself and wants each but once among links and joints.
+"""
 
 import re
-from collections.abc import Iterator
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import JointView, LinkView
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import JointView, LinkView
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.NOTE,
+    Stage.DOCUMENT,
+    bad=arm().replace("shoulder", "shoulder/pitch"),
+    good=arm().replace("shoulder", "shoulder_pitch"),
+)
+def check(context: Context) -> Faults:
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
     for part in parts:
@@ -36,17 +42,3 @@ def _refusal(name: str) -> str | None:
     if name[0].isdigit():
         return "a name in USD, Modelica or Python does not begin with a digit"
     return "USD takes letters, digits and _ only, and renames it" if not name.startswith("__") else None
-
-
-RULE = Rule(
-    code="RD110",
-    name="name-portability",
-    severity=Severity.I,
-    stage=Stage.DOCUMENT,
-    summary="Names of letters, digits and _ survive a conversion to other formats.",
-    explanation="""USD (Isaac Sim) takes no other character and renames what has one, after which programs look for
-the old name in vain; SDF keeps some names for itself and wants each but once among links and joints.""",
-    bad=arm().replace("shoulder", "shoulder/pitch"),
-    good=arm().replace("shoulder", "shoulder_pitch"),
-    check=check,
-)

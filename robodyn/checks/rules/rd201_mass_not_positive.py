@@ -1,20 +1,21 @@
-"""RD201: a mass that is zero or negative."""
+"""Masses are positive.
 
-from __future__ import annotations
+No body has a negative mass, and one of zero mass that moves takes on any acceleration: its
+equation of motion is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no
+mass; it is a remark where the group carries on to one that has mass, as in a universal joint.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import severity_of_zero
 from robodyn.checks.examples import INERTIA, arm, one_link
-from robodyn.checks.masses import severity_of_zero
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.ERROR, Stage.DOCUMENT, bad=one_link(f'<mass value="-2"/>{INERTIA}'), good=arm())
+def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
             continue
-        severity = Severity.E if link.mass < 0 else severity_of_zero(context, link)
+        severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
         if severity is not None:
             yield Fault(
                 at=link.inertial.mass.span,
@@ -25,18 +26,3 @@ def check(context: Context) -> Iterator[Fault]:
                 bound=0.0,
                 severity=severity,
             )
-
-
-RULE = Rule(
-    code="RD201",
-    name="mass-not-positive",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Masses are positive.",
-    explanation="""No body has a negative mass, and one of zero mass that moves takes on any acceleration: its
-equation of motion is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no
-mass; it is a remark where the group carries on to one that has mass, as in a universal joint.""",
-    bad=one_link(f'<mass value="-2"/>{INERTIA}'),
-    good=arm(),
-    check=check,
-)

@@ -1,17 +1,23 @@
-"""RD202: something that moves and has no inertial."""
+"""Whatever a joint moves has mass.
 
-from __future__ import annotations
+Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the
+mass matrix singular: the joint's acceleration is undefined, and simulators refuse the robot, invent a mass or
+diverge. Where other bodies with mass hang on the group, it is but a remark: the mass matrix is regular then.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import carried_masses
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.masses import carried_masses
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import listed
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.TREE,
+    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
+    good=arm(more=a_link("tip", "") + a_joint("flange", "upper", "tip", "", "fixed")),
+)
+def check(context: Context) -> Faults:
     carried = context.once(carried_masses)
     for group in context.tree.groups:
         if group.joint is None or any(link.inertial is not None for link in group.links):
@@ -26,20 +32,5 @@ def check(context: Context) -> Iterator[Fault]:
             + (f"; what hangs on it has {carried[group]:g} kg" if onward else ""),
             remedy="add an <inertial>" if onward else "add an <inertial>, or make the joint fixed",
             measured=0.0,
-            severity=Severity.I if onward else Severity.E,
+            severity=Severity.NOTE if onward else Severity.ERROR,
         )
-
-
-RULE = Rule(
-    code="RD202",
-    name="massless-group",
-    severity=Severity.E,
-    stage=Stage.TREE,
-    summary="Whatever a joint moves has mass.",
-    explanation="""Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the
-mass matrix singular: the joint's acceleration is undefined, and simulators refuse the robot, invent a mass or
-diverge. Where other bodies with mass hang on the group, it is but a remark: the mass matrix is regular then.""",
-    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
-    good=arm(more=a_link("tip", "") + a_joint("flange", "upper", "tip", "", "fixed")),
-    check=check,
-)

@@ -1,16 +1,21 @@
-"""RD203: an inertial that lacks its mass or inertia."""
+"""An <inertial> has a <mass> and an <inertia> with all six entries.
 
-from __future__ import annotations
+urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for
+what is missing.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import INERTIA as ENTRIES
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.links import INERTIA as ENTRIES
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=one_link('<mass value="2"/>'),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+)
+def check(context: Context) -> Faults:
     for link in context.view.links:
         inertial = link.inertial
         if inertial is None:
@@ -27,17 +32,3 @@ def check(context: Context) -> Iterator[Fault]:
             lacking.append((inertial.inertia_element, f"<inertia> has no {', '.join(absent)}", f'{absent[0]}="..."'))
         for element, what, remedy in lacking:
             yield Fault(at=element.span, subject=link.subject, what=what, remedy=f"write {remedy}")
-
-
-RULE = Rule(
-    code="RD203",
-    name="incomplete-inertial",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="An <inertial> has a <mass> and an <inertia> with all six entries.",
-    explanation="""urdfdom drops an incomplete <inertial>, and the link has no mass; other readers take 0 or 1 for
-what is missing.""",
-    bad=one_link('<mass value="2"/>'),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-    check=check,
-)

@@ -1,19 +1,24 @@
-"""RD204: mass without moments of inertia."""
+"""What has mass has moments of inertia.
 
-from __future__ import annotations
+Only a point has none. Simulators refuse such a body or put in a number of their own. It is a
+remark where heavier links are fixed to this one, and a warning for the base, which most often stands still.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import POINT, gyration, is_a_point
 from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
-from robodyn.checks.masses import POINT, gyration, is_a_point
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import LinkView
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import LinkView
 
 _ZERO = INERTIA.replace("0.01", "0").replace("0.02", "0")
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("fore", f'<mass value="1"/>{_ZERO}') + a_joint("elbow", "upper", "fore")),
+    good=arm(more=a_link("fore", f'<mass value="1"/>{INERTIA}') + a_joint("elbow", "upper", "fore")),
+)
+def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or not link.mass or link.mass < 0 or not is_a_point(link):
             continue
@@ -31,21 +36,7 @@ def _severity(context: Context, link: LinkView) -> Severity:
     """A remark where heavier links are fixed to it and the body has an inertia by them; a warning for a base."""
     group = None if context.tree_or_none is None else context.tree_or_none.group[link.name]
     if group is None or group.mass is None or link.mass is None:
-        return Severity.E
+        return Severity.ERROR
     if group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
-        return Severity.I
-    return Severity.E if group.joint is not None else Severity.W
-
-
-RULE = Rule(
-    code="RD204",
-    name="zero-tensor",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="What has mass has moments of inertia.",
-    explanation="""Only a point has none. Simulators refuse such a body or put in a number of their own. It is a
-remark where heavier links are fixed to this one, and a warning for the base, which most often stands still.""",
-    bad=arm(more=a_link("fore", f'<mass value="1"/>{_ZERO}') + a_joint("elbow", "upper", "fore")),
-    good=arm(more=a_link("fore", f'<mass value="1"/>{INERTIA}') + a_joint("elbow", "upper", "fore")),
-    check=check,
-)
+        return Severity.NOTE
+    return Severity.ERROR if group.joint is not None else Severity.WARNING

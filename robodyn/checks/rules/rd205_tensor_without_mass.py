@@ -1,20 +1,25 @@
-"""RD205: moments of inertia without mass."""
+"""What has no mass has no moments of inertia.
 
-from __future__ import annotations
+A moment of inertia is mass times distance squared. The zero is often a mass that was rounded away,
+or a placeholder that was forgotten. A body that moves without any mass is RD201's.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import severity_of_zero, trace
 from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
-from robodyn.checks.masses import severity_of_zero, trace
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("tip", f'<mass value="0"/>{INERTIA}') + a_joint("flange", "upper", "tip", "", "fixed")),
+    good=arm(more=a_link("tip", f'<mass value="1"/>{INERTIA}') + a_joint("flange", "upper", "tip", "", "fixed")),
+)
+def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass != 0 or link.tensor is None or not any(link.tensor):
             continue
-        if severity_of_zero(context, link) is Severity.E:
+        if severity_of_zero(context, link) is Severity.ERROR:
             continue
         yield Fault(
             at=link.inertial.mass.span,
@@ -24,17 +29,3 @@ def check(context: Context) -> Iterator[Fault]:
             measured=trace(link.tensor),
             bound=0.0,
         )
-
-
-RULE = Rule(
-    code="RD205",
-    name="tensor-without-mass",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="What has no mass has no moments of inertia.",
-    explanation="""A moment of inertia is mass times distance squared. The zero is often a mass that was rounded away,
-or a placeholder that was forgotten. A body that moves without any mass is RD201's.""",
-    bad=arm(more=a_link("tip", f'<mass value="0"/>{INERTIA}') + a_joint("flange", "upper", "tip", "", "fixed")),
-    good=arm(more=a_link("tip", f'<mass value="1"/>{INERTIA}') + a_joint("flange", "upper", "tip", "", "fixed")),
-    check=check,
-)

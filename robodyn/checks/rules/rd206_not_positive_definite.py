@@ -1,17 +1,25 @@
-"""RD206: an inertia matrix that is not positive definite."""
+"""The inertia matrix is positive definite.
 
-from __future__ import annotations
+A principal moment of inertia is a sum of mass times distance squared. With one that is zero or
+negative the kinetic energy of a spin about its axis is not positive, and simulations gain energy from nothing. The
+principal moments are the eigenvalues of the matrix: large products make one negative although the diagonal is positive.
+Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Traversaro, Brossette, Escande,
+Nori, Identification of fully physical consistent inertial parameters (IROS 2016).
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.causes import explained
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
+from robodyn.checks.causes.causes import explained
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.masses import is_a_point, principal_moments, widest
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=one_link(f'<mass value="2"/>{INERTIA.replace("0.01", "-0.01")}'),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+)
+def check(context: Context) -> Faults:
     bound = context.thresholds.positive_definite
     for link in context.view.links:
         if link.inertial is None or link.tensor is None or is_a_point(link):
@@ -29,20 +37,3 @@ def check(context: Context) -> Iterator[Fault]:
             bound=bound * large,
         )
         yield explained(context, fault, link)
-
-
-RULE = Rule(
-    code="RD206",
-    name="not-positive-definite",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="The inertia matrix is positive definite.",
-    explanation="""A principal moment of inertia is a sum of mass times distance squared. With one that is zero or
-negative the kinetic energy of a spin about its axis is not positive, and simulations gain energy from nothing. The
-principal moments are the eigenvalues of the matrix: large products make one negative although the diagonal is positive.
-Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Traversaro, Brossette, Escande,
-Nori, Identification of fully physical consistent inertial parameters (IROS 2016).""",
-    bad=one_link(f'<mass value="2"/>{INERTIA.replace("0.01", "-0.01")}'),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-    check=check,
-)

@@ -1,18 +1,27 @@
-"""RD207: principal moments that break the triangle inequality."""
+"""The largest principal moment is no greater than the sum of the other two.
 
-from __future__ import annotations
+I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times
+distance squared, and so never negative. The entries of the diagonal say too little: the law holds for the principal
+moments, in every axes. Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Wensing,
+Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.causes import explained
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import is_a_point, principal_moments
+from robodyn.checks.causes.causes import explained
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.masses import is_a_point, principal_moments
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import figure
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=one_link(
+        f'<mass value="2"/>{INERTIA.replace(chr(34) + "0.02" + chr(34) + "/", chr(34) + "0.05" + chr(34) + "/")}'
+    ),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+)
+def check(context: Context) -> Faults:
     limits = context.thresholds
     for link in context.view.links:
         if link.inertial is None or link.tensor is None or is_a_point(link):
@@ -33,21 +42,3 @@ def check(context: Context) -> Iterator[Fault]:
             bound=small + middle,
         )
         yield explained(context, fault, link)
-
-
-RULE = Rule(
-    code="RD207",
-    name="triangle-inequality",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="The largest principal moment is no greater than the sum of the other two.",
-    explanation="""I_1 + I_2 - I_3 is twice the second moment of the mass along the third axis, a sum of mass times
-distance squared, and so never negative. The entries of the diagonal say too little: the law holds for the principal
-moments, in every axes. Where no cause explains the tensor, the unsafe fix is the nearest that a body can have. Wensing,
-Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).""",
-    bad=one_link(
-        f'<mass value="2"/>{INERTIA.replace(chr(34) + "0.02" + chr(34) + "/", chr(34) + "0.05" + chr(34) + "/")}'
-    ),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-    check=check,
-)

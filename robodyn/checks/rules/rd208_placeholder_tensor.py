@@ -1,21 +1,27 @@
-"""RD208: an inertia that was never computed."""
+"""The inertia is that of the part, not a stand-in.
 
-from __future__ import annotations
+The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of
+another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m.
+"""
 
-from collections.abc import Iterator
 from math import isclose, log10
 
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.masses import is_a_point
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.masses import is_a_point
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import LinkView
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import LinkView
 
 _FRACTION = 0.01
 """Of the mass of its rigid group; a placeholder on less than this is a remark."""
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=one_link('<mass value="2"/>' + INERTIA.replace("0.01", "1").replace("0.02", "1")),
+    good=one_link(f'<mass value="2"/>{INERTIA}'),
+)
+def check(context: Context) -> Faults:
     first_with: dict[tuple[float, ...], LinkView] = {}
     for link in context.view.links:
         if link.inertial is None or link.tensor is None or is_a_point(link) or not link.mass:
@@ -52,18 +58,4 @@ def _pattern(tensor: tuple[float, ...]) -> str | None:
 def _severity(context: Context, link: LinkView) -> Severity:
     tree = context.tree_or_none
     whole = None if tree is None else tree.group[link.name].mass
-    return Severity.I if whole and link.mass is not None and link.mass < _FRACTION * whole else Severity.W
-
-
-RULE = Rule(
-    code="RD208",
-    name="placeholder-tensor",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="The inertia is that of the part, not a stand-in.",
-    explanation="""The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of
-another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m.""",
-    bad=one_link('<mass value="2"/>' + INERTIA.replace("0.01", "1").replace("0.02", "1")),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-    check=check,
-)
+    return Severity.NOTE if whole and link.mass is not None and link.mass < _FRACTION * whole else Severity.WARNING

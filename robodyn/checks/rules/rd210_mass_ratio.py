@@ -1,18 +1,23 @@
-"""RD210: bodies of very different mass on both sides of a joint."""
+"""The bodies on both sides of a joint differ in mass by less than a factor of 1000.
 
-from __future__ import annotations
+A factor of 1000 is most often grams for kilograms. Where it is real, the mass matrix is
+ill-conditioned, and iterative solvers of simulators need many more steps.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.tree import Group
+from robodyn.checks.reading.tree import Group
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _HEAVY = f'<mass value="5000"/>{INERTIA}'
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.TREE,
+    bad=arm(more=a_link("fore", _HEAVY) + a_joint("elbow", "upper", "fore")),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+)
+def check(context: Context) -> Faults:
     bound, least = context.thresholds.mass_ratio, context.thresholds.least_mass
     reported: set[Group] = set()
     for group in context.tree.groups:
@@ -28,27 +33,11 @@ def check(context: Context) -> Iterator[Fault]:
         if odd in reported:
             continue
         reported.add(odd)
-        heaviest = max(odd.links, key=lambda link: link.mass or 0.0)
-        assert heaviest.inertial is not None, "it has mass"
         yield Fault(
-            at=heaviest.inertial.mass.span,
+            at=odd.heaviest[1].mass.span,
             subject=group.joint.subject,
             what=f"it joins bodies of {inner:g} kg and {group.mass:g} kg, a ratio of {ratio:.3g}",
             remedy="check the unit of both masses (kg)",
             measured=ratio,
             bound=bound,
         )
-
-
-RULE = Rule(
-    code="RD210",
-    name="mass-ratio",
-    severity=Severity.W,
-    stage=Stage.TREE,
-    summary="The bodies on both sides of a joint differ in mass by less than a factor of 1000.",
-    explanation="""A factor of 1000 is most often grams for kilograms. Where it is real, the mass matrix is
-ill-conditioned, and iterative solvers of simulators need many more steps.""",
-    bad=arm(more=a_link("fore", _HEAVY) + a_joint("elbow", "upper", "fore")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    check=check,
-)

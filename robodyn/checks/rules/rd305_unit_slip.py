@@ -1,19 +1,27 @@
-"""RD305: a mass, an inertia or a centre of mass in the wrong unit."""
+"""Mass, inertia and centre of mass are in kg, kg m^2 and m.
 
-from __future__ import annotations
+One factor between units explains what does not fit the shapes: a mass that is 1000 or 1e6 times that
+of a usual density, beyond any solid, with an inertia that fits one of the two; an inertia that is 1e3, 1e6 or 1e9 times
+larger or smaller than that of the solid box around the shapes, in all three axes, where the density is usual (near
+multiples of the identity are made up, not in other units); a centre of mass beyond one size of the shapes that lies in
+them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a link.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.bodies import Body, bodies
-from robodyn.checks.context import Context
+from robodyn.checks.bodies.bodies import Body, bodies
+from robodyn.checks.bodies.masses import widest
+from robodyn.checks.bodies.unit_slips import slips
 from robodyn.checks.examples import a_shaped_link
-from robodyn.checks.masses import widest
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.unit_slips import slips
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.source_positions import Span
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.TREE,
+    bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
+    good=a_shaped_link(),
+)
+def check(context: Context) -> Faults:
     known = context.once(bodies)
     for name, slip in context.once(slips).items():
         by = f"divide it by {slip.factor:g}" if slip.factor > 1 else f"multiply it by {1 / slip.factor:g}"
@@ -34,20 +42,3 @@ def _place(body: Body, what: str) -> Span:
         assert body.link.tensor is not None, "it is wrong"
         return body.inertial.entries[widest(body.link.tensor)].span
     return body.inertial.origin.xyz.span
-
-
-RULE = Rule(
-    code="RD305",
-    name="unit-slip",
-    severity=Severity.E,
-    stage=Stage.TREE,
-    summary="Mass, inertia and centre of mass are in kg, kg m^2 and m.",
-    explanation="""One factor between units explains what does not fit the shapes: a mass that is 1000 or 1e6 times that
-of a usual density, beyond any solid, with an inertia that fits one of the two; an inertia that is 1e3, 1e6 or 1e9 times
-larger or smaller than that of the solid box around the shapes, in all three axes, where the density is usual (near
-multiples of the identity are made up, not in other units); a centre of mass beyond one size of the shapes that lies in
-them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a link.""",
-    bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
-    good=a_shaped_link(),
-    check=check,
-)

@@ -1,32 +1,23 @@
-"""RD308: the parallel axis theorem applied once too often."""
+"""The parallel axis theorem is applied once.
 
-from __future__ import annotations
+A tensor that is about the centre of mass already becomes too small, and often impossible, where m
+(|c|^2 1 - c c^T) is subtracted from it, and too large where the term is added twice. RD206 and RD207 name the cause
+of tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin or
+its shapes.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.causes import faults
-from robodyn.checks.context import Context
-from robodyn.checks.mirror_examples import ORIGIN_IMAGE, two_arms
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.causes.causes import faults
+from robodyn.checks.examples import ORIGIN_IMAGE, two_arms
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
 
 _WRONG = '<inertia ixx="0.19" ixy="0.016" ixz="-0.078" iyy="0.23" iyz="0.037" izz="0.075"/>'
 
 
-def check(context: Context) -> Iterator[Fault]:
-    yield from faults(context, "RD308")
-
-
-RULE = Rule(
-    code="RD308",
-    name="parallel-axis-again",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="The parallel axis theorem is applied once.",
-    explanation="""A tensor that is about the centre of mass already becomes too small, and often impossible, where m
-(|c|^2 1 - c c^T) is subtracted from it, and too large where the term is added twice. RD206 and RD207 name the cause
-of tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin or
-its shapes.""",
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
     bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{_WRONG}'),
     good=two_arms(),
-    check=check,
 )
+def check(context: Context) -> Faults:
+    yield from faults(context, "RD308")

@@ -1,32 +1,23 @@
-"""RD309: a tensor in the axes of the link."""
+"""The tensor is in the axes of its <origin>.
 
-from __future__ import annotations
+Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the
+link's axes is right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes (where
+all are primitives) or its mirror twin to see it.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.causes import faults
-from robodyn.checks.context import Context
-from robodyn.checks.mirror_examples import IMAGE, two_arms
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.causes.causes import faults
+from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
 
 _ORIGIN = '<origin xyz="0.1 -0.05 0.2" rpy="0 0 1.5707963267948966"/>'
 _TURNED = '<inertia ixx="0.03" ixy="0.004" ixz="-0.003" iyy="0.02" iyz="-0.002" izz="0.025"/>'
 
 
-def check(context: Context) -> Iterator[Fault]:
-    yield from faults(context, "RD309")
-
-
-RULE = Rule(
-    code="RD309",
-    name="rpy-not-applied",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="The tensor is in the axes of its <origin>.",
-    explanation="""Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the
-link's axes is right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes (where
-all are primitives) or its mirror twin to see it.""",
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
     bad=two_arms(right=f'{_ORIGIN}<mass value="2"/>{IMAGE}'),
     good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'),
-    check=check,
 )
+def check(context: Context) -> Faults:
+    yield from faults(context, "RD309")

@@ -1,17 +1,21 @@
-"""RD401: left and right of different mass."""
+"""A left link weighs what the right one does."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
-from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
-from robodyn.checks.mirror_loads import MASS, twins
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.examples import IMAGE, ORIGIN_IMAGE, two_arms
+from robodyn.checks.mirror.loads import MASS, twins
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import figure, shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
+where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
+Where two parts that stand opposite each other do differ, as two tools do, a waiver says so.""",
+    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2.1"/>{IMAGE}'),
+    good=two_arms(),
+)
+def check(context: Context) -> Faults:
     for one in context.once(twins):
         left, right = one.masses
         if one.mass_differs:
@@ -24,18 +28,3 @@ def check(context: Context) -> Iterator[Fault]:
                 measured=right,
                 bound=left,
             )
-
-
-RULE = Rule(
-    code="RD401",
-    name="mirror-mass",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="A left link weighs what the right one does.",
-    explanation=f"""Links are twins if their names are each other's but for left and right, and at q = 0 each stands
-where the mirror image of the other does; the plane is found from the robot. Masses may differ by {100 * MASS:g} %.
-Where two parts that stand opposite each other do differ, as two tools do, a waiver says so.""",
-    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2.1"/>{IMAGE}'),
-    good=two_arms(),
-    check=check,
-)

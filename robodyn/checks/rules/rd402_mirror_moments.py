@@ -1,18 +1,22 @@
-"""RD402: left and right of different principal moments."""
+"""A left link has the principal moments of the right one."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.causes import causes
-from robodyn.checks.context import Context
-from robodyn.checks.mirror_examples import IMAGE, ORIGIN_IMAGE, two_arms
-from robodyn.checks.mirror_loads import MOMENTS, twins
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.causes.causes import causes
+from robodyn.checks.examples import IMAGE, ORIGIN_IMAGE, two_arms
+from robodyn.checks.mirror.loads import MOMENTS, twins
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import shown
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""A reflection leaves principal moments as they are. Each is divided by the mass of its link, so
+that a wrong mass is RD401's alone, and may differ by {100 * MOMENTS:g} % of the largest. Twins are found as RD401
+says. Where one cause explains the difference, RD306 to RD312 name it instead.""",
+    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>' + IMAGE.replace('"0.02"', '"0.024"')),
+    good=two_arms(),
+)
+def check(context: Context) -> Faults:
     for one in context.once(twins):
         if one.moments_apart <= MOMENTS or one.link.name in context.once(causes):
             continue
@@ -30,18 +34,3 @@ def check(context: Context) -> Iterator[Fault]:
 
 def _listed(moments: list[float]) -> str:
     return ", ".join(f"{moment:.4g}" for moment in moments)
-
-
-RULE = Rule(
-    code="RD402",
-    name="mirror-moments",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="A left link has the principal moments of the right one.",
-    explanation=f"""A reflection leaves principal moments as they are. Each is divided by the mass of its link, so
-that a wrong mass is RD401's alone, and may differ by {100 * MOMENTS:g} % of the largest. Twins are found as RD401
-says. Where one cause explains the difference, RD306 to RD312 name it instead.""",
-    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>' + IMAGE.replace('"0.02"', '"0.024"')),
-    good=two_arms(),
-    check=check,
-)

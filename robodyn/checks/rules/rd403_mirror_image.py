@@ -1,23 +1,31 @@
-"""RD403: a centre of mass or a tensor that is no mirror image of its twin's."""
+"""Centre of mass and tensor of a right link are the mirror image of the left one's.
 
-from __future__ import annotations
+A reflection turns the sign of one coordinate of the centre of mass and of two products of
+inertia. Copying a limb's numbers to the other side without it shifts the robot's centre of mass to one side, by
+twice the offset of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image.
+Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself, and a waiver
+says so. Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.causes import causes
-from robodyn.checks.context import Context
-from robodyn.checks.mirror_examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
-from robodyn.checks.mirror_loads import MOMENTS, Twins, twins
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import value_span
+from robodyn.checks.causes.causes import causes
+from robodyn.checks.examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
+from robodyn.checks.mirror.loads import MOMENTS, Twins, twins
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
+from robodyn.robot.urdf.view import value_span
 from robodyn.solids.inertia.exact import Floats
 from robodyn.support.wording import figure, shown
 
 _REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    bad=two_arms(right=f'{ORIGIN}<mass value="2"/>{IMAGE}'),
+    good=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{IMAGE}'),
+)
+def check(context: Context) -> Faults:
     for one in context.once(twins):
         if one.shift > one.most_shift:
             yield _centre(one)
@@ -50,20 +58,3 @@ def _centre(one: Twins) -> Fault:
 
 def _listed(point: Floats) -> str:
     return "(" + ", ".join(f"{value:.4g}" for value in (point + 0.0).tolist()) + ")"
-
-
-RULE = Rule(
-    code="RD403",
-    name="mirror-image",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="Centre of mass and tensor of a right link are the mirror image of the left one's.",
-    explanation="""A reflection turns the sign of one coordinate of the centre of mass and of two products of
-inertia. Copying a limb's numbers to the other side without it shifts the robot's centre of mass to one side, by
-twice the offset of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image.
-Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself, and a waiver
-says so. Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead.""",
-    bad=two_arms(right=f'{ORIGIN}<mass value="2"/>{IMAGE}'),
-    good=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{IMAGE}'),
-    check=check,
-)

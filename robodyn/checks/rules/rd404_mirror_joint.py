@@ -1,17 +1,20 @@
-"""RD404: limits, effort or axis of a joint that are not its mirror twin's."""
+"""Axis, limits, effort and velocity of a right joint are the mirror image of the left one's.
 
-from __future__ import annotations
+A reflection carries a rotation about an axis into one about the axis's image, the other way
+round. Where the axis of a joint is that image, equal positions of twins are mirror images and so are equal limits;
+where it is the image reversed, lower and upper change places and signs. Copying limits from left to right where the
+axes ask for a change of sign is a common slip: a knee then bends the wrong way. Twins are found as RD401 says.
+"""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from robodyn.checks.context import Context
-from robodyn.checks.mirror import Pair, pairs
-from robodyn.checks.mirror_examples import LIMIT, two_arms
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import JointView, value_span
+from robodyn.checks.examples import ARM_LIMIT, two_arms
+from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
+from robodyn.robot.urdf.view import JointView, value_span
 from robodyn.support.wording import shown
 
 _AXIS = 0.02
@@ -20,7 +23,13 @@ _LIMIT = 0.02
 _MAGNITUDE = 0.02
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    bad=two_arms(right_joint='<axis xyz="0 1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
+    good=two_arms(right_joint='<axis xyz="0 -1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
+)
+def check(context: Context) -> Faults:
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
         if left.type != right.type or left.type not in ("revolute", "continuous", "prismatic"):
@@ -74,18 +83,3 @@ def _limits(pair: Pair, view: JointView, direction: int) -> Iterator[Fault]:
 
 
 _REMEDY = "correct one of the two, or allow it where the joints differ"
-
-RULE = Rule(
-    code="RD404",
-    name="mirror-joint",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="Axis, limits, effort and velocity of a right joint are the mirror image of the left one's.",
-    explanation="""A reflection carries a rotation about an axis into one about the axis's image, the other way
-round. Where the axis of a joint is that image, equal positions of twins are mirror images and so are equal limits;
-where it is the image reversed, lower and upper change places and signs. Copying limits from left to right where the
-axes ask for a change of sign is a common slip: a knee then bends the wrong way. Twins are found as RD401 says.""",
-    bad=two_arms(right_joint='<axis xyz="0 1 0"/>' + LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
-    good=two_arms(right_joint='<axis xyz="0 -1 0"/>' + LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
-    check=check,
-)

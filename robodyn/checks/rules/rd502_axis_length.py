@@ -1,18 +1,24 @@
-"""RD502: an axis that is no unit vector."""
+"""The axis of a joint is a unit vector.
 
-from __future__ import annotations
+URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a
+multiple of its coordinate.
+"""
 
-from collections.abc import Iterator
 from math import hypot
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
-from robodyn.checks.view import WITH_AXIS
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.robot.urdf.joints import WITH_AXIS
 from robodyn.robot.urdf.source_positions import Span
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm(f'<axis xyz="0 0 2"/>{LIMIT}'),
+    good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'),
+)
+def check(context: Context) -> Faults:
     bound = context.thresholds.axis_length
     for joint in context.view.joints:
         axis = joint.axis.values
@@ -38,17 +44,3 @@ def _fix(axis: tuple[float, ...], at: Span) -> Fix:
     length = hypot(*(x / largest for x in axis))
     text = " ".join(repr(x / largest / length) for x in axis)
     return Fix("divide the axis by its length", (Edit(at.start, at.end, text),), safe=True)
-
-
-RULE = Rule(
-    code="RD502",
-    name="axis-length",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="The axis of a joint is a unit vector.",
-    explanation="""URDF asks for it. Most readers normalise the axis, but those that do not turn the joint by a
-multiple of its coordinate.""",
-    bad=arm(f'<axis xyz="0 0 2"/>{LIMIT}'),
-    good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'),
-    check=check,
-)

@@ -1,16 +1,21 @@
-"""RD503: a lower limit above the upper one."""
+"""The lower limit is less than the upper one.
 
-from __future__ import annotations
+No position keeps to both limits. Controllers clamp to one of them, and drive the joint into a stop
+there.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import WITH_RANGE
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.joints import WITH_RANGE
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace("-2", "3")),
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         if joint.limit is None or joint.limit.range is None or joint.type not in WITH_RANGE:
             continue
@@ -26,17 +31,3 @@ def check(context: Context) -> Iterator[Fault]:
                 measured=lower,
                 bound=upper,
             )
-
-
-RULE = Rule(
-    code="RD503",
-    name="inverted-limits",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="The lower limit is less than the upper one.",
-    explanation="""No position keeps to both limits. Controllers clamp to one of them, and drive the joint into a stop
-there.""",
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace("-2", "3")),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-    check=check,
-)

@@ -1,16 +1,22 @@
-"""RD504: limits between which nothing moves, or that limit nothing."""
+"""The limits of a joint leave it a range, and end somewhere.
 
-from __future__ import annotations
+A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the
+joint is frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import WITH_RANGE, LimitView, Numbers
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.view import LimitView, Numbers
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('lower="-2" upper="2" ', "")),
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
@@ -37,17 +43,3 @@ def _endless(limit: LimitView, bound: float) -> tuple[Numbers, str, str, float] 
             what = f"{numbers.attribute} is {numbers.value:g}, which limits nothing"
             return numbers, what, "make a revolute joint continuous, or write the real limit", numbers.value
     return None
-
-
-RULE = Rule(
-    code="RD504",
-    name="no-range",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="The limits of a joint leave it a range, and end somewhere.",
-    explanation="""A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the
-joint is frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples.""",
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('lower="-2" upper="2" ', "")),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-    check=check,
-)

@@ -1,15 +1,20 @@
-"""RD506: an effort or a velocity limit that says nothing."""
+"""Effort and velocity limits are positive and those of a machine.
 
-from __future__ import annotations
+URDF asks for both. A limit of 0 makes a joint that some simulators can never move, and that others
+do not limit; 1e9 is a stand-in that nothing can be sized against.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('effort="30"', 'effort="0"')),
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
+)
+def check(context: Context) -> Faults:
     limits = context.thresholds
     for joint in context.view.joints:
         if joint.limit is None or not joint.moves:
@@ -32,17 +37,3 @@ def check(context: Context) -> Iterator[Fault]:
                 measured=value,
                 bound=most if value is not None and value > 0 else 0.0,
             )
-
-
-RULE = Rule(
-    code="RD506",
-    name="effort-velocity",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Effort and velocity limits are positive and those of a machine.",
-    explanation="""URDF asks for both. A limit of 0 makes a joint that some simulators can never move, and that others
-do not limit; 1e9 is a stand-in that nothing can be sized against.""",
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('effort="30"', 'effort="0"')),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-    check=check,
-)

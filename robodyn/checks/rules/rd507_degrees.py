@@ -1,14 +1,16 @@
-"""RD507: angles in degrees."""
+"""Angles are in radians: no limit and no rpy is beyond one turn.
 
-from __future__ import annotations
+An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees: the part stands askew and
+nothing else tells. A limit of 180 is none. A joint that does turn more than once between its limits is the
+exception.
+"""
 
 from collections.abc import Iterator
 from math import degrees, pi, radians
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Edit, Fault, Fix, Rule, Severity, Stage
-from robodyn.checks.view import Numbers, OriginView, Subject
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.robot.urdf.view import Numbers, OriginView, Subject
 
 _TURN = 2 * pi * (1 + 1e-3)
 _TURNS = 4 * pi
@@ -17,7 +19,13 @@ _STEP = 5.0
 """Angles written in degrees are most often multiples of this."""
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm(f'<origin rpy="0 0 90"/><axis xyz="0 1 0"/>{LIMIT}'),
+    good=arm(f'<origin rpy="0 0 1.5707963267948966"/><axis xyz="0 1 0"/>{LIMIT}'),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         yield from _pose(joint.origin, joint.subject)
         if joint.type == "revolute" and joint.limit is not None:
@@ -46,7 +54,7 @@ def _angles(numbers: Numbers, subject: Subject, certain: float = _TURN) -> Itera
             remedy="narrow it, or make the joint continuous" if doubtful else "write radians",
             measured=abs(largest),
             bound=2 * pi,
-            severity=Severity.I if doubtful else Severity.W,
+            severity=Severity.NOTE if doubtful else Severity.WARNING,
             cause="written in degrees" if _round(numbers) and not doubtful else None,
             fix=_fix(numbers) if _round(numbers) and not doubtful else None,
         )
@@ -59,18 +67,3 @@ def _round(numbers: Numbers) -> bool:
 def _fix(numbers: Numbers) -> Fix:
     text = " ".join(repr(radians(value)) for value in numbers.values or ())
     return Fix("degrees to radians", (Edit(numbers.span.start, numbers.span.end, text),), safe=False)
-
-
-RULE = Rule(
-    code="RD507",
-    name="degrees",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Angles are in radians: no limit and no rpy is beyond one turn.",
-    explanation="""An rpy of 90 is a turn by 90 rad, that is 14 turns and 117 degrees: the part stands askew and
-nothing else tells. A limit of 180 is none. A joint that does turn more than once between its limits is the
-exception.""",
-    bad=arm(f'<origin rpy="0 0 90"/><axis xyz="0 1 0"/>{LIMIT}'),
-    good=arm(f'<origin rpy="0 0 1.5707963267948966"/><axis xyz="0 1 0"/>{LIMIT}'),
-    check=check,
-)

@@ -1,18 +1,28 @@
-"""RD508: soft limits outside the hard ones."""
+"""Soft limits lie within the hard limits, lower below upper.
 
-from __future__ import annotations
+The safety controller begins to brake at the soft limit. Outside the hard one it never does, and
+the joint meets its end stop at full speed.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import WITH_RANGE, numbers
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.view import numbers
 
 _SLACK = 1e-9
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm(
+        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-2.5" soft_upper_limit="1.9" k_velocity="9"/>'
+    ),
+    good=arm(
+        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-1.9" soft_upper_limit="1.9" k_velocity="9"/>'
+    ),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         safety = joint.element.find("safety_controller")
         limit = joint.limit
@@ -39,21 +49,3 @@ def check(context: Context) -> Iterator[Fault]:
                 measured=lower,
                 bound=upper,
             )
-
-
-RULE = Rule(
-    code="RD508",
-    name="soft-limits",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Soft limits lie within the hard limits, lower below upper.",
-    explanation="""The safety controller begins to brake at the soft limit. Outside the hard one it never does, and
-the joint meets its end stop at full speed.""",
-    bad=arm(
-        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-2.5" soft_upper_limit="1.9" k_velocity="9"/>'
-    ),
-    good=arm(
-        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-1.9" soft_upper_limit="1.9" k_velocity="9"/>'
-    ),
-    check=check,
-)

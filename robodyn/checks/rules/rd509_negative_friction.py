@@ -1,16 +1,21 @@
-"""RD509: friction that drives."""
+"""Damping and friction are not negative.
 
-from __future__ import annotations
+Friction takes energy out of a joint. With a negative coefficient it speeds up by itself, and a
+simulation diverges.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import numbers
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import numbers
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="-0.1"/>'),
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         dynamics = joint.element.find("dynamics")
         for name in ("damping", "friction"):
@@ -24,17 +29,3 @@ def check(context: Context) -> Iterator[Fault]:
                     measured=found.value,
                     bound=0.0,
                 )
-
-
-RULE = Rule(
-    code="RD509",
-    name="negative-friction",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Damping and friction are not negative.",
-    explanation="""Friction takes energy out of a joint. With a negative coefficient it speeds up by itself, and a
-simulation diverges.""",
-    bad=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="-0.1"/>'),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'),
-    check=check,
-)

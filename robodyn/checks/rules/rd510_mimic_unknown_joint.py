@@ -1,20 +1,24 @@
-"""RD510: a joint that mimics none of the robot's."""
+"""A joint mimics one of the robot's joints.
 
-from __future__ import annotations
+Readers refuse the robot, or make the follower a free joint that nothing drives.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.reading import unexpanded
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("shoulder", "sholder"))),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
+)
+def check(context: Context) -> Faults:
     joints = context.view.joint
     for joint in context.view.joints:
         if joint.mimic is None or joint.mimic.joint in joints or unexpanded(joint.mimic.joint):
@@ -26,16 +30,3 @@ def check(context: Context) -> Iterator[Fault]:
             what=f"it mimics joint {shown(name)}, which does not exist" if name else "<mimic> names no joint",
             remedy=alternatives(name, joints, "joints") if name else 'write joint="..."',
         )
-
-
-RULE = Rule(
-    code="RD510",
-    name="mimic-unknown-joint",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="A joint mimics one of the robot's joints.",
-    explanation="""Readers refuse the robot, or make the follower a free joint that nothing drives.""",
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("shoulder", "sholder"))),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
-    check=check,
-)

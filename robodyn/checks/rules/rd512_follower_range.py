@@ -1,18 +1,24 @@
-"""RD512: a follower that is driven beyond its limits."""
+"""A mimic joint stays within its limits wherever the joint that it follows goes.
 
-from __future__ import annotations
+Otherwise the robot described cannot move through the range that its limits promise: simulators
+violate the limits or the coupling, and planners reach positions that the hand does not have.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import WITH_RANGE, JointView
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.view import JointView
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("0.5", "1.5"))),
+    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
+)
+def check(context: Context) -> Faults:
     for joint in context.view.joints:
         reached, own = _reached(context, joint), _range(joint)
         if reached is None or own is None or joint.mimic is None:
@@ -49,17 +55,3 @@ def _reached(context: Context, joint: JointView) -> tuple[float, float] | None:
         return None
     ends = sorted(multiplier[0] * end + offset[0] for end in master)
     return ends[0], ends[1]
-
-
-RULE = Rule(
-    code="RD512",
-    name="follower-range",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="A mimic joint stays within its limits wherever the joint that it follows goes.",
-    explanation="""Otherwise the robot described cannot move through the range that its limits promise: simulators
-violate the limits or the coupling, and planners reach positions that the hand does not have.""",
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("0.5", "1.5"))),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
-    check=check,
-)

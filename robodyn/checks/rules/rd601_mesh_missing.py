@@ -1,25 +1,31 @@
-"""RD601: a mesh whose file is not there, or is none."""
+"""Every mesh is there and can be read.
 
-from __future__ import annotations
+A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape,
+and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
+COLCON_PREFIX_PATH, and in the folders above the file, also above the one where a symbolic link leads. Where none of
+them is known, as for a file out of its package, one remark says so for all meshes. Nothing is fetched.
+"""
 
 from collections.abc import Iterator
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
-from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names, mesh_uses
-from robodyn.checks.rule import Fault, Fix, Rule, Severity, Stage
+from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
+from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, Stage, rule
 from robodyn.robot.urdf.packages import package_of
 from robodyn.support.wording import listed, shown, shown_path
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.ERROR, Stage.DOCUMENT, bad=a_shaped_link(shape="<mesh/>"), good=a_shaped_link())
+def check(context: Context) -> Faults:
     yield from _unnamed(context)
     names = context.once(mesh_names).values()
     for name in names:
         if name.state is State.MISSING:
             yield _missing(context, name)
         elif name.state is State.REMOTE:
-            yield name.fault("is not on this machine", "save it in the package: few programs fetch meshes", Severity.W)
+            yield name.fault(
+                "is not on this machine", "save it in the package: few programs fetch meshes", Severity.WARNING
+            )
     yield from _unknown([name for name in names if name.state is State.UNKNOWN])
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
@@ -67,21 +73,5 @@ def _unknown(names: list[MeshName]) -> Iterator[Fault]:
         at=names[0].uses[0].at,
         what=f"{count} not looked at: nothing is known {where}",
         remedy="say where it is with --package-path" if packages else "check the file by its name",
-        severity=Severity.I,
+        severity=Severity.NOTE,
     )
-
-
-RULE = Rule(
-    code="RD601",
-    name="mesh-missing",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Every mesh is there and can be read.",
-    explanation="""A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape,
-and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
-COLCON_PREFIX_PATH, and in the folders above the file, also above the one where a symbolic link leads. Where none of
-them is known, as for a file out of its package, one remark says so for all meshes. Nothing is fetched.""",
-    bad=a_shaped_link(shape="<mesh/>"),
-    good=a_shaped_link(),
-    check=check,
-)

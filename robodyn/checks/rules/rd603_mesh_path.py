@@ -1,22 +1,29 @@
-"""RD603: a mesh at a place that other machines do not have."""
+"""Meshes are named within their package.
 
-from __future__ import annotations
+An absolute path, a `file://` and a name that leads out of the package mean a file of one machine.
+The description cannot be installed or shared. A name with \\ between folders is found on Windows alone. Also the
+folder with the package.xml above a file is a package.
+"""
 
 import os
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_mesh
-from robodyn.checks.mesh_files import STDIN, MeshName, State, mesh_names
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.meshes.files import STDIN, MeshName, State, mesh_names
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.packages import package_of
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.DOCUMENT,
+    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
+    good=a_mesh("package://part/meshes/part.stl", "visual"),
+)
+def check(context: Context) -> Faults:
     for name in context.once(mesh_names).values():
         why = _why(context, name)
         if why is not None:
@@ -46,18 +53,3 @@ def _leaves(context: Context, uri: str) -> bool:
         return False
     places = [Path(os.path.normpath(folder.absolute() / uri)) for folder in context.search.folders]
     return all(root not in place.parents for place in places)
-
-
-RULE = Rule(
-    code="RD603",
-    name="mesh-path",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Meshes are named within their package.",
-    explanation="""An absolute path, a `file://` and a name that leads out of the package mean a file of one machine.
-The description cannot be installed or shared. A name with \\ between folders is found on Windows alone. Also the
-folder with the package.xml above a file is a package.""",
-    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
-    good=a_mesh("package://part/meshes/part.stl", "visual"),
-    check=check,
-)

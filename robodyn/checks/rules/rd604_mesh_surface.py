@@ -1,19 +1,23 @@
-"""RD604: a mesh whose surface encloses nothing definite."""
+"""Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
-from __future__ import annotations
+Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
+coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
+their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
+boundary chain; and shells that reach into another, as far as a few points of each show. The last four are a remark
+where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a file `open.stl`, a box
+without lid; the good one beside `closed.stl`.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_mesh
-from robodyn.checks.mesh_facts import MeshFacts
-from robodyn.checks.mesh_files import MeshName, State, all_facts, mesh_names
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.meshes.facts import MeshFacts
+from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.WARNING, Stage.DOCUMENT, bad=a_mesh("open.stl"), good=a_mesh("closed.stl"))
+def check(context: Context) -> Faults:
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]
         found = _wrong(facts, name)
@@ -26,12 +30,12 @@ def check(context: Context) -> Iterator[Fault]:
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     """What is wrong, worst first; what hardly shows is a remark where the mesh is only looked at."""
     if not facts.finite:
-        return f"has a coordinate that is no number: {facts.problem}", Severity.W
+        return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
     if facts.inverted:
         inside_out = "is inside out" if facts.volume < 0 else f"has {facts.inverted} shells that are inside out"
-        return inside_out, Severity.W
+        return inside_out, Severity.WARNING
     if facts.doubt:
-        return f"may not be whole: {facts.doubt}", Severity.W
+        return f"may not be whole: {facts.doubt}", Severity.WARNING
     what = None
     if facts.one_sided:
         what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
@@ -41,22 +45,4 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
         what = "is not closed: it encloses no definite volume"
     elif facts.overlapping:
         what = "has shells that overlap: what they share counts twice"
-    return None if what is None else (what, Severity.I if name.is_seen_only else Severity.W)
-
-
-RULE = Rule(
-    code="RD604",
-    name="mesh-surface",
-    severity=Severity.W,
-    stage=Stage.DOCUMENT,
-    summary="Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.",
-    explanation="""Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
-coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
-their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
-boundary chain; and shells that reach into another, as far as a few points of each show. The last four are a remark
-where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a file `open.stl`, a box
-without lid; the good one beside `closed.stl`.""",
-    bad=a_mesh("open.stl"),
-    good=a_mesh("closed.stl"),
-    check=check,
-)
+    return None if what is None else (what, Severity.NOTE if name.is_seen_only else Severity.WARNING)

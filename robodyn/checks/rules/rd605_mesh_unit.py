@@ -1,17 +1,34 @@
-"""RD605: a mesh in millimetres that is read as metres, or the other way round."""
+"""Meshes have the size of their robot.
 
-from __future__ import annotations
+STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than
+20 m and 20 times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about
+1000 times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes has the wrong
+unit. The other rules leave it out. The examples stand beside a file `millimetres.stl` of a part 200 mm long.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
-from robodyn.checks.mesh_units import mesh_slips
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import value_span
+from robodyn.checks.meshes.units import mesh_slips
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import shown_path
 
 
-def check(context: Context) -> Iterator[Fault]:
+def _scaled(scale: str) -> str:
+    return f"""<robot name="arm">
+  <link name="base"/>
+  <link name="part">
+    <visual><geometry><mesh filename="millimetres.stl" scale="{scale}"/></geometry></visual>
+  </link>
+  <joint name="mount" type="fixed">
+    <parent link="base"/>
+    <child link="part"/>
+    <origin xyz="0 0 0.3"/>
+  </joint>
+</robot>
+"""
+
+
+@rule(Severity.ERROR, Stage.DOCUMENT, bad=_scaled("1 1 1"), good=_scaled("0.001 0.001 0.001"))
+def check(context: Context) -> Faults:
     told = set()
     for geometry, slip in context.once(mesh_slips).items():
         scale = None if geometry.shape is None else geometry.shape.get("scale")
@@ -32,34 +49,3 @@ def _remedy(factor: float) -> str:
     if factor > 1:
         return 'if the file is in millimetres, write scale="0.001 0.001 0.001"'
     return "if the file is in metres, leave the scale out; otherwise multiply it by 1000"
-
-
-def _scaled(scale: str) -> str:
-    return f"""<robot name="arm">
-  <link name="base"/>
-  <link name="part">
-    <visual><geometry><mesh filename="millimetres.stl" scale="{scale}"/></geometry></visual>
-  </link>
-  <joint name="mount" type="fixed">
-    <parent link="base"/>
-    <child link="part"/>
-    <origin xyz="0 0 0.3"/>
-  </joint>
-</robot>
-"""
-
-
-RULE = Rule(
-    code="RD605",
-    name="mesh-unit",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Meshes have the size of their robot.",
-    explanation="""STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than
-20 m and 20 times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about
-1000 times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes has the wrong
-unit. The other rules leave it out. The examples stand beside a file `millimetres.stl` of a part 200 mm long.""",
-    bad=_scaled("1 1 1"),
-    good=_scaled("0.001 0.001 0.001"),
-    check=check,
-)

@@ -1,20 +1,26 @@
-"""RD606: a scale or a size that is zero or negative."""
+"""Sizes and scales of shapes are positive.
 
-from __future__ import annotations
+A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by some
+programs (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
+faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right; Pinocchio
+4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one tetrahedron). Shapes are
+where they should be in all four. So this is a warning: meshes on both sides of a robot are often made this way. Two
+negative scales are half a turn, right in all four, and a remark.
+"""
 
 from collections.abc import Iterator
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import a_shaped_link
-from robodyn.checks.mesh_files import MeshUse, mesh_uses
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import GeometryView, LinkView, numbers
+from robodyn.checks.meshes.files import MeshUse, mesh_uses
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
 
 _SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 _EXPORT = "export the mesh of this part"
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.ERROR, Stage.DOCUMENT, bad=a_shaped_link(shape='<box size="0.1 0 0.25"/>'), good=a_shaped_link())
+def check(context: Context) -> Faults:
     for link in context.view.links:
         for geometry in link.geometries:
             yield from _sizes(link, geometry)
@@ -44,11 +50,14 @@ def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
     """One finding for all uses of a mesh with one scale."""
-    severity = Severity.I
+    severity = Severity.NOTE
     if 0 in scale:
-        what, remedy, severity = "leaves no volume", 'write scale="1 1 1", or leave it out', Severity.E
+        what, remedy, severity = "leaves no volume", 'write scale="1 1 1", or leave it out', Severity.ERROR
     elif sum(value < 0 for value in scale) % 2:
-        what, severity = "mirrors the mesh: to programs that do not turn its faces, its volume is negative", Severity.W
+        what, severity = (
+            "mirrors the mesh: to programs that do not turn its faces, its volume is negative",
+            Severity.WARNING,
+        )
         remedy = f"{_EXPORT}, mirrored"
     else:
         what, remedy = "turns the mesh by half a turn, which every known program does", f"{_EXPORT}, or turn it by rpy"
@@ -66,21 +75,3 @@ def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
 
 def _shown(values: tuple[float, ...]) -> str:
     return " ".join(f"{value:g}" for value in values)
-
-
-RULE = Rule(
-    code="RD606",
-    name="shape-size",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Sizes and scales of shapes are positive.",
-    explanation="""A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero, is refused by some
-programs (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
-faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right; Pinocchio
-4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one tetrahedron). Shapes are
-where they should be in all four. So this is a warning: meshes on both sides of a robot are often made this way. Two
-negative scales are half a turn, right in all four, and a remark.""",
-    bad=a_shaped_link(shape='<box size="0.1 0 0.25"/>'),
-    good=a_shaped_link(),
-    check=check,
-)

@@ -1,16 +1,25 @@
-"""RD607: a mesh in a format that a named program does not read."""
+"""The programs that a description is meant for read its meshes."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
+from robodyn.checks.consumers.meshes import READS, unread
 from robodyn.checks.examples import a_mesh
-from robodyn.checks.mesh_formats import READS, unread
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+
+_KNOWN = "; ".join(
+    f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
+    f" ({reads.source})"
+    for target, reads in READS.items()
+)
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.NOTE,
+    Stage.DOCUMENT,
+    explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
+{_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
+    bad=a_mesh("part.dae"),
+    good=a_mesh("part.stl"),
+)
+def check(context: Context) -> Faults:
     """Silent unless a target is named."""
     for target in context.asked.targets:
         for suffix, uses in unread(context, target).items():
@@ -22,23 +31,3 @@ def check(context: Context) -> Iterator[Fault]:
                 what=f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {count}",
                 remedy=f"it reads {' '.join(reads.suffixes)} ({reads.source})",
             )
-
-
-_KNOWN = "; ".join(
-    f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
-    f" ({reads.source})"
-    for target, reads in READS.items()
-)
-
-RULE = Rule(
-    code="RD607",
-    name="mesh-format",
-    severity=Severity.I,
-    stage=Stage.DOCUMENT,
-    summary="The programs that a description is meant for read its meshes.",
-    explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
-{_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
-    bad=a_mesh("part.dae"),
-    good=a_mesh("part.stl"),
-    check=check,
-)

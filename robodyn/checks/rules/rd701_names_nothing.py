@@ -1,23 +1,41 @@
-"""RD701: a transmission, ros2_control, Gazebo or SRDF entry for a link or joint that does not exist."""
+"""Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.
 
-from __future__ import annotations
+Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in
+one place and not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>,
+and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config or srdf: its
+groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not exist, and an SRDF
+of another name, which may belong to a variant of the robot, are warnings. root_joint, as Pinocchio calls a free
+base, is understood.
+"""
 
 import os
 from collections.abc import Collection, Iterator
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.reading import unexpanded
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.srdf import Named, names_in_srdf, srdf_of
-from robodyn.checks.view import Subject, value_span
+from robodyn.checks.reading.srdf import Named, names_in_srdf, srdf_of
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.view import Subject, value_span
+from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 
 _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_default_collisions"})
 
+_TRANSMISSION = """
+  <transmission name="drive">
+    <type>transmission_interface/SimpleTransmission</type>
+    <joint name="{}"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+    <actuator name="motor"><mechanicalReduction>50</mechanicalReduction></actuator>
+  </transmission>"""
 
-def check(context: Context) -> Iterator[Fault]:
+
+@rule(
+    Severity.ERROR,
+    Stage.DOCUMENT,
+    bad=arm(more=_TRANSMISSION.format("sholder")),
+    good=arm(more=_TRANSMISSION.format("shoulder")),
+)
+def check(context: Context) -> Faults:
     view = context.view
     both = {**view.link, **view.joint}
     remedies: dict[str, str] = {}
@@ -70,30 +88,5 @@ def _in_srdf(context: Context) -> Iterator[Fault]:
             what=f"there is no {used.kind} {shown(used.name)} in the robot; <{used.element.tag}> of its line "
             f"{used.element.line} names it{more}",
             remedy=alternatives(used.name, names, f"{used.kind}s"),
-            severity=None if same and used.element.tag not in _PAIRS_ONLY else Severity.W,
+            severity=None if same and used.element.tag not in _PAIRS_ONLY else Severity.WARNING,
         )
-
-
-_TRANSMISSION = """
-  <transmission name="drive">
-    <type>transmission_interface/SimpleTransmission</type>
-    <joint name="{}"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
-    <actuator name="motor"><mechanicalReduction>50</mechanicalReduction></actuator>
-  </transmission>"""
-
-RULE = Rule(
-    code="RD701",
-    name="names-nothing",
-    severity=Severity.E,
-    stage=Stage.DOCUMENT,
-    summary="Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.",
-    explanation="""Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in
-one place and not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>,
-and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config or srdf: its
-groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not exist, and an SRDF
-of another name, which may belong to a variant of the robot, are warnings. root_joint, as Pinocchio calls a free
-base, is understood.""",
-    bad=arm(more=_TRANSMISSION.format("sholder")),
-    good=arm(more=_TRANSMISSION.format("shoulder")),
-    check=check,
-)

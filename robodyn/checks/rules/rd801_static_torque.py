@@ -1,23 +1,36 @@
-"""RD801: gravity alone exceeds the effort limit."""
+"""Every joint can hold the robot's weight in every pose within the limits.
 
-from __future__ import annotations
+The torque of gravity about each joint at rest, the root standing still with z up, in the worst
+pose within the position limits; a joint without limits turns all the way round. The pose is found by going through
+the joints again and again, the torque being a sine of each angle alone, from several starts. What is reported is
+reached in the pose that is named; a worse one may exist. Loads, motion and friction come on top: robodyn torques
+computes them.
+"""
 
-from collections.abc import Iterator
 from math import degrees
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import INERTIA, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.static_torque import StaticTorque, static_torques
-from robodyn.checks.view import value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.statics.torque import StaticTorque, static_torques
 from robodyn.robot.model import Model
+from robodyn.robot.urdf.view import value_span
 
 _HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
 _MOST_JOINTS = 8
 _SLACK = 1e-3
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5" velocity="3"/>').replace(
+        f'<mass value="2"/>{INERTIA}', _HEAVY
+    ),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/>').replace(
+        f'<mass value="2"/>{INERTIA}', _HEAVY
+    ),
+)
+def check(context: Context) -> Faults:
     for one in context.once(static_torques):
         limit, joint = context.view.joint[one.joint.name].limit, one.joint
         if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:
@@ -44,24 +57,3 @@ def _pose(model: Model, one: StaticTorque) -> str:
             values.append(f"{joint.name} = {text}")
     more = f" and {len(values) - _MOST_JOINTS} more" if len(values) > _MOST_JOINTS else ""
     return ", ".join(values[:_MOST_JOINTS]) + more if values else "q = 0"
-
-
-RULE = Rule(
-    code="RD801",
-    name="static-torque",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="Every joint can hold the robot's weight in every pose within the limits.",
-    explanation="""The torque of gravity about each joint at rest, the root standing still with z up, in the worst
-pose within the position limits; a joint without limits turns all the way round. The pose is found by going through
-the joints again and again, the torque being a sine of each angle alone, from several starts. What is reported is
-reached in the pose that is named; a worse one may exist. Loads, motion and friction come on top: robodyn torques
-computes them.""",
-    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="5" velocity="3"/>').replace(
-        f'<mass value="2"/>{INERTIA}', _HEAVY
-    ),
-    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/>').replace(
-        f'<mass value="2"/>{INERTIA}', _HEAVY
-    ),
-    check=check,
-)

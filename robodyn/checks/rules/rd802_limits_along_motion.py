@@ -1,16 +1,22 @@
-"""RD802: a motion that asks for more than the limits."""
+"""The limits hold along the given motion.
 
-from __future__ import annotations
+With --trajectory FILE: the torques of inverse dynamics, speeds and positions along the motion,
+against effort, velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other
+findings. The examples are held against a motion that swings the arm by 1 rad.
+"""
 
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.view import value_span
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-0.5" upper="0.5" effort="30" velocity="9"/>'),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="9"/>'),
+)
+def check(context: Context) -> Faults:
     """Silent unless a motion is asked for."""
     if context.asked.trajectory is None:
         return
@@ -37,18 +43,3 @@ def check(context: Context) -> Iterator[Fault]:
             measured=excess.value,
             bound=excess.limit,
         )
-
-
-RULE = Rule(
-    code="RD802",
-    name="limits-along-motion",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="The limits hold along the given motion.",
-    explanation="""With --trajectory FILE: the torques of inverse dynamics, speeds and positions along the motion,
-against effort, velocity, lower and upper. It is what robodyn torques --fail-on-limits says, among the other
-findings. The examples are held against a motion that swings the arm by 1 rad.""",
-    bad=arm('<axis xyz="0 1 0"/><limit lower="-0.5" upper="0.5" effort="30" velocity="9"/>'),
-    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="30" velocity="9"/>'),
-    check=check,
-)

@@ -1,21 +1,25 @@
-"""RD803: an effort limit far beyond any load."""
+"""An effort limit is within reach of the loads."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.static_torque import gravity_bounds
-from robodyn.checks.view import value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.statics.torque import gravity_bounds
+from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import figure
 
 FACTOR = 1000.0
 """An effort limit of more than this many times the robot's weight at the joint's reach bounds nothing."""
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""A limit of more than {FACTOR:g} times the weight of the whole robot, hanging where the joint's
+farthest part can be (5 cm away at least), was never meant to limit anything: saturation, planning and sizing against
+it say nothing. Greater ones still, which stand for no limit at all, are RD506's.""",
+    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="90000" velocity="3"/>'),
+    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
+)
+def check(context: Context) -> Faults:
     bounds = context.once(gravity_bounds)
     for joint in context.model.independent:
         limit = None if joint.name not in context.view.joint else context.view.joint[joint.name].limit
@@ -33,18 +37,3 @@ def check(context: Context) -> Iterator[Fault]:
             measured=joint.effort,
             bound=FACTOR * most,
         )
-
-
-RULE = Rule(
-    code="RD803",
-    name="absurd-effort",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="An effort limit is within reach of the loads.",
-    explanation=f"""A limit of more than {FACTOR:g} times the weight of the whole robot, hanging where the joint's
-farthest part can be (5 cm away at least), was never meant to limit anything: saturation, planning and sizing against
-it say nothing. Greater ones still, which stand for no limit at all, are RD506's.""",
-    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="90000" velocity="3"/>'),
-    good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
-    check=check,
-)

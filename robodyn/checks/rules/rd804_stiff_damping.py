@@ -1,20 +1,25 @@
-"""RD804: damping that explicit integration cannot follow."""
+"""Inertia and damping of a joint allow steps of 1 ms."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.reflected_inertia import reflected_inertias
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import value_span
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.statics.reflected_inertia import reflected_inertias
+from robodyn.robot.urdf.view import value_span
 
 STEP = 1e-3
 """s; the usual step of a simulation."""
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(
+    Severity.WARNING,
+    Stage.MODEL,
+    explanation=f"""A joint of damping b and reflected inertia J = 1 / (M^-1)_ii comes to rest within J / b. Explicit
+Euler with a longer step than 2 J / b overshoots more with every step; the rule asks for {STEP:g} s. Real joints have
+the inertia of a rotor times the square of the gear ratio, which most descriptions leave out. J is taken at the
+middle of the ranges.""",
+    bad=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="50"/>'),
+    good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
+)
+def check(context: Context) -> Faults:
     for joint, inertia in context.once(reflected_inertias):
         step = 2.0 * inertia / joint.damping
         if not 0.0 < step < STEP:
@@ -32,19 +37,3 @@ def check(context: Context) -> Iterator[Fault]:
             measured=step,
             bound=STEP,
         )
-
-
-RULE = Rule(
-    code="RD804",
-    name="stiff-damping",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="Inertia and damping of a joint allow steps of 1 ms.",
-    explanation=f"""A joint of damping b and reflected inertia J = 1 / (M^-1)_ii comes to rest within J / b. Explicit
-Euler with a longer step than 2 J / b overshoots more with every step; the rule asks for {STEP:g} s. Real joints have
-the inertia of a rotor times the square of the gear ratio, which most descriptions leave out. J is taken at the
-middle of the ranges.""",
-    bad=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="50"/>'),
-    good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
-    check=check,
-)

@@ -1,14 +1,9 @@
-"""RD901: what another program makes of the file."""
+"""The programs that a description is meant for take it as it is."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from robodyn.checks.asked import TARGETS
-from robodyn.checks.consumers import FACTS, Opinion, Verdict, opinion
-from robodyn.checks.context import Context
+from robodyn.checks.consumers.verdicts import FACTS, Opinion, Verdict, opinion
+from robodyn.checks.context import TARGETS
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _MOST = 3
 _SAYS = {
@@ -17,8 +12,21 @@ _SAYS = {
     Verdict.REJECTS: "rejects it",
 }
 
+_TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
 
-def check(context: Context) -> Iterator[Fault]:
+_KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [{fact.source}]." for fact in FACTS)
+
+
+@rule(
+    Severity.NOTE,
+    Stage.TREE,
+    explanation=f"""One remark for each program asked for ({", ".join(TARGETS)}) with its verdict: loads, alters, or
+rejects and why. Without being asked, only rejections are reported. What is known, and from where:
+{_KNOWN}""",
+    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
+    good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
+)
+def check(context: Context) -> Faults:
     """The verdict of every program that is asked for; without being asked, only that one rejects the file."""
     targets = context.asked.targets
     for target in targets or TARGETS:
@@ -41,21 +49,3 @@ def _fault(context: Context, one: Opinion) -> Fault:
 def _listed(names: list[str]) -> str:
     more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
     return ", ".join(names[:_MOST]) + more
-
-
-_TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
-_KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [{fact.source}]." for fact in FACTS)
-
-RULE = Rule(
-    code="RD901",
-    name="consumer-verdict",
-    severity=Severity.I,
-    stage=Stage.TREE,
-    summary="The programs that a description is meant for take it as it is.",
-    explanation=f"""One remark for each program asked for ({", ".join(TARGETS)}) with its verdict: loads, alters, or
-rejects and why. Without being asked, only rejections are reported. What is known, and from where:
-{_KNOWN}""",
-    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
-    good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
-    check=check,
-)

@@ -1,27 +1,33 @@
-"""RD902: dynamics that differ from those of an earlier version of the file."""
+"""The dynamics are those of the earlier version.
+
+With --against REF, the robot is compared with what git has of the same file at that revision:
+joints that come, go, move or change their order, types, axes, limits and friction; masses, centres of mass and
+inertias of the moving bodies, with everything fixed to them; and the torques of both in random states, in percent of
+the largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. The examples are
+two versions of a file: the bad one is compared with the good one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from robodyn.checks.context import Context
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Fault, Rule, Severity, Stage
-from robodyn.checks.view import Subject
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.view import Subject
 
 if TYPE_CHECKING:
-    from robodyn.checks.regression import Change
+    from robodyn.checks.compare.regression import Change
 
 
-def check(context: Context) -> Iterator[Fault]:
+@rule(Severity.WARNING, Stage.MODEL, bad=arm().replace('mass value="2"', 'mass value="2.2"'), good=arm())
+def check(context: Context) -> Faults:
     """Silent unless a revision is asked for."""
     against = context.asked.against
     if against is None:
         return
-    from robodyn.checks.regression import changes, model_at
+    from robodyn.checks.compare.regression import changes, model_at
 
     before = model_at(context.reading.file, against)
     if before is None:
@@ -42,20 +48,3 @@ def _place(context: Context, change: Change) -> Span:
     if change.kind == "link" and change.name in context.view.link:
         return context.view.link[change.name].name_span
     return context.view.root.span
-
-
-RULE = Rule(
-    code="RD902",
-    name="regression",
-    severity=Severity.W,
-    stage=Stage.MODEL,
-    summary="The dynamics are those of the earlier version.",
-    explanation="""With --against REF, the robot is compared with what git has of the same file at that revision:
-joints that come, go, move or change their order, types, axes, limits and friction; masses, centres of mass and
-inertias of the moving bodies, with everything fixed to them; and the torques of both in random states, in percent of
-the largest. Moving a fixed frame, renaming a fixed joint or splitting a link changes nothing here. The examples are
-two versions of a file: the bad one is compared with the good one.""",
-    bad=arm().replace('mass value="2"', 'mass value="2.2"'),
-    good=arm(),
-    check=check,
-)

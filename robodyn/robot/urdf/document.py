@@ -1,28 +1,25 @@
-"""The file as written: every element and attribute of a URDF, with its place."""
+"""The file as written: every element and attribute of a URDF, with its place, and everything that is wrong as XML.
+
+A file is parsed once, and what is wrong with it is data. `read` keeps all of that, as a linter wants it;
+`read_document` is strict and raises the first.
+"""
 
 from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.builder import RUN_XACRO, Builder
 from robodyn.robot.urdf.elements import Attribute, Element
-from robodyn.robot.urdf.source_positions import BOM, Span
+from robodyn.robot.urdf.long_tokens import LONGEST, long_token
+from robodyn.robot.urdf.source_positions import Places, Span
 from robodyn.robot.urdf.sources import as_utf8, read_source
-from robodyn.support.wording import shown
+from robodyn.robot.urdf.xml_reader import Reader, TextFault
 
-__all__ = ["Attribute", "Document", "Element", "Span", "read_document"]
+__all__ = ["Attribute", "Document", "Element", "Reading", "Span", "TextFault", "read", "read_document"]
 
-_REMEDIES = {
-    expat.errors.XML_ERROR_UNDEFINED_ENTITY: "write & as &amp;",
-    expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE: "keep one of the two",
-    expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT: "keep one <robot> and nothing after it",
-    expat.errors.XML_ERROR_MISPLACED_XML_PI: "nothing, not even a blank, may stand before <?xml",
-    expat.errors.XML_ERROR_INCORRECT_ENCODING: "correct encoding=... in the first line",
-    expat.errors.XML_ERROR_UNKNOWN_ENCODING: "save it as UTF-8",
-}
+_SHOWN = 200
+"""Bytes kept of a token that is too long."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +35,29 @@ class Document:
     encoding: str = "utf-8"
 
 
-def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
-    """The elements and attributes of a URDF file with their places.
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A file, the faults of its XML, and its document where that could be read to the end and needs no expansion."""
 
-    Method: expat, which neither fetches nor (a document type being refused) expands an entity; one pass, no recursion.
+    file: str
+    data: bytes
+    encoding: str
+    faults: tuple[TextFault, ...]
+    document: Document | None
+
+    @property
+    def root(self) -> Element:
+        """<robot>, of a file that has a document."""
+        assert self.document is not None, "the file could be read"
+        return self.document.root
+
+    def found(self, code: str) -> list[TextFault]:
+        """What rule `code` reports."""
+        return [fault for fault in self.faults if fault.code == code]
+
+
+def read_document(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
+    """Return the elements and attributes of a URDF file with their places.
 
     Args:
         source: path of the file, or its bytes.
@@ -55,43 +71,48 @@ def read_document(source: str | os.PathLike[str] | bytes, name: str | None = Non
             prefix outside the extension elements, or is left over from xacro; with the line.
     """
     file, original = read_source(source, name)
-    data, transcoded = as_utf8(file, original)
-    if not data.removeprefix(BOM).strip():
-        raise DescriptionError("the file is empty", remedy="give a URDF file", file=file, line=1)
-    builder = Builder(file, data, "utf-8" if transcoded else None)
+    reading = _parsed(file, *as_utf8(file, original))
+    if reading.document is None or reading.faults:
+        raise reading.faults[0].error
+    return reading.document
+
+
+def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Reading:
+    """Return what can be read of a file, with all its faults.
+
+    Args:
+        source, name: as for `read_document`.
+
+    Raises:
+        DescriptionError: the file cannot be opened.
+    """
+    file, original = read_source(source, name)
     try:
-        builder.parser.Parse(data, True)
-    except expat.ExpatError as error:
-        raise _malformed(builder, error) from None
-    except (LookupError, ValueError) as error:
-        raise DescriptionError(
-            f"cannot decode the text: {error}", remedy="save it as UTF-8", file=file, line=1
-        ) from None
-    assert builder.root is not None, "expat refuses a document without an element"
-    return Document(file, data, _checked_root(file, builder.root), builder.places.encoding)
+        data, transcoded = as_utf8(file, original)
+    except DescriptionError as error:
+        at, remedy = Places(original, "latin-1").span(0, 0), error.remedy or "save as UTF-8"
+        return Reading(file, original, "latin-1", (TextFault("RD001", at, error.what, remedy, error),), None)
+    if (long := long_token(data)) is not None:
+        return _unread(file, data, *long)
+    return _parsed(file, data, transcoded)
 
 
-def _malformed(builder: Builder, error: expat.ExpatError) -> DescriptionError:
-    if b"\0" in builder.places.data:
-        return DescriptionError(
-            "this is a binary file, not XML", remedy="give a URDF file", file=builder.file, line=error.lineno
-        )
-    text = expat.ErrorString(error.code)
-    remedy = _REMEDIES.get(text)
-    if builder.stack:
-        element = builder.stack[-1]
-        text += f" inside {shown(element.tag)} of line {element.line}"
-        remedy = remedy or "the file may be cut off, or its end tag is missing"
-    elif builder.root is None and remedy is None:
-        remedy = "the file must be XML with the root element <robot>"
-    return DescriptionError(f"malformed XML: {text}", remedy=remedy, file=builder.file, line=error.lineno)
+def _parsed(file: str, data: bytes, transcoded: bool) -> Reading:
+    """Parse the text by expat, which fetches nothing: what declares entities ends the reading before any is expanded.
+
+    Method: one pass, no recursion.
+    """
+    reader = Reader(file, data, "utf-8" if transcoded else None)
+    root, encoding = reader.run(), reader.places.encoding
+    document = None if root is None else Document(file, data, root, encoding)
+    return Reading(file, data, encoding, tuple(reader.faults), document)
 
 
-def _checked_root(file: str, root: Element) -> Element:
-    if root.tag == "robot":
-        return root
-    remedies = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
-    remedy = remedies.get(root.tag, RUN_XACRO if file.endswith(".xacro") else "give a URDF file")
-    raise DescriptionError(
-        f"the root element is {shown(root.tag)}, not 'robot'", remedy=remedy, file=file, line=root.line
-    )
+def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Reading:
+    """The reading of a file with a token that is too long: its data end soon after that has begun."""
+    what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
+    remedy = "shorten it; no robot needs as much"
+    seen = data[: min(start + _SHOWN, end)]
+    at = Places(seen, "utf-8").span(start, len(seen))
+    error = DescriptionError(what, remedy=remedy, file=file, line=at.line)
+    return Reading(file, seen, "utf-8", (TextFault("RD001", at, what, remedy, error),), None)

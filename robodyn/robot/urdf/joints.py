@@ -10,8 +10,8 @@ from robodyn.robot.urdf.parts import Joint, Limit, Mimic, Vector
 from robodyn.support.wording import alternatives, shown
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-_WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
-_WITH_RANGE = frozenset({"revolute", "prismatic"})
+WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
+WITH_RANGE = frozenset({"revolute", "prismatic"})
 _DEFAULT_AXIS: Vector = (1.0, 0.0, 0.0)
 _UNIT_TOLERANCE = 1e-6
 
@@ -50,14 +50,14 @@ def _axis(element: Element, kind: str, owner: str, fields: Fields) -> Vector:
     """The axis as written. Only the types that move along or about it need it to be a direction."""
     written = fields.child(element, "axis", owner)
     if written is None:
-        if kind in _WITH_AXIS:
+        if kind in WITH_AXIS:
             fields.default(element.line, f"{owner} has no <axis>: 1 0 0")
         return _DEFAULT_AXIS
     axis = fields.vector(written, "xyz", owner)
     if axis is None:
         raise fields.missing(written, "xyz", owner)
     length = hypot(*axis)
-    if kind not in _WITH_AXIS or abs(length - 1) <= _UNIT_TOLERANCE:
+    if kind not in WITH_AXIS or abs(length - 1) <= _UNIT_TOLERANCE:
         return axis
     if length == 0:
         what = f"the axis of {owner} has the length 0, which gives no direction"
@@ -69,13 +69,13 @@ def _axis(element: Element, kind: str, owner: str, fields: Fields) -> Vector:
 def _limit(element: Element, kind: str, owner: str, fields: Fields) -> Limit | None:
     written = fields.child(element, "limit", owner)
     if written is None:
-        if kind in _WITH_RANGE:
+        if kind in WITH_RANGE:
             fields.default(element.line, f"{owner} has no <limit>: unlimited")
         return None
     values = {name: fields.number(written, name, owner) for name in ("lower", "upper", "effort", "velocity")}
     limit = Limit(**values)
     absent = [
-        name for name in values if values[name] is None and (kind in _WITH_RANGE or name in ("effort", "velocity"))
+        name for name in values if values[name] is None and (kind in WITH_RANGE or name in ("effort", "velocity"))
     ]
     if absent:
         fields.default(written.line, f"<limit> of {owner} has no {', '.join(absent)}: unlimited")

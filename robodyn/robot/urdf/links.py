@@ -9,9 +9,9 @@ from robodyn.robot.urdf.fields import Fields
 from robodyn.robot.urdf.parts import Geometry, Inertial, Link, Vector
 from robodyn.support.wording import alternatives, shown
 
-_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
-_SHAPES = (*_SIZES, "mesh")
+SHAPES = (*_SIZES, "mesh")
 _UNIT: Vector = (1.0, 1.0, 1.0)
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
@@ -34,13 +34,13 @@ def _inertial(element: Element, owner: str, fields: Fields) -> Inertial:
     if mass < 0:
         fields.warn(element.line, f"{owner} has a negative mass: {mass:g} kg")
     inertia = fields.needed_child(element, "inertia", owner)
-    ixx, ixy, ixz, iyy, iyz, izz = (fields.needed_number(inertia, name, owner) for name in _INERTIA)
+    ixx, ixy, ixz, iyy, iyz, izz = (fields.needed_number(inertia, name, owner) for name in INERTIA)
     return Inertial(mass, fields.origin(element, owner), (ixx, ixy, ixz, iyy, iyz, izz))
 
 
 def _geometry(element: Element, owner: str, fields: Fields) -> Geometry:
     geometry = fields.needed_child(element, "geometry", owner)
-    shapes = [child for child in geometry.children if child.tag in _SHAPES]
+    shapes = [child for child in geometry.children if child.tag in SHAPES]
     if len(shapes) != 1:
         raise _no_single_shape(geometry, shapes, f"<geometry> in a <{element.tag}> of {owner}", fields)
     shape = shapes[0]
@@ -60,10 +60,10 @@ def _no_single_shape(geometry: Element, shapes: list[Element], where: str, field
     if shapes:
         return fields.error(shapes[1].line, f"{where} has {len(shapes)} shapes", "keep one of them")
     if not geometry.children:
-        return fields.error(geometry.line, f"{where} has no shape", f"shapes: {', '.join(_SHAPES)}")
+        return fields.error(geometry.line, f"{where} has no shape", f"shapes: {', '.join(SHAPES)}")
     tag = geometry.children[0].tag
     return fields.error(
-        geometry.line, f"{where} has the unknown shape {shown(tag)}", alternatives(tag, _SHAPES, "shapes")
+        geometry.line, f"{where} has the unknown shape {shown(tag)}", alternatives(tag, SHAPES, "shapes")
     )
 
 

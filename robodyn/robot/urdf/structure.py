@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from typing import Protocol, TypeVar
 
@@ -40,8 +40,7 @@ def root_link(links: Mapping[str, Link], joints: Sequence[Joint], fields: Fields
     if not links:
         raise fields.error(1, "the robot has no links", "add a <link>")
     above = _joint_above(links, joints, fields)
-    cycle = _cycle({child: joint.parent for child, joint in above.items()})
-    if cycle:
+    for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.line)
         start = cycle.index(first.parent)
         downward = [*cycle[start::-1], *cycle[:start:-1]]
@@ -63,8 +62,7 @@ def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], fields: 
             raise fields.error(lines[name], what, alternatives(master, joints, "joints"))
         if master == name:
             raise fields.error(lines[name], f"joint {shown(name)} mimics itself", "name another joint")
-    cycle = _cycle(masters)
-    if cycle:
+    for cycle in cycles(masters):
         what = f"joints mimic each other in a cycle: {_round(cycle)}"
         raise fields.error(min(lines[name] for name in cycle), what, "let one of them be free")
 
@@ -88,8 +86,8 @@ def _dangling(joint: Joint, role: str, link: str, links: Collection[str], fields
     return fields.error(joint.line, what, alternatives(link, links, "links"))
 
 
-def _cycle(successor: Mapping[K, K]) -> list[K]:
-    """The nodes of one cycle, the empty list if there is none. Each node is visited once."""
+def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:
+    """Every cycle of a graph in which each node has at most one successor. Each node is visited twice at most."""
     walk_of: dict[K, int] = {}
     for walk, start in enumerate(successor):
         node = start
@@ -100,8 +98,7 @@ def _cycle(successor: Mapping[K, K]) -> list[K]:
             cycle = [node]
             while (node := successor[node]) != cycle[0]:
                 cycle.append(node)
-            return cycle
-    return []
+            yield cycle
 
 
 def _round(cycle: Sequence[str]) -> str:

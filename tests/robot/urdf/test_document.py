@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.builder import MAX_DEPTH
 from robodyn.robot.urdf.document import Document, Element, Span, read_document
+from robodyn.robot.urdf.xml_reader import MAX_DEPTH
 
 GAP = st.text(" \t\r\n", min_size=1, max_size=3)
 SPACE = st.text(" \t\r\n", max_size=2)

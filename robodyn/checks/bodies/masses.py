@@ -1,0 +1,126 @@
+"""Masses and moments that several rules ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import fsum, sqrt
+
+import numpy as np
+
+from robodyn.checks.bodies.frames import centres_of_mass
+from robodyn.checks.context import Context
+from robodyn.checks.reading.tree import Group
+from robodyn.checks.rule import Severity
+from robodyn.programs.vectors import product
+from robodyn.robot.urdf.view import LinkView
+from robodyn.solids.inertia.eigen import eigen
+from robodyn.solids.inertia.exact import Floats
+
+Tensor = tuple[float, ...]
+"""ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""
+
+POINT = 1e-6
+"""Radius of gyration [m] below which a body counts as a point."""
+
+
+def carried_masses(context: Context) -> Mapping[Group, float]:
+    """For each rigid group the mass of all that moves with it, itself included; unreadable masses count as 0."""
+    carried: dict[Group, float] = {}
+    for group in reversed(context.tree.groups):
+        own = fsum(link.mass or 0.0 for link in group.links)
+        carried[group] = own + fsum(carried[child] for child in group.children)
+    return carried
+
+
+def matrix(entries: Sequence[float]) -> Floats:
+    """The symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz."""
+    xx, xy, xz, yy, yz, zz = entries
+    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+
+
+def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
+    """The principal moments of inertia, ascending [kg m^2].
+
+    Accuracy: that of `robodyn.solids.inertia.eigen`.
+    """
+    size = max(map(abs, tensor)) or 1.0
+    moments, _ = eigen(matrix(tensor) / size)
+    large, middle, small = (float(moment) * size for moment in moments)
+    return small, middle, large
+
+
+def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
+    """Of a link's zero mass: none in a body that has mass by its other links, or that does not move."""
+    tree = context.tree_or_none
+    group = None if tree is None else tree.group[link.name]
+    if group is None or group.joint is None or group.mass != 0:
+        return None
+    return Severity.NOTE if context.once(carried_masses)[group] > 0 else Severity.ERROR
+
+
+def is_a_point(link: LinkView) -> bool:
+    """Whether what inertia it has is that of a point: a radius of gyration below a micrometre."""
+    if link.tensor is None or link.mass is None:
+        return False
+    return max(map(abs, link.tensor)) <= POINT * POINT * max(link.mass, 0.0)
+
+
+def trace(tensor: Tensor) -> float:
+    return tensor[0] + tensor[3] + tensor[5]
+
+
+def gyration(context: Context, group: Group) -> float | None:
+    """sqrt(tr(S) / m) [m], S being the second moments of the group about its centre of mass.
+
+    tr(S) is the sum of tr(I) / 2 + m |c - c_group|^2 over the links. None where a number of it cannot be read, or no
+    mass is there.
+    """
+    parts = [_part(context, link) for link in group.links if link.inertial is not None]
+    known = [part for part in parts if part is not None]
+    mass = fsum(m for m, _, _ in known)
+    if len(known) < len(parts) or not mass > 0:
+        return None
+    centre = [fsum(m * c[k] for m, _, c in known) / mass for k in range(3)]
+    spread = fsum(half + m * fsum((c[k] - centre[k]) ** 2 for k in range(3)) for m, half, c in known)
+    return sqrt(max(spread, 0.0) / mass)
+
+
+def _part(context: Context, link: LinkView) -> tuple[float, float, tuple[float, ...]] | None:
+    centre = context.once(centres_of_mass).get(link.name)
+    if link.mass is None or link.tensor is None or centre is None:
+        return None
+    return link.mass, trace(link.tensor) / 2, centre
+
+
+def widest(tensor: Tensor) -> int:
+    """Which of the six entries to point at in an inertia that no body has: a diagonal entry that is not positive, or
+    the product that is largest beside its moments; where neither stands out, the largest moment."""
+    diagonal = {0: tensor[0], 3: tensor[3], 5: tensor[5]}
+    least = min(diagonal, key=lambda k: diagonal[k])
+    if diagonal[least] <= 0:
+        return least
+    pairs = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
+    excess = {k: tensor[k] ** 2 - tensor[i] * tensor[j] for k, (i, j) in pairs.items()}
+    worst = max(excess, key=lambda k: excess[k])
+    return worst if excess[worst] > 0 else max(diagonal, key=lambda k: diagonal[k])
+
+
+_LEAST = 1e-6
+"""Of the largest second moment: the least that is left, well above what rounding and the programs' bounds take."""
+
+
+def nearest(I: Floats) -> Floats | None:
+    """(3, 3) I' = tr(S') 1 - S' with the S' nearest to S = tr(I) 1 / 2 - I that is positive definite [kg m^2].
+
+    Method: the eigenvalues of S, the second moments along the principal axes, are clipped at `_LEAST` of the largest,
+    which is the nearest in the Frobenius norm (Higham 1988; of the pseudo-inertia of Wensing 2018, mass and centre of
+    mass being kept). With them all sums of two, the principal moments of inertia, are positive and obey the triangle
+    inequality. None where no second moment is positive: nothing is near that a body can have.
+    """
+    moments, axes = eigen(np.trace(I) / 2.0 * np.eye(3) - I)
+    if not moments[0] > 0.0:
+        return None
+    kept = np.maximum(moments, _LEAST * moments[0])
+    S = product(axes.T * kept, axes)
+    found: Floats = kept.sum() * np.eye(3) - (S + S.T) / 2.0
+    return found

@@ -1,0 +1,157 @@
+"""Boxes and volumes of what links and rigid groups are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi, prod
+
+import numpy as np
+
+from robodyn.checks.bodies.frames import Pose, link_poses, pose
+from robodyn.checks.context import Context
+from robodyn.checks.meshes.facts import MeshFacts
+from robodyn.checks.meshes.files import all_facts
+from robodyn.checks.meshes.units import mesh_slips
+from robodyn.checks.reading.tree import Group
+from robodyn.programs.vectors import length, product
+from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
+from robodyn.solids.inertia.boxes import Box, around
+from robodyn.solids.inertia.exact import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """One shape in its link's frame.
+
+    Attributes:
+        view: it.
+        box: around it in its own axes [m]; pose: where these are.
+        volume: m^3; None where the surface of a mesh does not tell.
+    """
+
+    view: GeometryView
+    box: Box
+    pose: Pose
+    volume: float | None
+
+    def placed(self, outer: Pose) -> Box:
+        """The box along outer axes, in which the link's frame stands at a pose."""
+        return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
+
+
+Solids = Mapping[GeometryView, Solid]
+
+
+def solids(context: Context) -> Solids:
+    """Every shape whose size is known and not zero, and is no slip of units."""
+    facts, mistaken = context.once(all_facts), context.once(mesh_slips)
+    found = {}
+    for link in context.view.links:
+        for geometry in link.geometries:
+            where = pose(geometry.origin)
+            if where is None or geometry.shape is None or geometry in mistaken:
+                continue
+            sized = _mesh(geometry, facts) if geometry.shape.tag == "mesh" else _primitive(geometry)
+            if sized is not None:
+                found[geometry] = Solid(geometry, sized[0], where, sized[1])
+    return found
+
+
+def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> tuple[Box, float | None] | None:
+    assert geometry.shape is not None, "it is a mesh"
+    known = facts.get(geometry.shape.get("filename") or "")
+    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    if known is None or known.problem is not None or scale is None or not all(scale):
+        return None
+    ends = np.array((known.lo, known.hi)) * np.array(scale)
+    volume = abs(known.volume * prod(scale)) if known.closed and not known.overlapping else 0.0
+    return Box(ends.min(axis=0), ends.max(axis=0)), volume or None
+
+
+def _primitive(geometry: GeometryView) -> tuple[Box, float] | None:
+    half = half_size(geometry)
+    if half is None or not (half > 0).all():
+        return None
+    x, _, z = half.tolist()
+    tag = "" if geometry.shape is None else geometry.shape.tag
+    volume = {
+        "box": 8 * float(half.prod()),
+        "cylinder": 2 * pi * x**2 * z,
+        "sphere": 4 / 3 * pi * x**3,
+        "capsule": pi * x**2 * (2 * (z - x) + 4 / 3 * x),
+    }[tag]
+    return Box(-half, half), volume
+
+
+def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
+    """Around shapes of one link, in axes in which its frame has this pose; None if one is unknown, or there is none."""
+    return around_known([known[shape].placed(outer) if shape in known else None for shape in shapes])
+
+
+def around_known(boxes: Sequence[Box | None]) -> Box | None:
+    """The box around boxes; None if one is unknown, or there is none."""
+    found = [box for box in boxes if box is not None]
+    return around(found) if found and len(found) == len(boxes) else None
+
+
+def group_boxes(context: Context) -> Mapping[Group, Box]:
+    """Around all shapes of a rigid group, in the frame of its first link; without those of which a shape is unknown."""
+    known, poses = context.once(solids), context.once(link_poses)
+    found = {}
+    for group in context.tree.groups:
+        shaped = [link for link in group.links if real_shapes(link)]
+        box = around_known(
+            [box_of(real_shapes(link), known, poses[link.name]) if link.name in poses else None for link in shaped]
+        )
+        if box is not None:
+            found[group] = box
+    return found
+
+
+def real_shapes(link: LinkView) -> list[GeometryView]:
+    """The shapes of a link, without <visual/> and the like, which have none."""
+    return [geometry for geometry in link.geometries if geometry.shape is not None]
+
+
+def size_of(box: Box) -> float:
+    """Length of its diagonal [m]."""
+    return length(box.hi - box.lo)
+
+
+def outside(box: Box, point: Floats) -> float:
+    """Distance of a point (3,) from the box [m]; 0 within."""
+    return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
+
+
+def own_box(link: LinkView, R: Floats) -> Box | None:
+    """The box around a link's shapes along the axes R (3, 3) of its frame, about its origin [m].
+
+    None where a mesh or nothing is there. A primitive is bounded by the box around it in its own axes, which is exact
+    for boxes.
+    """
+    return around_known([_box(geometry, R) for geometry in link.geometries])
+
+
+def _box(geometry: GeometryView, R: Floats) -> Box | None:
+    placed, half = pose(geometry.origin), half_size(geometry)
+    if placed is None or half is None:
+        return None
+    return Box(-half, half).placed(product(R.T, placed.R), product(R.T, placed.p))
+
+
+def half_size(geometry: GeometryView) -> Floats | None:
+    """Half the sizes (3,) of a primitive in its own axes [m]; None of a mesh, or where a size cannot be read."""
+    shape = geometry.shape
+    if shape is None or shape.tag == "mesh":
+        return None
+    if shape.tag == "box":
+        size = numbers(shape, "size", 3).values
+        return None if size is None else np.array(size) / 2.0
+    radius, length = numbers(shape, "radius", 1).value, numbers(shape, "length", 1).value
+    if shape.tag == "sphere":
+        length = 0.0
+    if radius is None or length is None:
+        return None
+    cap = 0.0 if shape.tag == "cylinder" else radius
+    return np.array((radius, radius, length / 2.0 + cap))

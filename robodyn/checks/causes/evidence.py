@@ -1,0 +1,115 @@
+"""What a tensor is measured against: the laws of bodies, the link's shapes, and its mirror twin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from robodyn.checks.bodies.masses import principal_moments
+from robodyn.checks.bodies.shapes import own_box
+from robodyn.checks.causes.forms import Given
+from robodyn.checks.context import Context
+from robodyn.checks.mirror.pairs import Pair, link_inertia, reflected
+from robodyn.programs.vectors import product
+from robodyn.robot.urdf.view import LinkView
+from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.second import second_moments
+
+DIFFERENT = 0.10
+"""How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
+SAME = 0.02
+"""How near a correction must come to the twin's mirror image."""
+BEYOND = 1.05
+"""A second moment this many times the most that the link's shapes allow is wrong."""
+_MARGIN = 1e-9
+UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
+"""Where ixx, ixy, ixz, iyy, iyz, izz are in the matrix."""
+
+
+class Symptom(Enum):
+    """How a wrong tensor shows, and what shows that a correction is right."""
+
+    IMPOSSIBLE = "no body can have this tensor, but one can have the corrected one"
+    TOO_LARGE = "the tensor is too large for the link's shapes; corrected, it fits"
+    NO_IMAGE = "corrected, it is the mirror image of its twin's"
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a tensor is measured against, in the axes of the inertial.
+
+    Attributes:
+        possible: whether a body can have a tensor, by the thresholds of RD206 and RD207.
+        image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
+        most: (3,) the most that the second moments can be inside the link's shapes; None where it is not known.
+    """
+
+    possible: Callable[[Floats], bool]
+    image: Floats | None = None
+    most: Floats | None = None
+
+    def symptom(self, I: Floats) -> Symptom | None:
+        """What is wrong with the tensor; None if nothing is seen."""
+        if not self.possible(I):
+            return Symptom.IMPOSSIBLE
+        if self.most is not None and (_second(I) > BEYOND * self.most).any():
+            return Symptom.TOO_LARGE
+        if self.image is not None and apart(I, self.image) > DIFFERENT:
+            return Symptom.NO_IMAGE
+        return None
+
+    def explains(self, I: Floats) -> bool:
+        """Whether nothing is left to explain about a corrected tensor."""
+        if self.image is not None and apart(I, self.image) > SAME:
+            return False
+        return self.possible(I) and (self.most is None or bool((_second(I) <= self.most).all()))
+
+
+def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> tuple[Evidence, Given]:
+    """The evidence on a link's tensor, and what is given of the link with its twin's tensor, if it has one."""
+    limits = context.thresholds
+
+    def possible(I: Floats) -> bool:
+        if clearly_possible(*I[UPPER].tolist()):
+            return True
+        small, middle, large = principal_moments(tuple(I[UPPER].tolist()))
+        return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
+
+    evidence = Evidence(possible, most=_most(link, given))
+    if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
+        return evidence, given
+    _, I = reflected(twin, twin.left.inertial)
+    if not possible(I):
+        return evidence, given
+    scale = given.mass / twin.left.inertial.mass
+    image, copy = (product(given.R.T, tensor, given.R) for tensor in (I, link_inertia(twin.left.inertial)[1]))
+    return replace(evidence, image=scale * image), replace(given, copy=copy)
+
+
+def _most(link: LinkView, given: Given) -> Floats | None:
+    """m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis of the inertial."""
+    box = own_box(link, given.R)
+    if box is None:
+        return None
+    reach = (box.hi - given.c) * (given.c - box.lo)
+    return given.mass * reach if (reach > 0).all() else None
+
+
+def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:
+    """Whether the second moments are positive definite by a margin, by Sylvester's criterion; False may be unclear."""
+    half = (xx + yy + zz) / 2.0
+    a, b, c = half - xx, half - yy, half - zz
+    minor = a * b - xy * xy
+    determinant = c * minor - a * yz * yz - b * xz * xz - 2.0 * xy * xz * yz
+    return bool(a > 0.0 and minor > _MARGIN * half**2 and determinant > _MARGIN * half**3)
+
+
+def _second(I: Floats) -> Floats:
+    return np.diagonal(second_moments(I))
+
+
+def apart(I: Floats, other: Floats) -> float:
+    return float(np.abs(I - other).max() / max(np.abs(I).max(), np.abs(other).max()))

@@ -1,0 +1,1 @@
+"""Findings and dynamics against those of before: baselines and earlier versions."""

@@ -1,0 +1,1 @@
+"""Fixes of files, and the proof that they leave the dynamics alone."""

@@ -1,0 +1,171 @@
+"""The files of the meshes that a description names: where they are, or why they are not there."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from robodyn.checks.context import Context
+from robodyn.checks.meshes.facts import MeshFacts, facts_of
+from robodyn.checks.rule import Edit, Fault, Fix, Severity
+from robodyn.robot.urdf.packages import package_of
+from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.view import GeometryView, LinkView, value_span
+from robodyn.robot.urdf.xml_reader import unexpanded
+from robodyn.support.wording import shown_path
+
+STDIN = "<stdin>"
+
+
+class State(Enum):
+    """What is known of a mesh's file."""
+
+    FOUND = "there"
+    OTHER_CASE = "there in another case"
+    MISSING = "not there"
+    UNKNOWN = "in a package of which nothing is known"
+    REMOTE = "somewhere else"
+
+
+@dataclass(frozen=True, slots=True)
+class MeshUse:
+    """One <mesh> of a link."""
+
+    link: LinkView
+    geometry: GeometryView
+
+    @property
+    def at(self) -> Span:
+        assert self.geometry.shape is not None, "it is a mesh"
+        return value_span(self.geometry.shape, "filename")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeshName:
+    """A file name, and every <mesh> that has it.
+
+    Attributes:
+        uri: as it is written.
+        uses: in the order of the file.
+        state: see `State`.
+        path: of the file, if it is found.
+        found: the name as it should be written, where its case is wrong.
+    """
+
+    uri: str
+    uses: tuple[MeshUse, ...]
+    state: State
+    path: Path | None = None
+    found: str | None = None
+
+    @property
+    def is_seen_only(self) -> bool:
+        """Whether no <collision> uses it."""
+        return all(use.geometry.kind == "visual" for use in self.uses)
+
+    def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
+        """`the mesh NAME what`, at its first use, with the count of the others."""
+        use, more = self.uses[0], len(self.uses) - 1
+        others = f" (and {more} more place{'s' if more > 1 else ''})" if more else ""
+        sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
+        return Fault(at=use.at, subject=use.link.subject, what=sentence, remedy=remedy, severity=severity, fix=fix)
+
+    def renamed(self, better: str) -> Fix:
+        """The safe fix that writes another name wherever this one stands."""
+        edits = tuple(Edit(use.at.start, use.at.end, better) for use in self.uses)
+        return Fix(f"write {shown_path(better)}", edits, safe=True)
+
+
+def mesh_uses(context: Context) -> Iterator[MeshUse]:
+    """Every <mesh>, in the order of the links."""
+    for link in context.view.links:
+        for geometry in link.geometries:
+            if geometry.shape is not None and geometry.shape.tag == "mesh":
+                yield MeshUse(link, geometry)
+
+
+def mesh_names(context: Context) -> Mapping[str, MeshName]:
+    """The names of meshes; those that are empty or not expanded are none."""
+    uses: dict[str, list[MeshUse]] = {}
+    for use in mesh_uses(context):
+        uri = use.geometry.shape.get("filename") if use.geometry.shape is not None else None
+        if uri and not unexpanded(uri):
+            uses.setdefault(uri, []).append(use)
+    look = _Look(context)
+    return {uri: look.up(uri, tuple(found)) for uri, found in uses.items()}
+
+
+def all_facts(context: Context) -> Mapping[str, MeshFacts]:
+    """By name, the facts of every mesh whose file is found."""
+    names = context.once(mesh_names).values()
+    known = facts_of(name.path for name in names if name.path is not None)
+    return {name.uri: known[name.path] for name in names if name.path is not None}
+
+
+class _Look:
+    """How names are looked up; folders are listed once."""
+
+    def __init__(self, context: Context) -> None:
+        self._bytes = context.reading.file == STDIN
+        self._search = context.search
+        self._listed: dict[Path, frozenset[str]] = {}
+
+    def up(self, uri: str, uses: tuple[MeshUse, ...]) -> MeshName:
+        path = self._search.find(uri)
+        scheme, separator, _ = uri.partition("://")
+        for root, prefix, rest in self._roots(uri):
+            name = self._true_name(root, rest)
+            if name is not None and name != rest and (path is None or path == root / rest):
+                return MeshName(uri, uses, State.OTHER_CASE, root / name, prefix + name)
+            if path == root / rest:
+                break
+        if path is not None:
+            return MeshName(uri, uses, State.FOUND, path)
+        if separator and scheme not in ("file", "package", "model"):
+            return MeshName(uri, uses, State.REMOTE)
+        return MeshName(uri, uses, State.MISSING if self._known(uri) else State.UNKNOWN)
+
+    def _roots(self, uri: str) -> Iterator[tuple[Path, str, str]]:
+        """Folders that exist, what of the name stands for them, and the path in them."""
+        package = package_of(uri)
+        if package is not None and package[0]:
+            rest = package[1]
+            for root in dict.fromkeys(self._search.packages(package[0])):
+                if root.is_dir():
+                    yield root, uri[: len(uri) - len(rest)], rest
+        elif "://" not in uri and not os.path.isabs(uri):
+            yield from ((folder, "", uri) for folder in self._search.folders)
+
+    def _known(self, uri: str) -> bool:
+        """Whether it is known where the file ought to be."""
+        package = package_of(uri)
+        if package is None:
+            return not (self._bytes and not os.path.isabs(uri) and "://" not in uri)
+        return not package[0] or any(True for _ in self._roots(uri)) or self._search.knows_packages
+
+    def _true_name(self, root: Path, rest: str) -> str | None:
+        """The path in a folder as its folders spell it, if it is there in any case."""
+        parts = []
+        for part in rest.split("/"):
+            names = self._names(root)
+            if part in ("", ".", "..") or part in names:
+                found = part
+            else:
+                alike = sorted(name for name in names if name.casefold() == part.casefold())
+                if len(alike) != 1:
+                    return None
+                found = alike[0]
+            root = root / found
+            parts.append(found)
+        return "/".join(parts)
+
+    def _names(self, folder: Path) -> frozenset[str]:
+        if folder not in self._listed:
+            try:
+                self._listed[folder] = frozenset(os.listdir(folder))
+            except (OSError, ValueError):
+                self._listed[folder] = frozenset()
+        return self._listed[folder]

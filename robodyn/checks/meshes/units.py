@@ -1,0 +1,95 @@
+"""Meshes whose unit was mistaken."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import dist
+
+from robodyn.checks.context import Context
+from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names
+from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
+
+_LONGEST, _SHORTEST = 20.0, 1e-3
+"""Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
+_TIMES, _MINUTE = 20.0, 100.0
+_TWIN = (300.0, 3000.0)
+"""Ratio of a link's meshes that a factor of 1000 between them explains."""
+_UNEVEN = (900.0, 1100.0)
+
+
+@dataclass(frozen=True, slots=True)
+class UnitSlip:
+    """A mesh as it is used: its longest side [m], the factor of its size, and how that shows."""
+
+    name: MeshName
+    link: LinkView
+    geometry: GeometryView
+    longest: float
+    factor: float
+    how: str
+
+
+def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
+    """The uses of meshes that are 1000 times too large or too small."""
+    facts, reach = context.once(all_facts), _reach(context)
+    found: dict[GeometryView, UnitSlip] = {}
+    for name in context.once(mesh_names).values():
+        for use in name.uses:
+            side = longest(use.geometry, name.uri, context)
+            if side is None or name.uri not in facts:
+                continue
+            twin = _twin(use.link, use.geometry, context)
+            told = _told(side, twin, reach) or _uneven(use.geometry)
+            if told is not None:
+                found[use.geometry] = UnitSlip(name, use.link, use.geometry, side, *told)
+    return found
+
+
+def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
+    """Longest side of the box of a mesh, scaled [m]; None where it is not known."""
+    known = context.once(all_facts).get(uri)
+    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    if known is None or known.problem is not None or scale is None or not all(scale):
+        return None
+    return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
+
+
+def _told(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:
+    if side > _LONGEST and side > _TIMES * reach:
+        return 1e3, f"it is {side:.4g} m long"
+    if side < _SHORTEST and reach > _MINUTE * side:
+        return 1e-3, f"it is {1e3 * side:.3g} mm long in a robot whose joints are up to {reach:.3g} m apart"
+    if twin is None or not twin > 0:
+        return None
+    ratio = side / twin
+    too_large = 0 < _TIMES * reach < max(side, twin)
+    if _TWIN[0] <= ratio <= _TWIN[1] and too_large:
+        return 1e3, f"it is {ratio:.0f} times as large as the link's other mesh"
+    if _TWIN[0] <= 1 / ratio <= _TWIN[1] and not too_large:
+        return 1e-3, f"it is {1 / ratio:.0f} times smaller than the link's other mesh"
+    return None
+
+
+def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
+    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    sizes = sorted(map(abs, scale or (1.0,)))
+    if sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
+        return sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"
+    return None
+
+
+def _twin(link: LinkView, geometry: GeometryView, context: Context) -> float | None:
+    """Longest side of the largest mesh of the link's other kind."""
+    sides = []
+    for other in link.geometries:
+        if other.kind != geometry.kind and other.shape is not None and other.shape.tag == "mesh":
+            sides.append(longest(other, other.shape.get("filename") or "", context))
+    known = [side for side in sides if side is not None]
+    return max(known) if known else None
+
+
+def _reach(context: Context) -> float:
+    """The largest distance between the origins of neighbouring links [m]; 0 where there is none."""
+    offsets = (joint.origin.xyz.or_default(0.0, 0.0, 0.0) for joint in context.view.joints)
+    return max((dist(xyz, (0.0, 0.0, 0.0)) for xyz in offsets if xyz is not None), default=0.0)

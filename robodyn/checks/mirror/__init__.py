@@ -1,0 +1,1 @@
+"""Links that are each other's mirror image."""

@@ -1,0 +1,119 @@
+"""The second moments are no larger than the link's shapes allow for its mass.
+
+Whatever the density, mass within a distance r of its centre has second moments with a trace of at
+most m r^2; and along an axis on which the shapes reach from lo to hi at most m (hi - c)(c - lo) (Bhatia and Davis).
+The shapes are those of all links that fixed joints join, visual and collision, each in its box. A trace above its bound
+is a warning, above four times its bound an error; above four times what the link's own shapes allow a warning. The
+second bound is a remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 %
+of the mass that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
+"""
+
+import numpy as np
+
+from robodyn.checks.bodies.bodies import Body, bodies, share
+from robodyn.checks.bodies.masses import widest
+from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.solids.inertia.boxes import Box
+from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import first_largest
+from robodyn.support.wording import figure
+
+FAR = 4.0
+"""Times the bound that are an error."""
+_SLIGHT = 1.1
+_EDGE = 1e-3
+"""Of the squared side of a box: a centre of mass this near a face may as well be in the middle."""
+_ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
+
+
+@rule(
+    Severity.ERROR,
+    Stage.TREE,
+    bad=a_shaped_link(inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.28"/>'),
+    good=a_shaped_link(),
+)
+def check(context: Context) -> Faults:
+    explained = context.once(slips)
+    for name, body in context.once(bodies).items():
+        if name in explained or share(context, body) is None:
+            continue
+        fault = _beyond_reach(body) or _beyond_box(body)
+        if fault is not None:
+            yield fault
+
+
+def _beyond_reach(body: Body) -> Fault | None:
+    """tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
+    if body.S is None or body.box is None:
+        return None
+    spread = float(np.trace(body.S)) / body.mass
+    own = _reach(body.box, body.c)
+    group = own if body.group is None else _reach(body.group, body.in_group[0])
+    if spread > group:
+        severity, bound, what = (
+            Severity.ERROR if spread > FAR * group else Severity.WARNING,
+            group,
+            "its rigid group",
+        )
+    elif spread > FAR * own:
+        severity, bound, what = Severity.WARNING, own, "the link"
+    else:
+        return None
+    return _fault(
+        body,
+        severity,
+        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {what} "
+        f"reach {bound**0.5:.3g} m from there: {_times(spread / bound)} the second moment that is possible",
+        spread * body.mass,
+        bound * body.mass,
+    )
+
+
+def _beyond_box(body: Body) -> Fault | None:
+    """S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
+    if body.S is None or body.group is None:
+        return None
+    c, S = body.in_group
+    assert S is not None, "it is S turned"
+    sides = body.group.hi - body.group.lo
+    bound = (body.group.hi - c) * (c - body.group.lo)
+    if not (bound > -_EDGE * sides**2).all():
+        return None
+    bound = np.where(bound > _EDGE * sides**2, bound, sides**2 / 4)
+    spread = np.diagonal(S) / body.mass
+    axis = first_largest(spread / bound)
+    ratio = float(spread[axis] / bound[axis])
+    if ratio <= _SLIGHT:
+        return None
+    wherever = spread[axis] > sides[axis] ** 2 / 4
+    return _fault(
+        body,
+        Severity.WARNING if ratio > FAR and wherever else Severity.NOTE,
+        f"along {'xyz'[axis]} its inertia needs {_times(ratio)} the second moment that any mass in the box around the "
+        "shapes can have",
+        float(spread[axis]) * body.mass,
+        float(bound[axis]) * body.mass,
+    )
+
+
+def _reach(box: Box, c: Floats) -> float:
+    return float((np.maximum(box.hi - c, c - box.lo) ** 2).sum())
+
+
+def _times(ratio: float) -> str:
+    return f"{figure(ratio)} times"
+
+
+def _fault(body: Body, severity: Severity, what: str, measured: float, bound: float) -> Fault:
+    assert body.link.tensor is not None, "it has second moments"
+    return Fault(
+        at=body.inertial.entries[widest(body.link.tensor)].span,
+        subject=body.link.subject,
+        what=what,
+        remedy=_ADVICE,
+        measured=measured,
+        bound=bound,
+        severity=severity,
+    )

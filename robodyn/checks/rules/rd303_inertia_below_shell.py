@@ -1,0 +1,43 @@
+"""The inertia is not far below that of the smallest shell with the link's mass.
+
+The largest sphere that fits into the box around a link's shapes, with the mass in its surface, has a
+moment of inertia of 2/3 m r^2; parts of that size have more, for they are longer than thick. A tenth of it means that
+nearly all mass is in one spot. That of a point is RD204's.
+"""
+
+from robodyn.checks.bodies.bodies import bodies, share
+from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
+from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+
+_LEAST = 0.1
+
+
+@rule(
+    Severity.WARNING,
+    Stage.TREE,
+    bad=a_shaped_link(inertia='<inertia ixx="4e-5" ixy="0" ixz="0" iyy="5e-5" iyz="0" izz="3e-5"/>'),
+    good=a_shaped_link(),
+)
+def check(context: Context) -> Faults:
+    explained = context.once(slips)
+    for name, body in context.once(bodies).items():
+        tensor, box = body.link.tensor, body.box
+        if tensor is None or body.S is None or box is None or name in explained or is_a_point(body.link):
+            continue
+        if share(context, body) is None:
+            continue
+        radius = float((box.hi - box.lo).min()) / 2
+        shell = 2 / 3 * body.mass * radius**2
+        largest = principal_moments(tensor)[2]
+        if 0 < largest < _LEAST * shell:
+            yield Fault(
+                at=body.inertial.entries[widest(tensor)].span,
+                subject=body.link.subject,
+                what=f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
+                f"of its mass that fits into its shapes (radius {radius:.3g} m)",
+                remedy="check the unit (kg m^2) and the mass; write the inertia of the part",
+                measured=largest,
+                bound=_LEAST * shell,
+            )

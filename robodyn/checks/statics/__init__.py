@@ -1,0 +1,1 @@
+"""What gravity asks of each joint, and the inertia that each joint feels."""

@@ -1,0 +1,249 @@
+"""Links, joints and numbers of a document as far as they can be read.
+
+Strict reading (`robodyn.robot.urdf.description`) raises at the first fault. Rules read through this view instead:
+nothing in it raises, what is missing or unreadable is None, and every part knows the element it comes from. Of several
+children with one tag the first counts, as in urdfdom. Numbers are read when they are first asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.joints import JOINT_TYPES
+from robodyn.robot.urdf.links import INERTIA, SHAPES
+from robodyn.robot.urdf.numbers import NumbersError, parse_numbers
+from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.xml_reader import unexpanded
+
+_MOVING = frozenset(JOINT_TYPES) - {"fixed"}
+_LONGEST = 2000
+"""Characters of the longest attribute that is read as numbers."""
+P = TypeVar("P", bound="_Part")
+N = TypeVar("N", bound="_Named")
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """The part of the robot that a finding is about: its kind (robot, link, joint, ...) and its name."""
+
+    kind: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Numbers:
+    """The numbers of one attribute: `values` is None where it is absent (`given` is False) or cannot be read.
+
+    `element` is None where the element that would hold the attribute is absent, too.
+    """
+
+    element: Element | None
+    attribute: str
+    given: bool
+    values: tuple[float, ...] | None
+    problem: NumbersError | None = None
+
+    @property
+    def value(self) -> float | None:
+        """The first number, which of most attributes is the only one."""
+        return None if self.values is None else self.values[0]
+
+    @property
+    def span(self) -> Span:
+        """What stands between the quotes; of an absent attribute the element's start tag."""
+        assert self.element is not None, "a number without an element has no place"
+        return value_span(self.element, self.attribute)
+
+    def or_default(self, *default: float) -> tuple[float, ...] | None:
+        """The values; the default where the attribute is absent; None where it cannot be read."""
+        return self.values if self.given else default
+
+
+def numbers(element: Element | None, attribute: str, count: int) -> Numbers:
+    if element is None or (text := element.values.get(attribute)) is None:
+        return Numbers(element, attribute, False, None)
+    if unexpanded(text):
+        return Numbers(element, attribute, True, None)
+    try:
+        if len(text) > _LONGEST:
+            raise NumbersError(f"has {len(text)} characters", f"write {count} numbers")
+        return Numbers(element, attribute, True, parse_numbers(text, count, element.tag))
+    except NumbersError as error:
+        return Numbers(element, attribute, True, None, error)
+
+
+def value_span(element: Element, attribute: str) -> Span:
+    """What stands between the quotes of an attribute; the start tag where it is absent."""
+    found = element.attributes.get(attribute)
+    return element.span if found is None else found.value_span
+
+
+def _number(name: str, count: int = 1, child: str = "") -> cached_property[Numbers]:
+    """The numbers of an attribute of the part's element, or of its first child with that tag."""
+    return cached_property(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
+
+
+def _text(name: str, child: str = "") -> cached_property[str]:
+    """An attribute of the part's element, or of its first child with that tag; empty where it is missing."""
+
+    def read(part: _Part) -> str:
+        element = part.element.find(child) if child else part.element
+        return (element and element.get(name)) or ""
+
+    return cached_property(read)
+
+
+def _child(tag: str, kind: Callable[[Element], P]) -> cached_property[P | None]:
+    """The first child of the part's element with that tag, as a part."""
+    return cached_property(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
+
+
+class OriginView:
+    """A pose: of an absent element or attribute, zero."""
+
+    xyz = _number("xyz", 3)
+    rpy = _number("rpy", 3)
+
+    def __init__(self, owner: Element) -> None:
+        self.element = owner.find("origin")
+
+
+class _Part:
+    """One element, and the pose in it."""
+
+    def __init__(self, element: Element) -> None:
+        self.element = element
+
+    @cached_property
+    def origin(self) -> OriginView:
+        return OriginView(self.element)
+
+
+class InertialView(_Part):
+    """<inertial>: `mass_element` and `inertia_element` are None where it has none."""
+
+    mass = _number("value", child="mass")
+
+    @cached_property
+    def mass_element(self) -> Element | None:
+        return self.element.find("mass")
+
+    @cached_property
+    def inertia_element(self) -> Element | None:
+        return self.element.find("inertia")
+
+    @cached_property
+    def entries(self) -> tuple[Numbers, ...]:
+        return tuple(numbers(self.inertia_element, name, 1) for name in INERTIA)
+
+    @cached_property
+    def tensor(self) -> tuple[float, ...] | None:
+        """ixx, ixy, ixz, iyy, iyz, izz [kg m^2], if all six can be read."""
+        values = tuple(entry.values[0] for entry in self.entries if entry.values is not None)
+        return values if len(values) == len(INERTIA) else None
+
+
+class GeometryView(_Part):
+    """<visual> or <collision> (`kind`), and the first shape in it."""
+
+    @property
+    def kind(self) -> str:
+        return self.element.tag
+
+    @cached_property
+    def shape(self) -> Element | None:
+        geometry = self.element.find("geometry")
+        return None if geometry is None else next((child for child in geometry.children if child.tag in SHAPES), None)
+
+
+class LimitView(_Part):
+    """<limit>."""
+
+    lower = _number("lower")
+    upper = _number("upper")
+    effort = _number("effort")
+    velocity = _number("velocity")
+
+    @property
+    def range(self) -> tuple[float, float] | None:
+        """lower and upper, 0 where one is absent, as URDF has it; None where one cannot be read."""
+        lower, upper = self.lower.or_default(0.0), self.upper.or_default(0.0)
+        return None if lower is None or upper is None else (lower[0], upper[0])
+
+
+class MimicView(_Part):
+    """<mimic>; the multiplier of an absent attribute is 1, the offset 0."""
+
+    joint = _text("joint")
+    multiplier = _number("multiplier")
+    offset = _number("offset")
+
+
+class _Named(_Part):
+    """<link> or <joint>; what is missing of its texts is empty."""
+
+    name = _text("name")
+
+    @property
+    def subject(self) -> Subject:
+        return Subject(self.element.tag, self.name)
+
+    @property
+    def name_span(self) -> Span:
+        return value_span(self.element, "name")
+
+
+class LinkView(_Named):
+    """<link>."""
+
+    inertial = _child("inertial", InertialView)
+
+    @cached_property
+    def geometries(self) -> tuple[GeometryView, ...]:
+        return tuple(GeometryView(child) for child in self.element.children if child.tag in ("visual", "collision"))
+
+    @property
+    def mass(self) -> float | None:
+        """kg; 0 without an <inertial>; None where it is missing in one or cannot be read."""
+        return 0.0 if self.inertial is None else self.inertial.mass.value
+
+    @property
+    def tensor(self) -> tuple[float, ...] | None:
+        return None if self.inertial is None else self.inertial.tensor
+
+
+class JointView(_Named):
+    """<joint>."""
+
+    type = _text("type")
+    parent = _text("link", "parent")
+    child = _text("link", "child")
+    axis = _number("xyz", 3, "axis")
+    limit = _child("limit", LimitView)
+    mimic = _child("mimic", MimicView)
+
+    @property
+    def moves(self) -> bool:
+        return self.type in _MOVING
+
+
+class View:
+    """`links` and `joints` in the order of the file; `link` and `joint` by name, the first of each name."""
+
+    def __init__(self, root: Element) -> None:
+        self.root = root
+        self.links = tuple(LinkView(element) for element in root.children if element.tag == "link")
+        self.joints = tuple(JointView(element) for element in root.children if element.tag == "joint")
+        self.link, self.joint = _by_name(self.links), _by_name(self.joints)
+
+
+def _by_name(parts: Iterable[N]) -> dict[str, N]:
+    named: dict[str, N] = {}
+    for part in parts:
+        if part.name:
+            named.setdefault(part.name, part)
+    return named

@@ -1,0 +1,228 @@
+"""Elements and faults out of expat's events.
+
+Nothing here raises: what is wrong with a file as XML is data, and whoever reads decides what to do about it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from xml.parsers import expat
+
+from robodyn.errors import DescriptionError
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import BOM, Places, Span
+from robodyn.support.wording import shown
+
+MAX_DEPTH = 200
+RUN_XACRO = "name it FILE.xacro, and it is expanded first"
+OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
+"""Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
+_DOCTYPE = b"<!DOCTYPE"
+_UNDEFINED_ENTITY = 11
+_ENTITY = re.compile(rb"&(?!(?:amp|lt|gt|quot|apos|#\w+);)[^;]*;?")
+_REMEDIES = {
+    "duplicate attribute": "keep one of the two",
+    "junk after document element": "keep one <robot> and nothing after it",
+    "XML or text declaration not at start of entity": "nothing, not even a blank, may stand before <?xml",
+    "encoding specified in XML declaration is incorrect": "correct encoding=... in the first line",
+    "unknown encoding": "save it as UTF-8",
+    "undefined entity": "write & as &amp;",
+}
+_HINTS = {
+    "no element found": "the file may be cut off, or an end tag is missing",
+    "mismatched tag": "close every element in the order in which they were opened",
+    "not well-formed (invalid token)": "write & as &amp; and < as &lt;, and put values in quotes",
+}
+"""Remedies of rules; strict reading says which element is open instead."""
+_KINDS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
+
+
+@dataclass(frozen=True, slots=True)
+class TextFault:
+    """Something wrong with the file as XML: what rule `code` says of it, and the error that strict reading raises."""
+
+    code: str
+    at: Span
+    what: str
+    remedy: str
+    error: DescriptionError
+
+
+class _UnreadableError(Exception):
+    """Nothing after this place can be read."""
+
+
+class Reader:
+    """One parse: expat's events become elements and faults, both in the order in which they are met."""
+
+    def __init__(self, file: str, data: bytes, encoding: str | None) -> None:
+        self.file = file
+        self.places = Places(data, "utf-8")
+        self.faults: list[TextFault] = []
+        self._root: Element | None = None
+        self._stack: list[Element] = []
+        self._texts: list[list[str]] = []
+        self._unexpanded = False
+        self._whole = False
+        self._may_have_xacro = b"${" in data or b"$(" in data
+        self._parser = parser = expat.ParserCreate(encoding)
+        parser.buffer_text = True
+        parser.XmlDeclHandler = self._declare if encoding is None else None
+        parser.StartDoctypeDeclHandler = self._doctype
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._text
+
+    def run(self) -> Element | None:
+        """Parse, and return the root if it is one that can be checked. Without a root there are faults."""
+        if not self.places.data.removeprefix(BOM).strip():
+            self._add("RD001", 0, 0, "the file is empty", "give a URDF file")
+        elif self._parse() and self._root is not None and self._root.tag != "robot":
+            self._wrong_root(self._root)
+        elif self._whole and not self._unexpanded:
+            return self._root
+        return None
+
+    def _parse(self) -> bool:
+        """Whether the file could be read to its end."""
+        try:
+            self._parser.Parse(self.places.data, True)
+            self._whole = True
+        except _UnreadableError:
+            pass
+        except expat.ExpatError as error:
+            self._malformed(error)
+        except (LookupError, ValueError) as error:
+            self.places.encoding = "utf-8"  # in which excerpts are shown
+            remedy = "save it as UTF-8"
+            said = f"cannot decode the text: {error}", remedy
+            self._add("RD001", 0, 0, f"the text cannot be decoded: {error}", remedy, said=said)
+        return self._whole
+
+    def _add(
+        self,
+        code: str,
+        start: int,
+        end: int,
+        what: str,
+        remedy: str,
+        *,
+        line: int | None = None,
+        said: tuple[str, str | None] | None = None,
+    ) -> None:
+        """Note a fault; `line`, and what is wrong and the remedy (`said`), are the error's where they are others."""
+        first = len(BOM) if self.places.data.startswith(BOM) else 0
+        at = self.places.span(max(start, first), max(end, first))
+        strict, do = said or (what, remedy)
+        error = DescriptionError(strict, remedy=do, file=self.file, line=line or at.line)
+        self.faults.append(TextFault(code, at, what, remedy, error))
+
+    def _wrong_root(self, root: Element) -> None:
+        span, other = root.span, _KINDS.get(root.tag)
+        remedy = other or "give a URDF file, whose root element is <robot>"
+        strict = other or (RUN_XACRO if self.file.endswith(".xacro") else "give a URDF file")
+        said = f"the root element is {shown(root.tag)}, not 'robot'", strict
+        self._add("RD001", span.start, span.end, f"the root element is <{root.tag}>", remedy, line=root.line, said=said)
+
+    def _malformed(self, error: expat.ExpatError) -> None:
+        data = self.places.data
+        start = max(self._parser.ErrorByteIndex, 0)
+        end = min(start + 1, len(data))
+        text = expat.ErrorString(error.code)
+        said = self._said(text)
+        if error.code == _UNDEFINED_ENTITY:
+            entity = _ENTITY.search(data, start)
+            start, end = entity.span() if entity else (start, end)
+            what, remedy = "an entity that XML does not define", _REMEDIES[text]
+            self._add("RD002", start, end, what, remedy, line=error.lineno, said=said)
+            return
+        if "encoding" in text:
+            self.places.encoding = "utf-8"
+        inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
+        remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
+        if b"\0" in data:
+            text, remedy = "this is a binary file, not XML", "give a URDF file"
+            said = text, remedy
+        self._add("RD001", start, end, text + inside, remedy, line=error.lineno, said=said)
+
+    def _said(self, text: str) -> tuple[str, str | None]:
+        """What is wrong with malformed XML, and the remedy, as strict reading says it."""
+        remedy = _REMEDIES.get(text)
+        if self._stack:
+            element = self._stack[-1]
+            text += f" inside {shown(element.tag)} of line {element.line}"
+            remedy = remedy or "the file may be cut off, or its end tag is missing"
+        elif self._root is None and remedy is None:
+            remedy = "the file must be XML with the root element <robot>"
+        return f"malformed XML: {text}", remedy
+
+    def _declare(self, version: str, encoding: str | None, standalone: int) -> None:
+        if encoding is not None:
+            self.places.encoding = encoding.lower()
+
+    def _doctype(self, name: str, system: str | None, public: str | None, has_declarations: int) -> None:
+        start = self.places.data.rfind(_DOCTYPE, 0, self._parser.CurrentByteIndex + len(_DOCTYPE))
+        what = "a document type with declarations" if has_declarations else "a document type"
+        remedy = "delete it; URDF needs none"
+        said = "a document type declaration (<!DOCTYPE, entities) is never read", remedy
+        line = self._parser.CurrentLineNumber
+        self._add("RD002", start, start + len(_DOCTYPE), f"{what} (<!DOCTYPE)", remedy, line=line, said=said)
+        if has_declarations:
+            raise _UnreadableError
+
+    def _start(self, tag: str, values: Mapping[str, str]) -> None:
+        parser, stack = self._parser, self._stack
+        element = Element(tag, values, parser.CurrentLineNumber, parser.CurrentByteIndex, self.places)
+        if stack:
+            stack[-1].children.append(element)
+        else:
+            self._root = element
+        stack.append(element)
+        self._texts.append([])
+        if len(stack) > MAX_DEPTH:
+            what = f"elements are nested more than {MAX_DEPTH} deep"
+            self._add("RD001", element.start, element.start + 1, what, "URDF needs fewer than ten levels")
+            raise _UnreadableError
+        for name in (tag, *values):
+            if ":" in name:
+                self._check_prefix(element, name)
+        if self._may_have_xacro and not self._in_extension():
+            self._check_expressions(element)
+
+    def _end(self, tag: str) -> None:
+        self._stack.pop().text = "".join(self._texts.pop())
+
+    def _text(self, text: str) -> None:
+        self._texts[-1].append(text)
+
+    def _in_extension(self) -> bool:
+        """Inside an element that is not URDF's own (gazebo, ros2_control, ...) and is therefore not read."""
+        return len(self._stack) > 2 and self._stack[1].tag not in OWN_TAGS
+
+    def _check_prefix(self, element: Element, name: str) -> None:
+        prefix = name.partition(":")[0]
+        if prefix == "xacro":
+            self._unexpanded |= not self._in_extension()
+            code, what, remedy = "RD004", f"{shown(name)} is left over from xacro", RUN_XACRO
+        else:
+            declared = prefix in ("xml", "xmlns") or any(f"xmlns:{prefix}" in outer.values for outer in self._stack)
+            if declared or self._in_extension():
+                return
+            what, remedy = f"the prefix of {shown(name)} is not declared", f'add xmlns:{prefix}="..." to <robot>'
+            code = "RD003"
+        start = element.start + 1 if name == element.tag else element.attributes[name].span.start
+        self._add(code, start, start + len(name.encode()), what, remedy, line=element.line)
+
+    def _check_expressions(self, element: Element) -> None:
+        for name, value in element.values.items():
+            if unexpanded(value):
+                whole, span = element.attributes[name].span, element.attributes[name].value_span
+                what = f"{name}={shown(value)} is left over from xacro"
+                self._add("RD004", span.start, span.end, what, RUN_XACRO, line=whole.line)
+
+
+def unexpanded(text: str) -> bool:
+    """Whether there is an expression in it that xacro should have replaced."""
+    return "${" in text or "$(" in text

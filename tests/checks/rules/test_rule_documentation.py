@@ -1,0 +1,55 @@
+"""Every rule's documentation is true: its bad example is found, its good one is not."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from robodyn.checks.catalogue import RULES
+from robodyn.checks.rule import Finding, Rule, Severity
+from robodyn.checks.run import check_one
+
+CODES = [rule.code for rule in RULES]
+ASKING = ("RD802", "RD902", "RD602", "RD604", "RD605", "RD607")
+ALONE = [rule for rule in RULES if rule.code not in ASKING]
+"""The rules that need nothing but the file; test_asked and test_mesh_rules give the others what they ask for."""
+
+
+def found(text: str) -> tuple[Finding, ...]:
+    return check_one(text.encode())
+
+
+def test_codes_and_names_are_unique_and_in_order() -> None:
+    assert sorted(set(CODES)) == CODES
+    assert len({rule.name for rule in RULES}) == len(RULES)
+
+
+@pytest.mark.parametrize("rule", ALONE, ids=lambda rule: rule.code)
+def test_bad_example_is_found_by_this_rule_and_raises_no_other_error(rule: Rule) -> None:
+    findings = found(rule.bad)
+    assert rule.code in {finding.code for finding in findings}
+    assert {finding.code for finding in findings if finding.severity is Severity.ERROR} <= {rule.code}
+
+
+@pytest.mark.parametrize("rule", RULES, ids=CODES)
+def test_good_example_is_not_found_and_has_no_error(rule: Rule) -> None:
+    findings = found(rule.good)
+    assert rule.code not in {finding.code for finding in findings}
+    assert not [finding for finding in findings if finding.severity is Severity.ERROR]
+
+
+@pytest.mark.parametrize("rule", ALONE, ids=lambda rule: rule.code)
+def test_findings_carry_the_rule_s_name(rule: Rule) -> None:
+    named = {(finding.code, finding.name) for finding in found(rule.bad)}
+    assert (rule.code, rule.name) in named
+
+
+@pytest.mark.parametrize("rule", RULES, ids=CODES)
+def test_documentation_is_complete(rule: Rule) -> None:
+    assert re.fullmatch(r"RD\d{3}", rule.code)
+    assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
+    assert rule.summary.endswith(".")
+    assert ". " not in rule.summary, "one sentence"
+    assert rule.explanation.endswith(".")
+    assert rule.check.__module__.rpartition(".")[2].startswith(f"{rule.code.lower()}_")
