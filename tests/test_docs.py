@@ -172,9 +172,9 @@ def test_generated_pages_are_ignored_by_git():
 def test_links_lead_to_pages_and_headings():
     for name, text in all_pages().items():
         bare = re.sub(r"^(```+).*?^\1$", "", text, flags=re.DOTALL | re.MULTILINE)
-        for link in re.findall(r"(?<!`)\]\(([^)\s]+)\)", bare):
-            file, _, anchor = unquote(link).partition("#")
-            if re.match(r"[a-z]+:", link):
+        for link in re.findall(r"(?<!`)\]\(([^)\s]+)\)|<img src=\"(.*?)\"", bare):
+            file, _, anchor = unquote(link[0] or link[1]).partition("#")
+            if re.match(r"[a-z]+:", link[0]):
                 continue
             path = (ROOT / name).parent / file if file else ROOT / name
             there = Path(path).resolve().relative_to(ROOT.resolve()).as_posix()
