@@ -27,6 +27,7 @@ from robodyn.report.accuracy import accuracy_sections
 from robodyn.report.json.runs import accuracy_json
 from robodyn.report.plotting import form_of, rendered
 from robodyn.report.renderers.text import text
+from robodyn.support.extras import need
 from robodyn.support.files import write_whole
 
 
@@ -65,6 +66,8 @@ def command(
     for place in (plot, report):
         check_names([*files, scene_file, table], place)
     picture = form_of(plot) if plot else ""
+    if plot:
+        need("plots", "matplotlib", file=plot)
     found = accuracy_of(files, scene_file, gravity, duration, table)
     written = ""
     if plot:

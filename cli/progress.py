@@ -10,6 +10,8 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from robodyn.support.extras import available
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
@@ -38,7 +40,7 @@ def _bar(what: str, total: float, *columns: str, files: str = "", **how: Any) ->
 @contextmanager
 def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
     """Yield a function to call after each block of the reader; it moves the bar if there is one."""
-    if reader.size_bytes < LONG or not sys.stderr.isatty():
+    if reader.size_bytes < LONG or not terminal():
         yield lambda *_: None
         return
     with _bar("reading", reader.size_bytes, "DownloadColumn") as (bar, task):
@@ -61,16 +63,21 @@ def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], Non
 
     The bar has no thread of its own, so that processes can be started while it is shown.
     """
-    if count < MANY_ROBOTS or not sys.stderr.isatty():
+    if count < MANY_ROBOTS or not terminal():
         yield lambda: None
         return
     with _bar(what, count, "MofNCompleteColumn", auto_refresh=False) as (bar, task):
         yield lambda: bar.update(task, advance=1, refresh=True)
 
 
+def terminal() -> bool:
+    """Return whether there is a terminal to show a bar on, and what draws one."""
+    return sys.stderr.isatty() and available("rich")
+
+
 def worth_a_bar(sizes: Iterable[int]) -> bool:
     """Return whether meshes of so many bytes take long enough, and there is a terminal to show a bar on."""
-    return sum(sizes) >= LONG_MESHES and sys.stderr.isatty()
+    return sum(sizes) >= LONG_MESHES and terminal()
 
 
 def bytes_of(path: Path) -> int:
@@ -87,7 +94,7 @@ def files_done(paths: Sequence[str]) -> Iterator[Callable[[int], None]]:
 
     The bar has no thread of its own; what is printed on a terminal meanwhile stands above it.
     """
-    if len(paths) < 2 or not sys.stderr.isatty():
+    if len(paths) < 2 or not terminal():
         yield lambda number: None
         return
     sizes = [os.path.getsize(path) + 1 if os.path.isfile(path) else 1 for path in paths]

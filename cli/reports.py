@@ -14,6 +14,7 @@ import click
 
 from robodyn.cli.options import PATH
 from robodyn.errors import InputError
+from robodyn.support.extras import need
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
 LARGE = 20_000_000
@@ -30,7 +31,8 @@ def REPORT(command: Callable[..., Any]) -> Callable[..., Any]:
 def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     """The name of the file, if a report can go there: said before anything is computed."""
     if value is not None:
-        form_of(value)
+        if form_of(value) == "html":
+            need("HTML reports", "matplotlib", "jinja2", file=value)
         folder = os.path.dirname(value) or "."
         if not os.path.isdir(folder):
             raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=value)

@@ -15,6 +15,9 @@ from robodyn.errors import RobodynError
 from robodyn.report.table import PLAIN, Page, printable
 from robodyn.support.wording import alternatives
 
+TRACEBACK = "ROBODYN_TRACEBACK"
+"""The variable that asks for the traceback of an error above its line: any value but 0 or none."""
+
 
 def page() -> Page:
     """As wide as the terminal and with bold headers; plain where the output is no terminal or NO_COLOR is set."""
@@ -75,9 +78,15 @@ def fail(message: str) -> NoReturn:
 
 
 def complain(error: object) -> None:
-    """Print one line of error; by `print`, which stands above a progress bar."""
-    if sys.stderr is not None:
-        print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
+    """Print one line of error, below its traceback where that is asked for; by `print`, which stands above a bar."""
+    if sys.stderr is None:
+        return
+    raised = error if isinstance(error, BaseException) else sys.exc_info()[1]
+    if raised is not None and os.environ.get(TRACEBACK, "0") not in ("", "0"):
+        from traceback import print_exception
+
+        print_exception(raised)
+    print(f"error: {printable(' '.join(str(error).split()))}", file=sys.stderr)
 
 
 def _sentence(error: click.ClickException) -> str:

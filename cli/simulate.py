@@ -19,7 +19,7 @@ from robodyn.report.simulation import simulation_sections
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table
-from robodyn.trajectory.write import open_writer
+from robodyn.trajectory.write import format_of, open_writer
 
 
 @click.command("simulate", short_help="How a robot moves by itself, driven or pushed.")
@@ -73,6 +73,8 @@ def command(
     """
     check_names([urdf, scene_file, table], out)
     check_names([urdf, scene_file, table], report)
+    if out:
+        format_of(out)
     get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held, loops=True)
     scene = begun_at(model, scene, at or ())

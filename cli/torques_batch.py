@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import closing
 from importlib import import_module
 from typing import Any
 
@@ -24,6 +24,7 @@ from robodyn.programs.run.llvm.machine import compiler
 from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
 from robodyn.report.text_batch import batch_text, outcome_line
+from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import processes
 
@@ -51,6 +52,8 @@ def run_batch(
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
     jobs = jobs_of(trajectories, out)
     asked, dask = options.pop("jobs"), options.pop("dask")
+    if dask:
+        need("clusters of Dask", "distributed")
     setup, robot = _setup(urdf, scene_file, gravity, options | {"base_held": base_held})
     work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, processes(len(jobs), asked))
     with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
@@ -91,8 +94,7 @@ def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[in
 
     from robodyn.cli.batch.workers import worked_there
 
-    with suppress(ImportError):  # which is told there; an import sets the levels of its own loggers
-        import_module("distributed")
+    import_module("distributed")  # an import sets the levels of its own loggers
     # That work is given to another worker is what Dask is for, and no news.
     logging.getLogger("distributed.client").setLevel(logging.ERROR)
     return worked_there(setup, jobs, address, lambda line: click.echo(f"note: {printable(line)}", err=True))

@@ -24,7 +24,7 @@ from robodyn.scene.scene import Scene
 from robodyn.support.threads import write_behind
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.robot_motion import read_motion
-from robodyn.trajectory.write import open_writer
+from robodyn.trajectory.write import format_of, open_writer
 
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.torques_within import Arithmetic
@@ -48,6 +48,8 @@ def run_single(
         check_names([urdf, trajectory, scene_file], place)
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
+    if out:
+        format_of(out)
     with drawing(report, trajectory) as draw:
         model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
         said = ""

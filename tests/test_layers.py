@@ -24,6 +24,7 @@ ORDER = [
     ("checks", "measure"),
     ("report",),
     ("cli",),
+    ("__main__",),
 ]
 """Each layer imports from those above it, and its parts not from each other."""
 HEAVY = {

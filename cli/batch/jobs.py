@@ -19,6 +19,7 @@ from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import DEFAULT, Payload, Scene
+from robodyn.support.extras import need
 from robodyn.support.libraries import code_digest, version_of
 from robodyn.trajectory.open import FILE_TYPES
 
@@ -60,6 +61,8 @@ def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
             raise InputError(
                 "unknown type of table by this suffix", remedy=f"suffixes: {' '.join(FILE_TYPES)}", file=name
             )
+        if kind == "parquet":
+            need("Parquet tables", "pyarrow", file=name)
         shown = os.path.join(out, stem + _SUFFIXES[kind])
         table = os.path.abspath(shown)
         job = Job(name, path, table, os.path.splitext(table)[0] + ".json", shown)

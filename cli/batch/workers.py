@@ -18,6 +18,7 @@ from robodyn.cli.batch.jobs import Job, Setup
 from robodyn.cli.batch.work import failed, run_job
 from robodyn.errors import InputError
 from robodyn.loads.many import Outcome
+from robodyn.support.extras import need
 from robodyn.support.files import remove_abandoned
 
 ATTEMPTS = 2
@@ -149,10 +150,8 @@ def worked_there(
     Raises:
         InputError: Dask is not installed, or there is no scheduler at the address.
     """
-    try:
-        distributed: Any = import_module("distributed")
-    except ImportError:
-        raise InputError("--dask needs Dask", remedy="pip install 'robodyn[dask]'") from None
+    need("clusters of Dask", "distributed")
+    distributed: Any = import_module("distributed")
     try:
         client = distributed.Client(address, timeout=PATIENCE)
     except (OSError, ValueError, TypeError) as error:

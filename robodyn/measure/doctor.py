@@ -14,31 +14,13 @@ from robodyn.programs.run.llvm.machine import compiler, host
 from robodyn.programs.run.trial import Trial, trial
 from robodyn.robot.urdf.packages import VARIABLES, listed
 from robodyn.support.cache import Key, ObjectCache, cache_folder
-from robodyn.support.libraries import Installed, Library, installed, version_of
+from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
+from robodyn.support.libraries import Installed, installed, version_of
 from robodyn.support.threads import cores
 from robodyn.support.wording import count
 
 Verdict = Literal["ok", "note", "missing", "broken"]
-NEEDED = (
-    Library("numpy", "numpy", "everything"),
-    Library("click", "click", "the command line"),
-    Library("scipy", "scipy.interpolate", "splines of reference tables and simulation with steps of its own choice"),
-    Library("polars", "polars", "reading and writing of large CSV tables"),
-    Library("pyarrow", "pyarrow", "Parquet"),
-    Library("trimesh", "trimesh", "meshes other than STL, OBJ, PLY and OFF"),
-    Library("manifold3d", "manifold3d", "union of meshes that overlap"),
-    Library("platformdirs", "platformdirs", "the cache of machine code"),
-    Library("rich", "rich", "progress bars"),
-    Library("matplotlib", "matplotlib.figure", "plots and HTML reports"),
-    Library("jinja2", "jinja2", "HTML reports"),
-)
-COMPILER = Library("llvmlite", "llvmlite.binding", "machine code: long trajectories take ten times longer")
-SCENES = Library("yourdfpy", "yourdfpy", "pictures of robots with meshes: reports draw a skeleton in their place")
-OPTIONAL = (
-    Library("mpmath", "mpmath", "reference values with many digits", "'robodyn[exact]'"),
-    Library("sympy", "sympy", "equations in closed form", "'robodyn[symbolic]'"),
-    Library("xacrodoc", "xacrodoc", "xacro files", "'robodyn[xacro]'"),
-    Library("distributed", "distributed", "`torques --dask`", "'robodyn[dask]'"),
+PEERS = (
     Library("pin", "pinocchio", "Pinocchio in `bench --peers`"),
     Library("mujoco", "mujoco", "MuJoCo in `bench --peers`"),
     Library("drake", "pydrake", "Drake in `bench --peers`"),
@@ -69,7 +51,7 @@ class Line:
 
 def doctor() -> tuple[Line, ...]:
     """Return everything that was looked at. Libraries are loaded in another process, so that none can end this one."""
-    libraries = installed((*NEEDED, COMPILER, SCENES, *OPTIONAL))
+    libraries = installed((*CORE, COMPILER, SCENES, *OPTIONAL, *PEERS))
     return (
         *_versions(libraries),
         *_processor(not libraries[COMPILER.name].problem),
@@ -87,7 +69,7 @@ def healthy(lines: tuple[Line, ...]) -> bool:
 def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
     yield Line("versions", "robodyn", version_of("robodyn") or "not installed, run from its sources")
     yield Line("versions", "Python", platform.python_version())
-    for library in NEEDED:
+    for library in CORE:
         yield _library("versions", library, found[library.name], "broken")
     here = found[COMPILER.name]
     line = _library("versions", COMPILER, here, "missing")
@@ -95,16 +77,15 @@ def _versions(found: Mapping[str, Installed]) -> Iterator[Line]:
         line = Line(line.group, line.name, f"{here.version}, LLVM {'.'.join(map(str, host().llvm))}")
     yield line
     yield _library("versions", SCENES, found[SCENES.name], "missing")
-    for library in OPTIONAL:
+    for library in (*OPTIONAL, *PEERS):
         yield _library("optional", library, found[library.name], "missing")
 
 
 def _library(group: str, library: Library, here: Installed, absent: Verdict) -> Line:
-    install = library.install or library.name
     if here.version is None:
-        return Line(group, library.name, "", absent, f"without it no {library.cost}; pip install {install}")
+        return Line(group, library.name, "", absent, f"without it no {library.cost}; pip install {library.install}")
     if here.problem:
-        remark = f"does not load ({here.problem}): no {library.cost}; pip install --force-reinstall {install}"
+        remark = f"does not load ({here.problem}): no {library.cost}; pip install --force-reinstall {library.install}"
         return Line(group, library.name, here.version, "broken", remark)
     return Line(group, library.name, here.version)
 
@@ -184,6 +165,7 @@ def _environment(variables: Mapping[str, str]) -> Iterator[Line]:
         "ROBODYN_CACHE": "not set: the user's cache folder",
         "ROBODYN_CPU": "not set: machine code is for this processor",
         **dict.fromkeys(VARIABLES, "not set: package:// by --package-path, or above the file"),
+        "ROBODYN_TRACEBACK": "not set: an error is one line",
         "NO_COLOR": "not set: bold headers on terminals",
     }
     for name, meaning in unset.items():

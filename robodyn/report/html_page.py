@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from robodyn.report.document import Document, Download, Heading, code_lines, heat_level
 from robodyn.report.glossary import explained
 from robodyn.report.table import is_numeric, printable
+from robodyn.support.extras import need
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -23,6 +24,7 @@ def html(document: Document) -> str:
 
     Every word is escaped, and the page's policy lets no script run but its own and no address be loaded.
     """
+    need("HTML reports", "jinja2")
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 

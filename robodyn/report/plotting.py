@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError
+from robodyn.support.extras import need
 from robodyn.support.wording import alternatives
 
 if TYPE_CHECKING:
@@ -31,10 +32,9 @@ def new_figure(width: float = 8.0, height: float = 5.0) -> Figure:
     Raises:
         InputError: matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise InputError("plots need matplotlib, which is not installed", remedy="pip install matplotlib") from None
+    need("plots", "matplotlib")
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width, height), layout="constrained")
 
 

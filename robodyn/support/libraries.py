@@ -15,6 +15,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+from robodyn.support.extras import Library
+
 _LONGEST = 60.0
 """Seconds that all of them may take."""
 _MARK = "\x1e"
@@ -30,22 +32,6 @@ for name in sys.argv[2:]:
         problem = (str(error).partition("\\n")[0] or type(error).__name__)[:200]
     print("\\x1e" + json.dumps([name, problem]), flush=True)
 """
-
-
-class Library(NamedTuple):
-    """A library that robodyn uses.
-
-    Attributes:
-        name: to pip.
-        module: to import.
-        cost: what does not work without it.
-        install: what to give to pip; its name if empty.
-    """
-
-    name: str
-    module: str
-    cost: str
-    install: str = ""
 
 
 class Installed(NamedTuple):

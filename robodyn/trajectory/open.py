@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.extras import need
 from robodyn.trajectory.table import Table, reason
 
 FILE_TYPES = {
@@ -42,6 +43,7 @@ def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Ta
 
             return CsvTable(name)
         if kind == "parquet":
+            need("Parquet tables", "pyarrow", file=name)
             from robodyn.trajectory.read_parquet import ParquetTable
 
             return ParquetTable(name)

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import BinaryIO, Protocol
 
 from robodyn.errors import InputError
+from robodyn.support.extras import need
 from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
 from robodyn.trajectory.open import FILE_TYPES
@@ -54,6 +55,23 @@ FORMATS: dict[str, type[CsvFormat] | type[ParquetFormat] | type[NpzFormat]] = {
 }
 
 
+def format_of(path: str | os.PathLike[str]) -> type[CsvFormat] | type[ParquetFormat] | type[NpzFormat]:
+    """Return the format of a table by the suffix of its file, for what cannot be written to be said before long work.
+
+    Raises:
+        InputError: the suffix is not `.csv`, `.parquet` or `.npz`, or its library is not installed.
+    """
+    name = os.fspath(path)
+    kind = FILE_TYPES.get(os.path.splitext(name)[1].lower(), "")
+    if "\0" in name:
+        raise InputError("cannot be written: the name has a null character", remedy="check the name", file=name)
+    if kind not in FORMATS:
+        raise InputError("unknown type of table by this suffix", remedy="name it .csv, .parquet or .npz", file=name)
+    if kind == "parquet":
+        need("Parquet tables", "pyarrow", file=name)
+    return FORMATS[kind]
+
+
 def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractContextManager[Writer]:
     """Return a context manager for a writer of `time` and these columns in the format of the suffix.
 
@@ -61,14 +79,9 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractC
     is written as it comes, Parquet a row group at a time, .npz by way of a second temporary file.
 
     Raises:
-        InputError: the suffix is not `.csv`, `.parquet` or `.npz`, or a name appears twice.
+        InputError: as of `format_of`, or a name appears twice.
     """
-    name = os.fspath(path)
-    form = FORMATS.get(FILE_TYPES.get(os.path.splitext(name)[1].lower(), ""))
-    if "\0" in name:
-        raise InputError("cannot be written: the name has a null character", remedy="check the name", file=name)
-    if form is None:
-        raise InputError("unknown type of table by this suffix", remedy="name it .csv, .parquet or .npz", file=name)
+    name, form = os.fspath(path), format_of(path)
     twice = sorted({column for column in names if [*names, "time"].count(column) > 1})
     if twice:
         raise InputError(f"column {twice[0]!r} would be written twice", remedy="name each column once", file=name)

@@ -107,9 +107,7 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "xacrodoc", None)
     with pytest.raises(InputError) as error:
         expanded(str(robot))
-    assert str(error.value).startswith(
-        f"{robot}: to read a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
-    )
+    assert str(error.value).startswith(f'{robot}: xacro files need xacrodoc (pip install "robodyn[xacro]"')
 
 
 def _opened(pipe: Path, reader: Future[bytes]) -> int:

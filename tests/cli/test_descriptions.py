@@ -182,7 +182,7 @@ def test_without_xacrodoc_every_command_names_the_extra(name: str, monkeypatch: 
     outcome = called(name, "src/arm/urdf/arm.xacro")
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err.startswith(
-        "error: src/arm/urdf/arm.xacro: to read a xacro file xacrodoc is needed (pip install 'robodyn[xacro]'"
+        'error: src/arm/urdf/arm.xacro: xacro files need xacrodoc (pip install "robodyn[xacro]"'
     )
 
 

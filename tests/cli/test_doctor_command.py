@@ -14,9 +14,10 @@ from robodyn.measure.doctor import Line, healthy
 from robodyn.programs.run.trial import TOLERANCE, Trial, trial
 from robodyn.report.text_doctor import doctor_text
 from robodyn.robot.urdf.packages import VARIABLES
-from robodyn.support.libraries import Installed, Library, installed, loading
+from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
+from robodyn.support.libraries import Installed, installed, loading
 
-LIBRARIES = (*doctor.NEEDED, doctor.COMPILER, doctor.SCENES, *doctor.OPTIONAL)
+LIBRARIES = (*CORE, COMPILER, SCENES, *OPTIONAL, *doctor.PEERS)
 WORKS = Trial(None, False, 1e-4, 1e-2, 1e-3, 1e-5, 1e-16)
 
 
@@ -54,7 +55,7 @@ def test_all_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
         ("scipy", Installed(None, ""), 1, "broken   without it no splines"),
         ("polars", Installed("1.0", "bad ELF"), 1, "broken   1.0: does not load (bad ELF): no reading"),
         ("drake", Installed(None, ""), 0, "missing  without it no Drake in `bench --peers`; pip install drake"),
-        ("sympy", Installed(None, ""), 0, "pip install 'robodyn[symbolic]'"),
+        ("sympy", Installed(None, ""), 0, 'pip install "robodyn[symbolic]"'),
         ("llvmlite", Installed(None, ""), 0, "missing  without it no machine code"),
     ],
 )
@@ -63,6 +64,12 @@ def test_libraries(monkeypatch: pytest.MonkeyPatch, name: str, found: Installed,
     line = next(line for line in outcome.out.splitlines() if line.startswith(f"  {name} "))
     assert (outcome.status, said in line) == (status, True), line
     assert f"{'to be repaired' if status else 'missing'}: {name}" in outcome.out.splitlines()[-1]
+
+
+def test_every_extra_is_named_and_none_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = diagnosed(monkeypatch, here(**{library.name: Installed(None, "") for library in OPTIONAL}))
+    assert outcome.status == 0
+    assert all(f'pip install "robodyn[{library.extra}]"' in outcome.out for library in OPTIONAL)
 
 
 @pytest.mark.parametrize(

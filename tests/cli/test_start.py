@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -57,3 +59,33 @@ def test_memory_is_not_taken_apart():
     left = "class Thing:\n    def __del__(self, say=print): say('gone')\nthing = Thing()"
     assert "gone" in run("main", "--version", before=left).stdout
     assert "gone" not in run("start", "--version", before=left).stdout
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_as_a_module_of_a_checkout(isolated, tmp_path):
+    """Also where it is not installed, with the libraries that it needs in the path."""
+    root = Path(__file__).parents[2]
+    call = [sys.executable, "-m", "robodyn", *CALLS["fine"]]
+    if isolated:  # no site, thus no installation: neither of robodyn.cli nor of its version
+        libraries = {str(Path(module.__file__).parents[1]) for module in map(import_module, ("numpy", "click"))}
+        call[1:1] = ["-S"]
+        path = os.pathsep.join([str(root), *sorted(libraries)])
+    else:
+        path = str(root)
+    variables = {**os.environ, "PYTHONPATH": path}
+    done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=tmp_path, env=variables)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == run("main", *CALLS["fine"]).stdout
+
+
+@pytest.mark.parametrize(("value", "shown"), [("1", True), ("0", False), ("", False)])
+def test_a_traceback_is_shown_on_request(value, shown, monkeypatch):
+    monkeypatch.setenv("ROBODYN_TRACEBACK", value)
+    wrong = run("start", *CALLS["wrong"])
+    assert wrong.stderr.startswith("Traceback (most recent call last):") == shown
+    assert wrong.stderr.splitlines()[-1] == "error: no_such.stl: there is no such file (check the name)"
+    broken = "from robodyn.cli import info\ninfo.overview = lambda *_, **__: 1 / 0"
+    internal = run("start", "info", str(ROBOTS / "scara.urdf"), before=broken)
+    assert internal.returncode == 2
+    assert ("\nZeroDivisionError: division by zero\n" in internal.stderr) == shown
+    assert "error: internal error at " in internal.stderr.splitlines()[-1]

@@ -24,6 +24,7 @@ from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.extras import need
 from robodyn.support.floats import first_largest
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import read_motion, sources_of
@@ -47,6 +48,7 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
         InputError: mpmath is not installed, nothing of the robot can move, or a torque overflows.
     """
     check_moves(model)
+    need("true errors of torques", "mpmath")
     a_plan = plan(model, scene)
     program, sources = a_plan.torques(), _columnar(sources_of(samples, scene))
     widths = runner_of(program, a_plan).widths

@@ -15,6 +15,7 @@ from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.runner import PAIRS
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.extras import need
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import sources_of
 
@@ -66,6 +67,7 @@ def arithmetic_within(model: Model, samples: Trajectory, scene: Scene, target: f
     if target < ROUNDING:
         what = f"an accuracy of {target:g} cannot be promised: results are doubles, which are rounded to {ROUNDING:.1e}"
         raise InputError(what, remedy=f"ask for {ROUNDING:.1e} or more")
+    need("accuracies that are promised", "mpmath")
     a_plan = plan(model, scene)
     program, sources = a_plan.torques(), sources_of(samples, scene)
     rows = np.unique(np.linspace(0, len(samples) - 1, SAMPLES).astype(int))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.support.extras import need
 
 DOUBLE_BITS = 1024
 """A double is less than 2 to this power."""
@@ -71,13 +72,9 @@ class Multiprecision:
 
 
 def context_of(digits: int) -> Any:
-    try:
-        import mpmath
-    except ImportError:
-        raise InputError(
-            "arithmetic with more digits than a double holds needs mpmath, which is not installed",
-            remedy='pip install "robodyn[exact]"',
-        ) from None
+    need("digits beyond those of a double", "mpmath")
+    import mpmath
+
     if digits < 1:
         raise InputError(f"{digits} digits hold no number", remedy="ask for 1 or more")
     context = mpmath.MPContext()

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from decimal import Decimal
 from typing import Any
 
-from robodyn.errors import InputError
 from robodyn.programs.program import Program
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.support.extras import need
 
 DIGITS = 10
 """Decimals of up to so many digits count as short."""
@@ -73,7 +73,6 @@ def module() -> Any:
     try:
         import sympy
     except ImportError:
-        raise InputError(
-            "closed forms need SymPy, which is not installed", remedy='pip install "robodyn[symbolic]"'
-        ) from None
+        need("closed forms", "sympy")
+        raise
     return sympy

@@ -11,12 +11,12 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout, suppress
-from importlib.util import find_spec
 from io import StringIO
 from typing import Any
 
 from robodyn.errors import InputError
 from robodyn.robot.urdf.packages import Search
+from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, shown
 
 PATIENCE = 60.0
@@ -49,9 +49,7 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
     """
     if not os.path.isfile(path):
         raise InputError("there is no such file", remedy="check the name", file=path)
-    if find_spec("xacrodoc") is None:
-        remedy = f"pip install 'robodyn[xacro]', or expand it first: xacro {path} > robot.urdf"
-        raise InputError("to read a xacro file xacrodoc is needed", remedy=remedy, file=path)
+    need("xacro files", "xacrodoc", otherwise=f"expand it first: xacro {path} > robot.urdf", file=path)
     given = dict(args or {})
     found = _asked(path, package_paths, given)
     if "problem" in found:

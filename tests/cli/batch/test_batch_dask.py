@@ -55,7 +55,9 @@ def test_no_scheduler_there(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert batch("--dask", "tcp://x:1").err == "error: --dask needs Dask (pip install 'robodyn[dask]')\n"
+    assert (
+        batch("--dask", "tcp://x:1").err == 'error: clusters of Dask need distributed (pip install "robodyn[dask]")\n'
+    )
 
 
 def test_no_word_of_work_that_is_given_to_others() -> None:

@@ -208,7 +208,7 @@ def test_without_mpmath(monkeypatch):
     monkeypatch.setitem(sys.modules, "mpmath", None)
     with pytest.raises(InputError) as caught:
         Multiprecision(PROGRAM)
-    assert str(caught.value).endswith('mpmath, which is not installed (pip install "robodyn[exact]")')
+    assert str(caught.value).endswith('need mpmath (pip install "robodyn[exact]")')
 
 
 @pytest.mark.parametrize("digits", [0, -3])

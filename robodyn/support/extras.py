@@ -1,0 +1,83 @@
+"""The libraries that robodyn uses: what needs each, which extra of robodyn brings it; the error without it."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import find_spec
+from typing import NamedTuple
+
+from robodyn.errors import InputError
+
+
+class Library(NamedTuple):
+    """A library that robodyn uses.
+
+    Attributes:
+        name: to pip.
+        module: to import.
+        cost: what does not work without it.
+        extra: of robodyn that brings it; empty where an installation always has it, or none does.
+    """
+
+    name: str
+    module: str
+    cost: str
+    extra: str = ""
+
+    @property
+    def install(self) -> str:
+        """What to give to pip."""
+        return f'"robodyn[{self.extra}]"' if self.extra else self.name
+
+
+CORE = (
+    Library("numpy", "numpy", "everything"),
+    Library("click", "click", "the command line"),
+    Library("scipy", "scipy.interpolate", "splines of reference tables and simulation with steps of its own choice"),
+    Library("polars", "polars", "reading and writing of large CSV tables"),
+    Library("trimesh", "trimesh", "meshes other than STL, OBJ, PLY and OFF"),
+    Library("manifold3d", "manifold3d", "union of meshes that overlap"),
+    Library("platformdirs", "platformdirs", "the cache of machine code"),
+)
+"""What an installation always has, and needs."""
+COMPILER = Library("llvmlite", "llvmlite.binding", "machine code: long trajectories take ten times longer")
+SCENES = Library("yourdfpy", "yourdfpy", "pictures of robots with meshes: reports draw a skeleton in their place")
+OPTIONAL = (
+    Library("matplotlib", "matplotlib.figure", "plots and HTML reports", "report"),
+    Library("jinja2", "jinja2", "HTML reports", "report"),
+    Library("pyarrow", "pyarrow", "Parquet tables", "parquet"),
+    Library("rich", "rich", "progress bars", "progress"),
+    Library("mpmath", "mpmath", "reference values with many digits", "exact"),
+    Library("sympy", "sympy", "equations in closed form", "symbolic"),
+    Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
+    Library("distributed", "distributed", "`torques --dask`", "dask"),
+)
+"""What extras bring, each imported only by what needs it."""
+
+
+def available(module: str) -> bool:
+    """Whether a module can be found, without importing it."""
+    if module in sys.modules:
+        return sys.modules[module] is not None
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def need(what: str, *names: str, otherwise: str = "", file: str | None = None) -> None:
+    """Raise if a library of an extra is not installed: before long work begins, or where it would be imported.
+
+    Args:
+        what: needs the libraries, in the plural.
+        names: of libraries of `OPTIONAL`, all of one extra.
+        otherwise: what helps without them.
+        file: that cannot be read or written without them.
+
+    Raises:
+        InputError: one is missing; the message says how to get it.
+    """
+    missing = [library for library in OPTIONAL if library.name in names and not available(library.name)]
+    if missing:
+        remedy = f"pip install {missing[0].install}{otherwise and f', or {otherwise}'}"
+        raise InputError(f"{what} need {' and '.join(each.name for each in missing)}", remedy=remedy, file=file)

@@ -1,0 +1,115 @@
+"""Every command where only the core is installed: it works, or one line names the extra that it needs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from helpers.command_line import ROBOTS, Outcome
+from helpers.processes import python
+
+from robodyn.cli.main import COMMANDS
+from robodyn.support.extras import OPTIONAL
+
+PEERS = "pinocchio", "mujoco", "pydrake", "idyntree", "igl"
+WORKS = (
+    "torques scara.urdf scara_pick_and_place.csv --out {out}/tau.csv --reactions --sizing --explain",
+    "torques scara.urdf scara_pick_and_place.csv --out {out}/tau.npz --report {out}/tau.md --format json",
+    "torques puma.urdf puma_encoder.csv",
+    "torques scara.urdf scara_pick_and_place.csv puma_sweep_none.csv --out {out}/many",
+    "torques scara.urdf {out}/example.csv --example",
+    "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.05 --out {out}/motion.csv",
+    "simulate two_link_planar.urdf --scene two_link_planar_swing_down.toml --duration 0.05 --accuracy 1e-3",
+    "simulate two_link_planar.urdf --at 0.1,0.2 --duration 0.05 --method dop853 --rtol 1e-6",
+    "inertia meshes/bracket.stl meshes/hub.stl --mass 2 --report {out}/parts.md",
+    "inertia scara.urdf",
+    "check scara.urdf --strict",
+    "check scara.urdf --format sarif",
+    "fbd scara.urdf --at 0.1,0.2,0 --svg {out}/bodies",
+    "equations scara.urdf --at 0.1,0.2,0",
+    "equations scara.urdf --form dae --at 0.1,0.2,0",
+    "equations scara.urdf --format c",
+    "scene init scara.urdf --out {out}/scene.toml",
+    "info scara.urdf",
+    "accuracy meshes/hub.stl",
+    "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.05",
+    "rule",
+    "bench scara.urdf --peers",
+    "doctor",
+)
+"""Calls in the folder of robots; a file that is not there makes one of many fail."""
+NEEDS = {
+    "torques scara.urdf scara_pick_and_place.csv --report {out}/tau.html": "report",
+    "torques scara.urdf scara_pick_and_place.csv --out {out}/tau.parquet": "parquet",
+    "torques scara.urdf {out}/motion.parquet": "parquet",
+    "torques scara.urdf {out}/motion.parquet {out}/other.parquet --out {out}/both": "parquet",
+    "torques scara.urdf scara_pick_and_place.csv --accuracy 1e-9 --out {out}/tau.csv": "exact",
+    "torques scara.urdf scara_pick_and_place.csv more.csv --out {out}/many --dask tcp://127.0.0.1:9": "dask",
+    "torques {out}/arm.xacro scara_pick_and_place.csv": "xacro",
+    "simulate two_link_planar.urdf --duration 3000 --report {out}/swing.html": "report",
+    "simulate two_link_planar.urdf --duration 3000 --out {out}/swing.parquet": "parquet",
+    "inertia meshes/bracket.stl --report {out}/part.html": "report",
+    "inertia scara.urdf --report {out}/robot.html": "report",
+    "check scara.urdf --report {out}/check.html": "report",
+    "equations two_link_planar.urdf --form closed": "symbolic",
+    "accuracy meshes/hub.stl --report {out}/mesh.html": "report",
+    "accuracy meshes/hub.stl --plot {out}/front.svg": "report",
+    "accuracy scara.urdf scara_pick_and_place.csv": "exact",
+}
+CODE = """
+import json, os, sys
+class Absent:
+    def find_spec(self, name, *_):
+        if name.partition(".")[0] in {absent!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Absent())
+sys.path.insert(0, {tests!r})
+from helpers.command_line import run
+os.chdir({robots!r})
+found = {{}}
+for call in {calls!r}:
+    outcome = run(*call.format(out={out!r}).split())
+    found[call] = outcome.status, outcome.out, outcome.err
+sys.__stdout__.write(json.dumps(found))
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("core")
+    (made / "arm.xacro").write_text("<robot/>")
+    return made
+
+
+@pytest.fixture(scope="module")
+def outcomes(folder: Path) -> dict[str, Outcome]:
+    """What every call ends with in a process that finds no optional library."""
+    absent = {*PEERS, *(library.module.partition(".")[0] for library in OPTIONAL)}
+    paths = {"tests": str(Path(__file__).parents[1]), "robots": str(ROBOTS), "out": str(folder)}
+    done = python(CODE.format(absent=absent, calls=(*NEEDS, *WORKS), **paths), ROBODYN_CACHE=folder / "cache")
+    return {call: Outcome(*outcome) for call, outcome in json.loads(done.stdout).items()}
+
+
+def test_no_command_is_left_out() -> None:
+    assert {call.split()[0] for call in WORKS} == set(COMMANDS)
+
+
+@pytest.mark.parametrize("call", WORKS)
+def test_the_core_suffices(call: str, outcomes: dict[str, Outcome]) -> None:
+    found = outcomes[call]
+    assert found.status in ((0, 1) if "none.csv" not in call else (2,)), found.err
+    assert found.out
+    assert "internal error" not in found.err
+    assert "Traceback" not in found.err
+
+
+@pytest.mark.parametrize("call", NEEDS)
+def test_an_extra_is_named_before_anything_is_written(call: str, outcomes: dict[str, Outcome], folder: Path) -> None:
+    found = outcomes[call]
+    assert (found.status, found.out) == (2, ""), found.err
+    assert found.err.startswith("error: ")
+    assert found.err.count("\n") == 1
+    assert f' (pip install "robodyn[{NEEDS[call]}]"' in found.err
+    written = [word.format(out=folder) for word in call.split() if word.startswith("{out}")]
+    assert not any(Path(name).exists() for name in written if not name.endswith((".csv", ".xacro", "many")))
