@@ -9,7 +9,9 @@ import dataclasses
 import inspect
 import json
 import re
+import sys
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -210,6 +212,41 @@ def _entry(name: str) -> Iterator[str]:
         fields = ", ".join(field.name for field in dataclasses.fields(found) if field.init)
         yield from ("```python", *_wrapped(f"{name}({fields})"), "```", "")
     yield from _docstring(inspect.getdoc(found) or "")
+    if inspect.isclass(found):
+        yield from _members(found)
+    elif inspect.isclass(result := _result(found)):
+        yield f"**What it returns, a `{result.__name__}`:** {escaped(_first(result))}"
+        yield ""
+        yield from _docstring((inspect.getdoc(result) or "").partition("\n\n")[2])
+        yield from _members(result)
+
+
+def _result(function: Any) -> Any:
+    """Return the class of what a function returns, where it is one of the package without a public name."""
+    name = function.__annotations__.get("return")
+    if not isinstance(name, str) or name in robodyn.__all__:
+        return None
+    found = getattr(sys.modules[function.__module__], name, None)
+    return found if getattr(found, "__module__", "").startswith("robodyn") else None
+
+
+def _first(found: object) -> str:
+    """Return the first paragraph of a docstring."""
+    return " ".join((inspect.getdoc(found) or "").split("\n\n")[0].split())
+
+
+def _members(found: type) -> Iterator[str]:
+    """Yield the properties and methods of a class that have a docstring, as items of a list."""
+    members = [(name, member) for name, member in vars(found).items() if not name.startswith("_")]
+    described = [
+        (f"{name}()" if inspect.isfunction(member) else name, _first(member))
+        for name, member in members
+        if inspect.isfunction(member) or isinstance(member, (property, cached_property))
+    ]
+    if described:
+        yield from ("**Properties and methods**", "")
+        yield from (f"- `{name}`: {escaped(text)}" for name, text in described if text)
+        yield ""
 
 
 def _signature(name: str, signature: inspect.Signature) -> Sequence[str]:
