@@ -113,10 +113,10 @@ def _measured(
     )
     how["exact"] = exact or (accuracy is not None and needs_rationals(accuracy))
     outcomes: list[Part | MeshError] = []
-    with metered(files) as (heard, done):
+    with metered(files) as (on_progress, done):
         for name, rho, m, units in each:
             try:
-                part = mass_properties(name, density=rho, mass=m, unit=units, heard=heard, **how)
+                part = mass_properties(name, density=rho, mass=m, unit=units, heard=on_progress, **how)
                 outcomes.append(part if accuracy is None else with_promise(part, accuracy))
             except MeshError as error:
                 outcomes.append(error)

@@ -134,10 +134,10 @@ class Meter:
 
     @property
     def overdue(self) -> bool:
-        """Whether the present file has been read more often than was foreseen: nobody knows how long it will take."""
+        """Whether the present file has been read more often than was foreseen: the time left is unknown."""
         return bool(self._shares) and self._read > _OVERDUE * self._shares[0]
 
-    def heard(self, triangles: int) -> None:
+    def on_progress(self, triangles: int) -> None:
         """So many more triangles of the present file have been read."""
         self._read += triangles * self._record
 
@@ -148,7 +148,7 @@ class Meter:
 
 @contextmanager
 def metered(files: Sequence[str]) -> Iterator[tuple[Callable[[int], None] | None, Callable[[], None]]]:
-    """What is to hear how many triangles have been read, if there is a bar, and a function to call after each file."""
+    """Yield a progress callback for triangles that are read, None without a bar, and one to call after each file."""
     sizes = [bytes_of(Path(name)) for name in files]
     if not worth_a_bar(sizes):
         yield None, lambda: None
@@ -164,12 +164,12 @@ def metered(files: Sequence[str]) -> Iterator[tuple[Callable[[int], None] | None
                 bar.tasks[task].total = None if meter.overdue else meter.total
                 bar.update(task, completed=meter.completed)
 
-        def heard(triangles: int) -> None:
-            meter.heard(triangles)
+        def on_progress(triangles: int) -> None:
+            meter.on_progress(triangles)
             show()
 
         def done() -> None:
             meter.done()
             show()
 
-        yield heard, done
+        yield on_progress, done

@@ -145,7 +145,7 @@ def worked_there(
 
     Args:
         address: of the scheduler, such as tcp://10.0.0.1:8786.
-        say: is told that there is no worker yet.
+        say: called with a line where there is no worker yet.
 
     Raises:
         InputError: Dask is not installed, or there is no scheduler at the address.

@@ -35,7 +35,7 @@ class JointPeak:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one trajectory.
+    """The result of one trajectory of a batch.
 
     Attributes:
         trajectory: its name as it was given.

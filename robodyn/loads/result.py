@@ -201,7 +201,7 @@ class MomentumReport:
 
 @dataclass(frozen=True)
 class Promise:
-    """What became of an accuracy that was asked for.
+    """Whether an accuracy that was asked for is met.
 
     Attributes:
         target, expected: errors relative to the largest torque.

@@ -36,7 +36,7 @@ MOST_RECORDS = 100_000
 
 class Motion(NamedTuple):
     """Times (N,), states (N, width), steps done, whole steps between records, the executor, why it ended early, how
-    often the equations were evaluated, and what is to be said about the steps."""
+    often the equations were evaluated, and a note about the steps."""
 
     time: Floats
     states: Floats

@@ -24,14 +24,14 @@ LOOKED_AT = 1e5
 
 
 class Chosen(NamedTuple):
-    """How a motion is followed, and what is to be said about that."""
+    """By which method and step a motion is followed, and notes about that."""
 
     options: MethodOptions
     notes: tuple[str, ...] = ()
 
 
 class Followed(NamedTuple):
-    """A motion, how it was found, what is to be said about that, and what makes it doubtful."""
+    """A motion, how it was found, notes about that, and what makes it doubtful."""
 
     motion: Motion
     options: MethodOptions

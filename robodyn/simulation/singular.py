@@ -37,7 +37,7 @@ class Singular(NamedTuple):
 
 
 def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
-    """Return what is to be said of a start in which the equations of the loops depend on each other.
+    """Return the doubts about a start in which the equations of the loops depend on each other.
 
     With u^T J = 0 a motion keeps u^T J' qd = 0 too, a quadratic form of the speeds: they are along one of the ways on.
 

@@ -27,7 +27,7 @@ SLIP_SPEED = 1e-3
 
 @lru_cache(maxsize=16)
 def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Return the scene with a slip speed if some joint has Coulomb friction, and what is to be said about it."""
+    """Return the scene with a slip speed if some joint has Coulomb friction, and notes about it."""
     if not coulomb_friction.why(model, scene, frozenset()).active:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED

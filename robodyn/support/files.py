@@ -95,7 +95,7 @@ class _Part(_Direct):
     def __init__(self, target: str, old: os.stat_result | None) -> None:
         self._target, self._old = target, old
         self._lock = -1
-        while True:  # until nobody took it for abandoned before it was locked
+        while True:  # until no other process removed it as abandoned before it was locked
             self._name = f"{target}.{os.urandom(4).hex()}.part"
             opener = None if old is None else partial(os.open, mode=0o600)
             super().__init__(open(self._name, "xb", opener=opener))  # noqa: SIM115

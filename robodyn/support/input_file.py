@@ -1,4 +1,4 @@
-"""Files that are read: no devices, which may never end, and no pipe that nobody writes to."""
+"""Files that are read: no devices, which may never end, and no pipe without a writer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def open_input(path: str | os.PathLike[str]) -> BufferedReader:
     """Return a file, or a pipe that somebody writes to, opened for reading.
 
     Raises:
-        OSError: it cannot be opened, is a folder or a device, or nobody writes to it.
+        OSError: it cannot be opened, is a folder or a device, or a pipe without a writer.
     """
     stream = open(path, "rb", opener=_at_once)  # noqa: SIM115
     try:
@@ -63,10 +63,10 @@ def _wait(number: int) -> None:
     ready, _, _ = select.select([number], [], [], PATIENCE)
     if not ready:
         try:
-            nobody = os.read(number, 1) == b""
+            unwritten = os.read(number, 1) == b""
         except BlockingIOError:
-            nobody = False
-        if nobody:
+            unwritten = False
+        if unwritten:
             raise OSError(errno.EINVAL, f"it is a pipe that nobody has written to for {PATIENCE:g} s")
     os.set_blocking(number, True)
 

@@ -53,7 +53,7 @@ def test_a_sound_mesh_fills_its_share(monkeypatch, files, held):
     seen = []
     for path in files:
         before = meter.completed
-        mass_properties(path, heard=lambda triangles: (meter.heard(triangles), seen.append(meter.completed)))
+        mass_properties(path, heard=lambda triangles: (meter.on_progress(triangles), seen.append(meter.completed)))
         size, count = path.stat().st_size, load_triangles(path).count
         share = min(0.99 * size, 50 * count) * (1 + one_shell.readings(count))
         assert meter.completed - before == pytest.approx(share)
@@ -83,7 +83,7 @@ def test_a_mesh_that_takes_longer_than_foreseen(tmp_path):
     path.write_bytes(binary_stl(two(torus(2.0, 0.5, 100, 50))))
     meter = Meter([path.stat().st_size, 500])
     late = []
-    mass_properties(path, heard=lambda triangles: (meter.heard(triangles), late.append(meter.overdue)))
+    mass_properties(path, heard=lambda triangles: (meter.on_progress(triangles), late.append(meter.overdue)))
     assert late[0] is False
     assert late[-1] is True
     assert late == sorted(late)

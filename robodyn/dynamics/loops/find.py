@@ -1,4 +1,4 @@
-"""The loops of a scene found in a model: their ends, and which of their equations say something."""
+"""The loops of a scene found in a model: their ends, and which of their equations are independent."""
 
 from __future__ import annotations
 

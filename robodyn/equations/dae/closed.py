@@ -112,7 +112,7 @@ def by_the_tree(robot: Posed, rank: int, solution: Solution) -> tuple[Floats, li
     """qdd of `robodyn.dynamics.loops`, and (i, wrench) pairs: what its loops do to both their bodies, about their
     origins.
 
-    Where equations that it keeps depend on each other, nobody can say what each loop carries; then it is what
+    Where equations that it keeps depend on each other, what each loop carries is not determined; then it is what
     `solution` says.
 
     Args:

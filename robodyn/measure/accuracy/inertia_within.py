@@ -30,7 +30,7 @@ def with_promise(part: Part, target: float) -> Part:
     Raises:
         MeshError: what the surface encloses is not known that well.
 
-    Accuracy: bounds are proven for the triangles as given, whose own rounding is told beside.
+    Accuracy: bounds are proven for the triangles as given, whose own rounding is reported beside.
     """
     if part.union is not None and part.union > target:
         raise MeshError(

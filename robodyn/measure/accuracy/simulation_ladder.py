@@ -173,7 +173,7 @@ def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
 
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
-    """Return how long the motion is, and what is to be said about it."""
+    """Return how long the motion is, and notes about it."""
     motion = settled(run, duration)
     if not motion.ended:
         return duration, []
