@@ -101,6 +101,14 @@ def arctan2(y: Array, x: Array) -> Array:
     return np.fromiter(map(math.atan2, y.tolist(), x.tolist()), float, len(y))
 
 
+def total(values: Iterable[Scalar]) -> Scalar:
+    """Return the sum, from left to right; 0.0 for none."""
+    out: Scalar = 0.0
+    for value in values:
+        out = out + value
+    return out
+
+
 def cross(a: Array, b: Array) -> Array:
     """The cross product a x b."""
     a1, a2, a3 = a

@@ -14,13 +14,12 @@ from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closing import Closing
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.composite_body import total
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Scalar, total
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.singular import Singular, passed

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
-from robodyn.programs.vectors import Scalar, exp, sign, sqrt
+from robodyn.programs.vectors import Scalar, exp, sign, sqrt, total
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Friction, Scene
@@ -55,11 +55,8 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum of torque times speed [W]."""
-    power: Scalar = 0.0
-    for _, joint, friction in joints_with_friction(sample.model, scene):
-        speed = sample.speed(joint)
-        power = power + torque(friction, speed, scene.slip_speed) * speed
-    return power
+    moving = ((friction, sample.speed(joint)) for _, joint, friction in joints_with_friction(sample.model, scene))
+    return total(torque(friction, speed, scene.slip_speed) * speed for friction, speed in moving)
 
 
 EFFECT = Effect(

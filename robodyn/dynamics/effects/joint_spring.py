@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Scene, Spring
@@ -32,11 +32,8 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum k (q - q0)^2 / 2 [J]."""
-    energy: Scalar = 0.0
-    for _, joint, spring in _sprung(sample.model, scene):
-        stretch = sample.position(joint) - spring.rest
-        energy = energy + (0.5 * spring.stiffness) * (stretch * stretch)
-    return energy
+    stretched = ((k, sample.position(joint) - k.rest) for _, joint, k in _sprung(sample.model, scene))
+    return total((0.5 * spring.stiffness) * (stretch * stretch) for spring, stretch in stretched)
 
 
 EFFECT = Effect("joint spring", "k (q - q0)", why, add, stored=stored)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.programs.vectors import Scalar, sign
+from robodyn.programs.vectors import Scalar, sign, total
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import LimitSpring, Scene
@@ -58,11 +58,8 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum k x^2 / 2 over the limits that are passed by x > 0 [J]."""
-    energy: Scalar = 0.0
-    for stop in _stops(sample.model, scene):
-        stretch = _positive(stop.beyond(sample)[0])
-        energy = energy + (0.5 * stop.spring.stiffness) * (stretch * stretch)
-    return energy
+    stretched = ((stop.spring, _positive(stop.beyond(sample)[0])) for stop in _stops(sample.model, scene))
+    return total((0.5 * spring.stiffness) * (stretch * stretch) for spring, stretch in stretched)
 
 
 def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:

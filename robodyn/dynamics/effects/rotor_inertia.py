@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Scene
@@ -56,10 +56,8 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum G^2 J qd^2 / 2 [J]."""
-    energy: Scalar = 0.0
-    for _, joint, armature in armatures(sample.model, scene):
-        energy = energy + (0.5 * armature) * (sample.speed(joint) * sample.speed(joint))
-    return energy
+    turning = ((armature, sample.speed(joint)) for _, joint, armature in armatures(sample.model, scene))
+    return total((0.5 * armature) * (speed * speed) for armature, speed in turning)
 
 
 EFFECT = Effect("rotor inertia", "G^2 J qdd", why, add, stored=stored)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Friction, Scene
@@ -42,10 +42,8 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
 
 def lost(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:
     """sum d qd^2 [W]."""
-    power: Scalar = 0.0
-    for _, joint, friction in joints_with_friction(sample.model, scene):
-        power = power + friction.viscous * (sample.speed(joint) * sample.speed(joint))
-    return power
+    moving = joints_with_friction(sample.model, scene)
+    return total(friction.viscous * (sample.speed(joint) * sample.speed(joint)) for _, joint, friction in moving)
 
 
 EFFECT = Effect("viscous friction", "d qd", why, add, lost=lost)

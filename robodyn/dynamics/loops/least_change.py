@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from robodyn.dynamics.recursions.composite_body import known_zero, total
-from robodyn.programs.vectors import Scalar, sqrt
+from robodyn.dynamics.recursions.composite_body import known_zero
+from robodyn.programs.vectors import Scalar, sqrt, total
 
 Rows = list[dict[int, Scalar]]
 """A by its rows: entries by column; those left out are zero."""

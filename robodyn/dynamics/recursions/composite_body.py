@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
-from robodyn.programs.vectors import Array, Scalar, sqrt
+from robodyn.programs.vectors import Array, Scalar, sqrt, total
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
 from robodyn.solids.inertia.moments import Inertia
@@ -89,14 +89,6 @@ def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]]) -> Pivot:
         for k in (k for k in shares if k >= j):
             own[k] = rows[k][j] = own.get(k, 0.0) - row[k] * share
     return Pivot(unknown, sqrt(inverse), shares)
-
-
-def total(values: Iterable[Scalar]) -> Scalar:
-    """Their sum, 0.0 for none."""
-    out: Scalar = 0.0
-    for value in values:
-        out = out + value
-    return out
 
 
 def composite_body(
