@@ -34,6 +34,14 @@ COMMANDS = (
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
+    ("bench", "bench robots/two_link_planar.urdf --samples 100"),
+)
+
+SLOW = (
+    ("accuracy", "accuracy robots/meshes/torn_block.stl"),
+    ("accuracy", "accuracy robots/puma.urdf robots/puma_encoder.csv"),
+    ("accuracy", "accuracy robots/pendulum.urdf robots/pendulum_a01.toml --duration 1 --target 1e-6"),
+    ("doctor", "doctor"),
 )
 
 
@@ -41,7 +49,9 @@ def schema(name: str) -> Any:
     return json.loads((SCHEMAS / f"{name}.schema.json").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize(("name", "command"), COMMANDS)
+@pytest.mark.parametrize(
+    ("name", "command"), [*COMMANDS, *(pytest.param(*each, marks=pytest.mark.slow) for each in SLOW)]
+)
 def test_documents_are_as_their_schemas_say(name, command, tmp_path, monkeypatch):
     monkeypatch.chdir(ROOT)
     outcome = run(*command.replace("OUT", str(tmp_path)).split(), "--format", "json")
@@ -50,7 +60,7 @@ def test_documents_are_as_their_schemas_say(name, command, tmp_path, monkeypatch
 
 def test_every_schema_is_sound_and_used():
     names = {path.name.removesuffix(".schema.json") for path in SCHEMAS.iterdir()}
-    assert names == {name for name, _ in COMMANDS}
+    assert names == {name for name, _ in (*COMMANDS, *SLOW)}
     for name in names:
         Draft202012Validator.check_schema(schema(name))
 
