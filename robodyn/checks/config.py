@@ -33,9 +33,8 @@ class Config:
     per_file: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def of(self, path: str, given: Options) -> Options:
-        """The options for one file, `given` being those of the call: its `select` and package path win over the
-        project's, its `ignore` is added to it.
-        """
+        """Return the options for one file, `given` being those of the call: its `select` and package path win over the
+        project's, its `ignore` is added to it."""
         own = self.options
         return replace(
             own,
@@ -58,7 +57,7 @@ class Config:
 
 
 def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
-    """The settings that hold in a folder: of the nearest file, there or above, that has any.
+    """Return the settings that hold in a folder: of the nearest file, there or above, that has any.
 
     Args:
         known: what has been found for other folders; it is added to.
@@ -72,7 +71,7 @@ def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
 
 
 def read_config(path: str) -> Config:
-    """The settings in a file.
+    """Return the settings in a file.
 
     Raises:
         InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
@@ -96,7 +95,7 @@ def _in_file(path: str) -> Config | None:
 
 
 def parse_config(data: bytes, file: str) -> Config | None:
-    """The settings in TOML text; None where it has no table of ours.
+    """Return the settings in TOML text; None where it has no table of ours.
 
     Raises:
         InputError: as `read_config`.

@@ -105,7 +105,7 @@ class Context:
     _kept: dict[Callable[..., Any], Any] = field(default_factory=dict, repr=False)
 
     def once(self, function: Callable[[Context], T]) -> T:
-        """`function(self)`, computed when it is first asked for."""
+        """Return `function(self)`, computed when it is first asked for."""
         if function not in self._kept:
             self._kept[function] = function(self)
         value: T = self._kept[function]

@@ -7,7 +7,7 @@ LIMIT = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
 
 
 def one_link(inertial: str = f'<mass value="2"/>{INERTIA}') -> str:
-    """A robot of one link with the inertial given."""
+    """Return a robot of one link with the inertial given."""
     return f"""<robot name="part">
   <link name="part">
     <inertial>
@@ -19,7 +19,7 @@ def one_link(inertial: str = f'<mass value="2"/>{INERTIA}') -> str:
 
 
 def arm(joint: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute", more: str = "") -> str:
-    """An arm of one joint of some kind, with what is in the joint, and more elements of the robot."""
+    """Return an arm of one joint of some kind, with what is in the joint, and more elements of the robot."""
     return f"""<robot name="arm">
   <link name="base"/>
   <link name="upper">
@@ -35,7 +35,7 @@ def arm(joint: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute", more
 
 
 def a_link(name: str, inertial: str = f'<mass value="1"/>{INERTIA}', more: str = "") -> str:
-    """A link, to be used as `more` of an arm."""
+    """Return a link, to be used as `more` of an arm."""
     inside = f"<inertial>{inertial}</inertial>" if inertial else ""
     return f"""
   <link name="{name}">{inside}{more}</link>"""
@@ -44,7 +44,7 @@ def a_link(name: str, inertial: str = f'<mass value="1"/>{INERTIA}', more: str =
 def a_joint(
     name: str, parent: str, child: str, more: str = f'<axis xyz="0 1 0"/>{LIMIT}', kind: str = "revolute"
 ) -> str:
-    """A joint, to be used as `more` of an arm."""
+    """Return a joint, to be used as `more` of an arm."""
     return f"""
   <joint name="{name}" type="{kind}">
     <parent link="{parent}"/><child link="{child}"/>{more}
@@ -57,7 +57,7 @@ def a_shaped_link(
     centre: str = "0 0 0.12",
     shape: str = '<box size="0.1 0.1 0.25"/>',
 ) -> str:
-    """An arm whose upper link has a shape 0.25 m long, and an inertial that fits it but for what is given."""
+    """Return an arm whose upper link has a shape 0.25 m long, and an inertial that fits it but for what is given."""
     inertial = f'<origin xyz="{centre}"/><mass value="{mass}"/>{inertia}'
     return arm().replace(
         f'<inertial><mass value="2"/>{INERTIA}</inertial>',
@@ -67,7 +67,7 @@ def a_shaped_link(
 
 
 def a_mesh(name: str, kind: str = "collision") -> str:
-    """A robot of one link with one mesh."""
+    """Return a robot of one link with one mesh."""
     return f"""<robot name="part">
   <link name="part">
     <{kind}><geometry><mesh filename="{name}"/></geometry></{kind}>
@@ -89,7 +89,7 @@ def two_arms(
     left: str = f'{ORIGIN}<mass value="2"/>{TENSOR}',
     right_joint: str = f'<axis xyz="0 1 0"/>{ARM_LIMIT}',
 ) -> str:
-    """A robot that is symmetric across y = 0, but for what is given of its right arm."""
+    """Return a robot that is symmetric across y = 0, but for what is given of its right arm."""
     return f"""<robot name="two_arms">
   <link name="base"/>
   <link name="left_arm">

@@ -92,7 +92,7 @@ def overview(
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> Overview:
-    """What a URDF or xacro file holds.
+    """Return what a URDF or xacro file holds.
 
     The file is read once. The findings are those of `robodyn check` with the settings of the file's project.
 
@@ -140,7 +140,7 @@ def overview(
 def _centre(
     description: Description, model: Model, at: Mapping[str, float]
 ) -> tuple[float, Array | None, tuple[str, ...]]:
-    """Mass and centre of mass, and the joints beyond their limits; or why there is no centre.
+    """Return the mass and centre of mass, and the joints beyond their limits; or why there is no centre.
 
     Method: first moments of the bodies in floats, summed without rounding.
     """
@@ -158,7 +158,7 @@ def _centre(
 
 
 def _near_zero(model: Model) -> dict[str, float]:
-    """Every coordinate of a joint at zero, or at the limit nearest to it where its range does not hold zero."""
+    """Return every coordinate of a joint at zero, or at the limit nearest to it where its range does not hold zero."""
     return {joint.name: _clamped(joint) for joint in model.independent if joint.kind != "floating"}
 
 
@@ -192,7 +192,7 @@ def _meshes(description: Description) -> Meshes:
 
 
 def _next(source: str, model: Model, checked: Checked, meshes: Meshes, description: Description) -> tuple[str, ...]:
-    """Commands that are worth running now, the most urgent first."""
+    """Return the commands that are worth running now, the most urgent first."""
     file = shlex.quote(source)
     commands = [f"robodyn check {file}"] if checked.findings else []
     if any(_PACKAGE.match(geometry.filename or "") for _, geometry in meshes.missing):

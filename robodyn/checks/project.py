@@ -41,7 +41,7 @@ class Task:
 def tasks_for(
     sources: Sequence[str | bytes], given: Options = EVERYTHING, config: str | None = None
 ) -> tuple[Task, ...]:
-    """The files of the sources, each with its options.
+    """Return the files of the sources, each with its options.
 
     Args:
         sources: files, folders, patterns, or the bytes of standard input, for which the settings of the current folder
@@ -59,7 +59,7 @@ def tasks_for(
 
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
-    """The findings in all of them; many files are shared out among processes, one for each core.
+    """Return the findings in all of them; many files are shared out among processes, one for each core.
 
     One that cannot be read stops no other.
 
@@ -83,13 +83,13 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
 
 
 def check_description(description: Description, given: Options = EVERYTHING) -> Checked:
-    """The findings in a description that was read, with the settings of its project."""
+    """Return the findings in a description that was read, with the settings of its project."""
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
     return Checked((description.file,), check_one(description.data, options, description.file))
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:
-    """The text of a file with its fixes made (see `fixed`), which is not written; of a xacro file as it is."""
+    """Return the text of a file with its fixes made (see `fixed`), which is not written; of a xacro file as it is."""
     name = task.name
     _, data = read_source(task.source, name)
     if is_xacro(task.source):

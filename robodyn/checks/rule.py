@@ -178,7 +178,7 @@ _BEFORE, _AFTER = 60, 60
 
 
 def excerpt(reading: Reading, at: Span) -> Excerpt:
-    """The line in which the span begins, without its indent, and cut where it is long."""
+    """Return the line in which the span begins, without its indent, and cut where it is long."""
     data = reading.data
     last = min(at.start + _AFTER, len(data))
     start = max(_after_newline(data, max(at.start - _BEFORE, 0), at.start), len(BOM) * data.startswith(BOM))
@@ -194,5 +194,5 @@ def excerpt(reading: Reading, at: Span) -> Excerpt:
 
 
 def _after_newline(data: bytes, first: int, last: int) -> int:
-    """The place after the last line end in [first, last), or `first`."""
+    """Return the place after the last line end in [first, last), or `first`."""
     return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1

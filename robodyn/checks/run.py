@@ -79,13 +79,13 @@ class Checked:
         return not self.count(Severity.ERROR)
 
     def of_link(self, name: str) -> Checked:
-        """The findings about a link."""
+        """Return the findings about a link."""
         subject = Subject("link", name)
         return replace(self, findings=tuple(finding for finding in self.findings if finding.subject == subject))
 
 
 def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> tuple[Finding, ...]:
-    """The findings in one or several descriptions, in the order of the files and of their text.
+    """Return the findings in one or several descriptions, in the order of the files and of their text.
 
         for finding in robodyn.check("robot.urdf"):
             print(finding.line, finding.code, finding.message)
@@ -101,7 +101,7 @@ def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> 
 
 
 def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> Checked:
-    """`check`, with the names of the files. Many files are shared out among processes, one for each core."""
+    """Check files, with their names. Many files are shared out among processes, one for each core."""
     given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
     rules_for(options)
     files = files_of(given)
@@ -114,14 +114,14 @@ def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING)
 
 
 def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Reading:
-    """The reading of one file or its bytes; a xacro file is expanded first."""
+    """Return the reading of one file or its bytes; a xacro file is expanded first."""
     arguments = dict(options.xacro_args) if is_xacro(source) else {}
     file, data = content_of(source, name, options.package_path, arguments)
     return read(data, file)
 
 
 def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
-    """The findings in one file or its bytes, in the order of the text."""
+    """Return the findings in one file or its bytes, in the order of the text."""
     reading = read_one(source, options, name)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     rules = [rule for rule in rules_for(options) if _runs(rule, context)]
@@ -131,7 +131,7 @@ def check_one(source: Source, options: Options = EVERYTHING, name: str | None = 
 
 
 def rules_for(options: Options) -> tuple[Rule, ...]:
-    """The rules that are selected and not ignored.
+    """Return the rules that are selected and not ignored.
 
     Raises:
         InputError: no rule has such a code.
@@ -145,7 +145,7 @@ def rules_for(options: Options) -> tuple[Rule, ...]:
 
 
 def stage_reached(context: Context) -> Stage:
-    """How far the file can be read."""
+    """Return how far the file can be read."""
     if context.reading.document is None:
         return Stage.TEXT
     if context.tree_or_none is None:
@@ -160,7 +160,7 @@ def _runs(rule: Rule, context: Context) -> bool:
 
 
 def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:
-    """The findings that no waiver of the file allows, and those about waivers that had nothing to allow."""
+    """Return the findings that no waiver of the file allows, and those about waivers that had nothing to allow."""
     given = [waiver for waiver in context.once(waivers) if waiver.in_force(context.codes)]
     if not given:
         return findings

@@ -20,7 +20,7 @@ _MESH = 5_000
 
 
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
-    """The files in the order given; a folder's and a pattern's in the order of their names; each once.
+    """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
     Raises:
         InputError: a folder has no .urdf, or nothing matches a pattern.
@@ -51,7 +51,7 @@ def _some(names: list[str], folder: str, what: str, path: str) -> list[str]:
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:
-    """Whether there is more work, in XML and in the meshes that it names, than starting processes is."""
+    """Return whether there is more work, in XML and in the meshes that it names, than starting processes is."""
     if len(files) < 2 or cores() < 2:
         return False
     return sum(map(_work, files)) > _LEAST_WORK
@@ -66,7 +66,7 @@ def _work(file: str | bytes) -> int:
 
 
 def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O) -> Iterator[R]:
-    """`work(file, options)` of every file, in their order, on all cores, as they are done."""
+    """Yield `work(file, options)` of every file, in their order, on all cores, as they are done."""
     from concurrent.futures import ProcessPoolExecutor
     from itertools import repeat
 

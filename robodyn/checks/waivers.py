@@ -59,7 +59,7 @@ class Waiver:
         return finding.code in self.codes and self.start <= finding.start < self.end
 
     def problem(self, known: Collection[str]) -> tuple[str, str]:
-        """What is wrong with a waiver that is not in force, and what to do."""
+        """Return what is wrong with a waiver that is not in force, and what to do."""
         if not self.codes:
             return f"the comment {shown('robodyn: ' + self.text)} is not understood", f"write {EXAMPLE}"
         for code in self.codes:
@@ -71,12 +71,12 @@ class Waiver:
 
 
 def waivers(context: Context) -> tuple[Waiver, ...]:
-    """The waivers of a file, in their order; none where the file could not be read to its end."""
+    """Return the waivers of a file, in their order; none where the file could not be read to its end."""
     return tuple(_waivers(context.reading))
 
 
 def waived(findings: Iterable[Finding], given: Sequence[Waiver]) -> tuple[list[Finding], list[tuple[Waiver, str]]]:
-    """The findings that no waiver allows, and the codes of each waiver for which there is nothing to allow."""
+    """Return the findings that no waiver allows, and the codes of each waiver for which there is nothing to allow."""
     kept, used = [], set()
     for finding in findings:
         by = {(k, finding.code) for k, waiver in enumerate(given) if waiver.allows(finding)}
@@ -101,7 +101,7 @@ def _waivers(reading: Reading) -> Iterator[Waiver]:
 
 
 def _downward(root: Element) -> Iterator[tuple[int, Element]]:
-    """Depth and element, in the order of the file."""
+    """Yield the depth and the element, in the order of the file."""
     waiting = [(0, root)]
     while waiting:
         depth, element = waiting.pop()
@@ -117,7 +117,7 @@ def _erased(data: bytes, at: Span) -> tuple[int, int]:
 
 
 def _about(data: bytes, at: Span, elements: list[tuple[int, Element]]) -> tuple[int, int]:
-    """The bytes from the element that a comment is about to the next element outside it."""
+    """Return the bytes from the element that a comment is about to the next element outside it."""
     line = max(data.rfind(b"\n", 0, at.start), data.rfind(b"\r", 0, at.start)) + 1
     before = _COMMENT.sub(b"", data[line : at.start])
     first = sum(element.start < at.start for _, element in elements)

@@ -61,7 +61,7 @@ class Body:
 
 
 def bodies(context: Context) -> Mapping[str, Body]:
-    """Of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
+    """Return the body of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
     known, poses, boxes = context.once(solids), context.once(link_poses), context.once(group_boxes)
     found = {}
     for link in context.view.links:
@@ -85,7 +85,7 @@ def bodies(context: Context) -> Mapping[str, Body]:
 
 
 def share(context: Context, body: Body) -> float | None:
-    """Of the mass of its rigid group; None where it is below 1 %, so that what it is does not matter."""
+    """Return its share of its rigid group's mass; None where that is below 1 %, so that it does not matter."""
     whole = context.tree.group[body.link.name].mass
     part = body.mass / whole if whole else 1.0
     return part if part >= _LEAST else None

@@ -20,7 +20,7 @@ class Pose(NamedTuple):
 
 
 def pose(origin: OriginView) -> Pose | None:
-    """None where a number in it cannot be read."""
+    """Return the pose of an origin; None where a number in it cannot be read."""
     xyz, rpy = origin.xyz.or_default(0.0, 0.0, 0.0), origin.rpy.or_default(0.0, 0.0, 0.0)
     if xyz is None or rpy is None:
         return None
@@ -42,7 +42,7 @@ def link_poses(context: Context) -> Mapping[str, Pose]:
 
 
 def centres_of_mass(context: Context) -> Mapping[str, tuple[float, ...]]:
-    """The centre of mass of each link with an <inertial>, in the frame of its rigid group's first link [m]."""
+    """Return the centre of mass of each link with an <inertial>, in the frame of its rigid group's first link [m]."""
     poses = context.once(link_poses)
     centres = {}
     for link in context.view.links:

@@ -24,7 +24,7 @@ POINT = 1e-6
 
 
 def carried_masses(context: Context) -> Mapping[Group, float]:
-    """For each rigid group the mass of all that moves with it, itself included; unreadable masses count as 0."""
+    """Return for each rigid group the mass of all that moves with it, itself included; unreadable masses count as 0."""
     carried: dict[Group, float] = {}
     for group in reversed(context.tree.groups):
         own = fsum(link.mass or 0.0 for link in group.links)
@@ -33,13 +33,13 @@ def carried_masses(context: Context) -> Mapping[Group, float]:
 
 
 def matrix(entries: Sequence[float]) -> Floats:
-    """The symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz."""
+    """Return the symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz."""
     xx, xy, xz, yy, yz, zz = entries
     return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
 
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
-    """The principal moments of inertia, ascending [kg m^2].
+    """Return the principal moments of inertia, ascending [kg m^2].
 
     Accuracy: that of `robodyn.solids.inertia.eigen`.
     """
@@ -50,7 +50,7 @@ def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
 
 
 def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
-    """Of a link's zero mass: none in a body that has mass by its other links, or that does not move."""
+    """Return how bad a link's zero mass is: None in a body that has mass by its other links, or that does not move."""
     tree = context.tree_or_none
     group = None if tree is None else tree.group[link.name]
     if group is None or group.joint is None or group.mass != 0:
@@ -59,7 +59,7 @@ def severity_of_zero(context: Context, link: LinkView) -> Severity | None:
 
 
 def is_a_point(link: LinkView) -> bool:
-    """Whether what inertia it has is that of a point: a radius of gyration below a micrometre."""
+    """Return whether what inertia it has is that of a point: a radius of gyration below a micrometre."""
     if link.tensor is None or link.mass is None:
         return False
     return max(map(abs, link.tensor)) <= POINT * POINT * max(link.mass, 0.0)
@@ -70,7 +70,7 @@ def trace(tensor: Tensor) -> float:
 
 
 def gyration(context: Context, group: Group) -> float | None:
-    """sqrt(tr(S) / m) [m], S being the second moments of the group about its centre of mass.
+    """Return sqrt(tr(S) / m) [m], S being the second moments of the group about its centre of mass.
 
     tr(S) is the sum of tr(I) / 2 + m |c - c_group|^2 over the links. None where a number of it cannot be read, or no
     mass is there.
@@ -93,8 +93,8 @@ def _part(context: Context, link: LinkView) -> tuple[float, float, tuple[float, 
 
 
 def widest(tensor: Tensor) -> int:
-    """Which of the six entries to point at in an inertia that no body has: a diagonal entry that is not positive, or
-    the product that is largest beside its moments; where neither stands out, the largest moment."""
+    """Return which of the six entries to point at in an inertia that no body has: a diagonal entry that is not
+    positive, or the product that is largest beside its moments; where neither stands out, the largest moment."""
     diagonal = {0: tensor[0], 3: tensor[3], 5: tensor[5]}
     least = min(diagonal, key=lambda k: diagonal[k])
     if diagonal[least] <= 0:
@@ -110,7 +110,7 @@ _LEAST = 1e-6
 
 
 def nearest(I: Floats) -> Floats | None:
-    """(3, 3) I' = tr(S') 1 - S' with the S' nearest to S = tr(I) 1 / 2 - I that is positive definite [kg m^2].
+    """Return (3, 3) I' = tr(S') 1 - S', S' being the positive definite matrix nearest to S = tr(I) 1 / 2 - I [kg m^2].
 
     Method: the eigenvalues of S, the second moments along the principal axes, are clipped at `_LEAST` of the largest,
     which is the nearest in the Frobenius norm (Higham 1988; of the pseudo-inertia of Wensing 2018, mass and centre of

@@ -36,7 +36,7 @@ class Solid:
     volume: float | None
 
     def placed(self, outer: Pose) -> Box:
-        """The box along outer axes, in which the link's frame stands at a pose."""
+        """Return the box along outer axes, in which the link's frame stands at a pose."""
         return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
 
 
@@ -44,7 +44,7 @@ Solids = Mapping[GeometryView, Solid]
 
 
 def solids(context: Context) -> Solids:
-    """Every shape whose size is known and not zero, and is no slip of units."""
+    """Return every shape whose size is known and not zero, and is no slip of units."""
     facts, mistaken = context.once(all_facts), context.once(mesh_slips)
     found = {}
     for link in context.view.links:
@@ -85,18 +85,18 @@ def _primitive(geometry: GeometryView) -> tuple[Box, float] | None:
 
 
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
-    """Around shapes of one link, in axes in which its frame has this pose; None if one is unknown, or there is none."""
+    """Return the box around shapes of a link whose frame has this pose in its axes; None if one is unknown, or none."""
     return around_known([known[shape].placed(outer) if shape in known else None for shape in shapes])
 
 
 def around_known(boxes: Sequence[Box | None]) -> Box | None:
-    """The box around boxes; None if one is unknown, or there is none."""
+    """Return the box around boxes; None if one is unknown, or there is none."""
     found = [box for box in boxes if box is not None]
     return around(found) if found and len(found) == len(boxes) else None
 
 
 def group_boxes(context: Context) -> Mapping[Group, Box]:
-    """Around all shapes of a rigid group, in the frame of its first link; without those of which a shape is unknown."""
+    """Return the box around each rigid group of which all shapes are known, in the frame of its first link."""
     known, poses = context.once(solids), context.once(link_poses)
     found = {}
     for group in context.tree.groups:
@@ -110,22 +110,22 @@ def group_boxes(context: Context) -> Mapping[Group, Box]:
 
 
 def real_shapes(link: LinkView) -> list[GeometryView]:
-    """The shapes of a link, without <visual/> and the like, which have none."""
+    """Return the shapes of a link, without <visual/> and the like, which have none."""
     return [geometry for geometry in link.geometries if geometry.shape is not None]
 
 
 def size_of(box: Box) -> float:
-    """Length of its diagonal [m]."""
+    """Return the length of its diagonal [m]."""
     return length(box.hi - box.lo)
 
 
 def outside(box: Box, point: Floats) -> float:
-    """Distance of a point (3,) from the box [m]; 0 within."""
+    """Return the distance of a point (3,) from the box [m]; 0 within."""
     return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
 
 
 def own_box(link: LinkView, R: Floats) -> Box | None:
-    """The box around a link's shapes along the axes R (3, 3) of its frame, about its origin [m].
+    """Return the box around a link's shapes along the axes R (3, 3) of its frame, about its origin [m].
 
     None where a mesh or nothing is there. A primitive is bounded by the box around it in its own axes, which is exact
     for boxes.
@@ -141,7 +141,7 @@ def _box(geometry: GeometryView, R: Floats) -> Box | None:
 
 
 def half_size(geometry: GeometryView) -> Floats | None:
-    """Half the sizes (3,) of a primitive in its own axes [m]; None of a mesh, or where a size cannot be read."""
+    """Return half the sizes (3,) of a primitive in its own axes [m]; None of a mesh, or where a size cannot be read."""
     shape = geometry.shape
     if shape is None or shape.tag == "mesh":
         return None

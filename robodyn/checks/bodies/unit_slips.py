@@ -45,7 +45,7 @@ class Slip:
 
 
 def slips(context: Context) -> Mapping[str, Slip]:
-    """By link, the one factor between units that explains what does not fit the shapes.
+    """Return by link the one factor between units that explains what does not fit the shapes.
 
     Accuracy: none on the robots of example-robot-data; a body of usual density and spread of which one quantity is
     multiplied by a factor is found.
@@ -71,7 +71,7 @@ def _slip(context: Context, body: Body) -> Slip | None:
 
 
 def _spread(body: Body, sides: Floats) -> Floats | None:
-    """(3,) second moments over those of the solid box; None where one is not positive."""
+    """Return (3,) the second moments over those of the solid box; None where one is not positive."""
     if body.S is None:
         return None
     spread: Floats = 12 * np.diagonal(body.S) / body.mass / sides**2
@@ -109,7 +109,8 @@ def _tensor(body: Body, density: float, spread: Floats | None) -> Slip | None:
 
 
 def _isotropic(body: Body) -> bool:
-    """Whether the tensor is nearly a multiple of the identity, as those that were made up or raised to a floor are."""
+    """Return whether the tensor is nearly a multiple of the identity, as those that were made up or raised to a floor
+    are."""
     tensor = body.link.tensor
     if tensor is None:
         return True

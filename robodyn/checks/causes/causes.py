@@ -60,7 +60,7 @@ class Cause:
 
 
 def causes(context: Context) -> Mapping[str, Cause]:
-    """By link, the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
+    """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
 
     A tensor is wrong if no body can have it, if it is too large for the link's shapes (where all are primitives), or if
     it is more than 10 % from the mirror image of its twin's. A cause explains it if its correction alone is physical,
@@ -78,7 +78,7 @@ def causes(context: Context) -> Mapping[str, Cause]:
 
 
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
-    """The fault of a link's tensor that no body has, with its cause and the fix for it.
+    """Return the fault of a link's tensor that no body has, with its cause and the fix for it.
 
     Where nothing explains it, the fix is the nearest that a body can have.
     """
@@ -95,7 +95,8 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
-    """The findings of the rule of one cause: of tensors that a body could have. RD206 and RD207 report the others."""
+    """Yield the findings of the rule of one cause: of tensors that a body could have. RD206 and RD207 report the
+    others."""
     for link in context.view.links:
         cause = context.once(causes).get(link.name)
         if cause is None or cause.code != code or not cause.physical:
@@ -148,7 +149,7 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
 
 
 def _explained(given: Given, evidence: Evidence, symptom: Symptom) -> list[tuple[str, Proposal]]:
-    """The causes that explain the tensor, each with its correction."""
+    """Return the causes that explain the tensor, each with its correction."""
     told = TELLS[symptom if evidence.image is None else Symptom.NO_IMAGE]
     explained: list[tuple[str, Proposal]] = []
     for code in sorted(told, reverse=True):
@@ -177,7 +178,7 @@ def _same(one: Proposal, other: Proposal) -> bool:
 
 
 def _entries(I: Floats, given: Given) -> Tensor:
-    """The six entries to the digits that are known, and as they stand where they do not change."""
+    """Return the six entries to the digits that are known, and as they stand where they do not change."""
     size = float(np.abs(I).max())
     values = []
     for value, old in zip(I[UPPER].tolist(), given.entries, strict=True):

@@ -52,7 +52,7 @@ class Evidence:
     most: Floats | None = None
 
     def symptom(self, I: Floats) -> Symptom | None:
-        """What is wrong with the tensor; None if nothing is seen."""
+        """Return what is wrong with the tensor; None if nothing is seen."""
         if not self.possible(I):
             return Symptom.IMPOSSIBLE
         if self.most is not None and (_second(I) > BEYOND * self.most).any():
@@ -62,14 +62,14 @@ class Evidence:
         return None
 
     def explains(self, I: Floats) -> bool:
-        """Whether nothing is left to explain about a corrected tensor."""
+        """Return whether nothing is left to explain about a corrected tensor."""
         if self.image is not None and apart(I, self.image) > SAME:
             return False
         return self.possible(I) and (self.most is None or bool((_second(I) <= self.most).all()))
 
 
 def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> tuple[Evidence, Given]:
-    """The evidence on a link's tensor, and what is given of the link with its twin's tensor, if it has one."""
+    """Return the evidence on a link's tensor, and what is given of the link with its twin's tensor, if it has one."""
     limits = context.thresholds
 
     def possible(I: Floats) -> bool:
@@ -90,7 +90,7 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
 
 
 def _most(link: LinkView, given: Given) -> Floats | None:
-    """m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis of the inertial."""
+    """Return m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis of the inertial."""
     box = own_box(link, given.R)
     if box is None:
         return None
@@ -99,7 +99,8 @@ def _most(link: LinkView, given: Given) -> Floats | None:
 
 
 def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:
-    """Whether the second moments are positive definite by a margin, by Sylvester's criterion; False may be unclear."""
+    """Return whether the second moments are positive definite by a margin, by Sylvester's criterion; False may be
+    unclear."""
     half = (xx + yy + zz) / 2.0
     a, b, c = half - xx, half - yy, half - zz
     minor = a * b - xy * xy

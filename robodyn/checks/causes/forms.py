@@ -64,7 +64,7 @@ class Proposal:
 
 
 def signs(given: Given) -> Iterator[Proposal]:
-    """Products of inertia with the other sign, as where they are defined as +integral xy dm.
+    """Yield products of inertia with the other sign, as where they are defined as +integral xy dm.
 
     Without a twin all three: the principal moments do not tell three flipped signs from one, nor two from none.
     """
@@ -99,7 +99,7 @@ def not_rotated(given: Given) -> Iterator[Proposal]:
 
 
 def reordered(given: Given) -> Iterator[Proposal]:
-    """Entries in the order of another format, products under each other's names, or nine entries read as six."""
+    """Yield entries in the order of another format, products under each other's names, or nine entries read as six."""
     e = given.entries
     if e[1] == e[3] and e[0] > 0.0 and e[4] > 0.0 and e[3] < e[4]:
         what = "a matrix of nine entries, row by row, is read as six: iyy holds iyx, iyz holds iyy and izz holds iyz"
@@ -113,7 +113,7 @@ def reordered(given: Given) -> Iterator[Proposal]:
 
 
 def decade(given: Given) -> Iterator[Proposal]:
-    """One entry times a power of ten. Without a twin a moment: a product that is small enough always fits."""
+    """Yield one entry times a power of ten. Without a twin a moment: a product that is small enough always fits."""
     places = range(6) if given.copy is not None else (0, 3, 5)
     for place, k in product(places, _DECADES):
         value = given.entries[place]
@@ -125,7 +125,7 @@ def decade(given: Given) -> Iterator[Proposal]:
 
 
 def permuted(given: Given) -> Iterator[Proposal]:
-    """The tensor in axes of other names, with its products and without."""
+    """Yield the tensor in axes of other names, with its products and without."""
     for order in permutations(range(3)):
         if order != (0, 1, 2):
             names = " ".join("xyz"[i] for i in order)
@@ -137,7 +137,7 @@ def permuted(given: Given) -> Iterator[Proposal]:
 
 
 def copied(given: Given) -> Iterator[Proposal]:
-    """The tensor of the mirror twin, not reflected."""
+    """Yield the tensor of the mirror twin, not reflected."""
     if given.copy is not None and np.abs(given.tensor - given.copy).max() <= 1e-6 * np.abs(given.copy).max():
         yield Proposal("the tensor is a copy of its mirror twin's, which is not reflected", None)
 

@@ -29,7 +29,7 @@ class Identity(NamedTuple):
 
 
 def identity(finding: Finding, folder: str = "") -> Identity:
-    """The identity of a finding, its file being named relative to a folder, by default as it was given.
+    """Return the identity of a finding, its file being named relative to a folder, by default as it was given.
 
     Numbers that stand alone in the message become `#`; those that are part of a name (`link_2`) stay.
     """
@@ -39,7 +39,7 @@ def identity(finding: Finding, folder: str = "") -> Identity:
 
 
 def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
-    """A name for each finding: 64 hexadecimal digits of its identity, and which one of that identity it is."""
+    """Yield a name for each finding: 64 hexadecimal digits of its identity, and which one of that identity it is."""
     seen: Counter[Identity] = Counter()
     for finding in findings:
         same = identity(finding)
@@ -61,7 +61,7 @@ class Compared:
 
 
 def compared(findings: Iterable[Finding], path: str) -> Compared:
-    """The findings against a baseline. One that is there k times allows the first k findings of its identity.
+    """Return the findings against a baseline. One that is there k times allows the first k findings of its identity.
 
     Raises:
         InputError: the file cannot be read or is no baseline.

@@ -34,7 +34,7 @@ class Change:
 
 
 def version_at(file: str, ref: str) -> bytes:
-    """The bytes of a file at a git revision.
+    """Return the bytes of a file at a git revision.
 
     Raises:
         InputError: git is not there, or knows no such revision or file.
@@ -54,7 +54,7 @@ def version_at(file: str, ref: str) -> bytes:
 
 
 def model_at(file: str, ref: str) -> Model | None:
-    """The robot at a git revision; None where the description there cannot be read."""
+    """Return the robot at a git revision; None where the description there cannot be read."""
     try:
         return load(version_at(file, ref))
     except DescriptionError:
@@ -62,7 +62,7 @@ def model_at(file: str, ref: str) -> Model | None:
 
 
 def changes(before: Model, after: Model) -> Iterator[Change]:
-    """What differs in joints, masses, centres and tensors, and as a sum of all, in the torques.
+    """Yield what differs in joints, masses, centres and tensors, and as a sum of all, in the torques.
 
     Bodies are links with everything fixed to them. The torques are those of inverse dynamics in 32 random states, the
     same in every run, of the coordinates that both have; others are at rest. The last change is their largest
@@ -136,7 +136,7 @@ def _bodies(before: Model, after: Model) -> Iterator[Change]:
 
 
 def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[float, float]:
-    """The largest relative difference in a state, and the difference there [N m or N]."""
+    """Return the largest relative difference in a state, and the difference there [N m or N]."""
     rng = np.random.default_rng(_SEED)
     states = [rng.uniform(-2.0, 2.0, (_STATES, len(common))) for _ in range(3)]
     tau = []

@@ -17,7 +17,7 @@ _FREEDOM = {"fixed": 0, "planar": 3, "floating": 6}
 
 
 def massless(context: Context) -> Iterator[Found]:
-    """Rigid groups that a joint moves, without mass or without moments of inertia."""
+    """Yield rigid groups that a joint moves, without mass or without moments of inertia."""
     for group in context.tree.groups[1:]:
         heavy = [link for link in group.links if link.mass]
         inert = len(heavy) > 1 or any(any(link.tensor or ()) for link in heavy)
@@ -26,14 +26,14 @@ def massless(context: Context) -> Iterator[Found]:
 
 
 def no_mass(context: Context) -> Iterator[Found]:
-    """Links without mass that a joint moves."""
+    """Yield links without mass that a joint moves."""
     for group in context.tree.groups[1:]:
         if not group.links[0].mass:
             yield group.links[0].element.span, f"link '{group.links[0].name}'"
 
 
 def unphysical(context: Context) -> Iterator[Found]:
-    """Tensors that no body has, also of the root and of links without mass; a tensor of zeros counts as none."""
+    """Yield tensors that no body has, also of the root and of links without mass; a tensor of zeros counts as none."""
     for link in context.tree.links:
         if link.tensor is None or not any(link.tensor):
             continue
@@ -63,7 +63,7 @@ def free_base(context: Context) -> Iterator[Found]:
 
 
 def types(*kinds: str) -> Callable[[Context], Iterator[Found]]:
-    """Joints of some types."""
+    """Yield joints of some types."""
 
     def find(context: Context) -> Iterator[Found]:
         for joint in context.view.joints:
@@ -81,7 +81,7 @@ def friction(context: Context) -> Iterator[Found]:
 
 
 def mimic_leader(context: Context) -> Iterator[Found]:
-    """Mimic joints whose leader is not there, or does not have as many degrees of freedom."""
+    """Yield mimic joints whose leader is not there, or does not have as many degrees of freedom."""
     for joint in context.view.joints:
         if joint.mimic is None:
             continue
@@ -91,14 +91,14 @@ def mimic_leader(context: Context) -> Iterator[Found]:
 
 
 def NAME(context: Context) -> Iterator[Found]:
-    """The robot, where it has no name."""
+    """Yield the robot, where it has no name."""
     root = context.view.root
     if not root.get("name"):
         yield root.span, "the robot"
 
 
 def where(what: str, holds: Callable[[Any], bool]) -> Callable[[Context], Iterator[Found]]:
-    """Links and joints of which something is given, and is so."""
+    """Yield links and joints of which something is given, and is so."""
 
     def find(context: Context) -> Iterator[Found]:
         parts: tuple[Any, ...] = context.view.joints

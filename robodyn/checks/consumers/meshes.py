@@ -31,7 +31,7 @@ READS: Mapping[str, Reads] = {
 
 
 def unread(context: Context, target: str) -> dict[str, list[MeshUse]]:
-    """The shapes whose mesh a program does not read, by the suffix."""
+    """Return the shapes whose mesh a program does not read, by the suffix."""
     found: dict[str, list[MeshUse]] = {}
     reads = READS.get(target)
     for name in context.once(mesh_names).values() if reads else ():
@@ -46,7 +46,7 @@ Found = tuple[Span, str]
 
 
 def unread_meshes(target: str) -> Callable[[Context], Iterator[Found]]:
-    """Meshes in a format that a program does not read."""
+    """Yield meshes in a format that a program does not read."""
 
     def find(context: Context) -> Iterator[Found]:
         for suffix, uses in unread(context, target).items() if target in context.asked.targets else ():
@@ -57,7 +57,7 @@ def unread_meshes(target: str) -> Callable[[Context], Iterator[Found]]:
 
 
 def missing_meshes(target: str, *kinds: str) -> Callable[[Context], Iterator[Found]]:
-    """Meshes that are not there."""
+    """Yield meshes that are not there."""
 
     def find(context: Context) -> Iterator[Found]:
         for name in context.once(mesh_names).values() if target in context.asked.targets else ():
@@ -68,7 +68,7 @@ def missing_meshes(target: str, *kinds: str) -> Callable[[Context], Iterator[Fou
 
 
 def uris(context: Context) -> Iterator[Found]:
-    """Meshes to collide with that are named by a URI, where MuJoCo is not told to strip it."""
+    """Yield meshes to collide with that are named by a URI, where MuJoCo is not told to strip it."""
     extension = context.view.root.find("mujoco")
     compiler = None if extension is None else extension.find("compiler")
     if "mujoco" not in context.asked.targets or (compiler is not None and compiler.get("strippath") == "true"):

@@ -98,7 +98,7 @@ class Opinion:
 
 
 def opinion(context: Context, target: str) -> Opinion:
-    """The opinion of a program, its facts with the worst verdict first. From stage TREE on."""
+    """Return the opinion of a program, its facts with the worst verdict first. From stage TREE on."""
     found = [(fact, tuple(fact.find(context))) for fact in FACTS if fact.target == target]
     counted = sorted((one for one in found if one[1]), key=lambda one: -one[0].verdict)
     return Opinion(target, counted[0][0].verdict if counted else Verdict.LOADS, tuple(counted))

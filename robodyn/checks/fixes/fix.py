@@ -13,7 +13,7 @@ from robodyn.robot.urdf.document import read
 
 
 def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
-    """Fixes of one kind that do not touch each other: the earlier in the text first, then the lower code.
+    """Return fixes of one kind that do not touch each other: the earlier in the text first, then the lower code.
 
     A fix is taken with all its edits or not at all.
     """
@@ -31,7 +31,7 @@ def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix
 
 
 def edited(data: bytes, fixes: Iterable[Fix], encoding: str) -> bytes:
-    """The text with the edits made; what the encoding lacks is written as a character reference."""
+    """Return the text with the edits made; what the encoding lacks is written as a character reference."""
     parts, place = [], 0
     for edit in sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.start):
         parts += [data[place : edit.start], edit.text.encode(encoding, "xmlcharrefreplace")]
@@ -40,7 +40,7 @@ def edited(data: bytes, fixes: Iterable[Fix], encoding: str) -> bytes:
 
 
 def _touch(a: Edit, b: Edit) -> bool:
-    """Whether they overlap, or one inserts at a border of the other."""
+    """Return whether they overlap, or one inserts at a border of the other."""
     if a.start == a.end or b.start == b.end:
         return a.start <= b.end and b.start <= a.end
     return a.start < b.end and b.start < a.end
@@ -83,7 +83,7 @@ class Fixed:
 
 
 def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixed:
-    """The text with its fixes made: bytes that no fix names stay as they are.
+    """Return the text with its fixes made: bytes that no fix names stay as they are.
 
     Safe fixes come first. Each round's are proven to leave the dynamics alone by computing inverse dynamics before and
     after; where the proof fails for all together each is tried by itself, and one without proof is not made. Unsafe
@@ -117,7 +117,7 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
 
 
 def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made], list[Refused]]:
-    """The text with those fixes made that are proven to leave the dynamics alone."""
+    """Return the text with those fixes made that are proven to leave the dynamics alone."""
     after = edited(text, (fix for _, fix in pairs), encoding)
     if not pairs or unproven(text, after) is None:
         return after, [Made(*pair) for pair in pairs], []

@@ -16,7 +16,7 @@ SAME = 64 * 2.0**-52
 
 
 def change_of_dynamics(before: bytes, after: bytes) -> float:
-    """max |tau' - tau| / max |tau| of inverse dynamics at random states; infinite where the coordinates differ.
+    """Return max |tau' - tau| / max |tau| of inverse dynamics in random states; infinite where the coordinates differ.
 
     The base is free, so that its inertia counts, and positions, rates and accelerations are normally distributed with
     a variance of 1, from a fixed seed; both texts are given the same.
@@ -45,7 +45,7 @@ def change_of_dynamics(before: bytes, after: bytes) -> float:
 
 
 def unproven(before: bytes, after: bytes) -> str | None:
-    """Why it is not shown that both describe the same dynamics; None where it is."""
+    """Return why it is not shown that both describe the same dynamics; None where it is."""
     try:
         change = change_of_dynamics(before, after)
     except InputError as error:

@@ -59,7 +59,7 @@ class MeshFacts:
 
     @classmethod
     def loads(cls, data: bytes) -> MeshFacts | None:
-        """What `dumps` wrote; None of anything else."""
+        """Return what `dumps` wrote; None of anything else."""
         try:
             values = json.loads(data)
             return cls(**{**values, "lo": tuple(values["lo"]), "hi": tuple(values["hi"])})
@@ -68,7 +68,8 @@ class MeshFacts:
 
 
 def mesh_facts(path: Path) -> MeshFacts:
-    """The facts of a file, by one pass over its triangles; only where the surface is closed are shells told apart.
+    """Return the facts of a file, by one pass over its triangles; only where the surface is closed are shells told
+    apart.
 
     Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrate`).
     """
@@ -121,7 +122,7 @@ _ELSEWHERE = (".gltf",)
 
 
 def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
-    """The facts of each file, in threads; those of known content are not computed again."""
+    """Return the facts of each file, in threads; those of known content are not computed again."""
     wanted = list(dict.fromkeys(paths))
     if not wanted:
         return {}

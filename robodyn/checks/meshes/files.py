@@ -67,20 +67,20 @@ class MeshName:
         return all(use.geometry.kind == "visual" for use in self.uses)
 
     def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
-        """`the mesh NAME what`, at its first use, with the count of the others."""
+        """Return `the mesh NAME what`, at its first use, with the count of the others."""
         use, more = self.uses[0], len(self.uses) - 1
         others = f" (and {more} more place{'s' if more > 1 else ''})" if more else ""
         sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
         return Fault(at=use.at, subject=use.link.subject, what=sentence, remedy=remedy, severity=severity, fix=fix)
 
     def renamed(self, better: str) -> Fix:
-        """The safe fix that writes another name wherever this one stands."""
+        """Return the safe fix that writes another name wherever this one stands."""
         edits = tuple(Edit(use.at.start, use.at.end, better) for use in self.uses)
         return Fix(f"write {shown_path(better)}", edits, safe=True)
 
 
 def mesh_uses(context: Context) -> Iterator[MeshUse]:
-    """Every <mesh>, in the order of the links."""
+    """Yield every <mesh>, in the order of the links."""
     for link in context.view.links:
         for geometry in link.geometries:
             if geometry.shape is not None and geometry.shape.tag == "mesh":
@@ -88,7 +88,7 @@ def mesh_uses(context: Context) -> Iterator[MeshUse]:
 
 
 def mesh_names(context: Context) -> Mapping[str, MeshName]:
-    """The names of meshes; those that are empty or not expanded are none."""
+    """Return the names of meshes; those that are empty or not expanded are none."""
     uses: dict[str, list[MeshUse]] = {}
     for use in mesh_uses(context):
         uri = use.geometry.shape.get("filename") if use.geometry.shape is not None else None
@@ -99,7 +99,7 @@ def mesh_names(context: Context) -> Mapping[str, MeshName]:
 
 
 def all_facts(context: Context) -> Mapping[str, MeshFacts]:
-    """By name, the facts of every mesh whose file is found."""
+    """Return by name the facts of every mesh whose file is found."""
     names = context.once(mesh_names).values()
     known = facts_of(name.path for name in names if name.path is not None)
     return {name.uri: known[name.path] for name in names if name.path is not None}
@@ -129,7 +129,7 @@ class _Look:
         return MeshName(uri, uses, State.MISSING if self._known(uri) else State.UNKNOWN)
 
     def _roots(self, uri: str) -> Iterator[tuple[Path, str, str]]:
-        """Folders that exist, what of the name stands for them, and the path in them."""
+        """Yield folders that exist, what of the name stands for them, and the path in them."""
         package = package_of(uri)
         if package is not None and package[0]:
             rest = package[1]
@@ -140,14 +140,14 @@ class _Look:
             yield from ((folder, "", uri) for folder in self._search.folders)
 
     def _known(self, uri: str) -> bool:
-        """Whether it is known where the file ought to be."""
+        """Return whether it is known where the file ought to be."""
         package = package_of(uri)
         if package is None:
             return not (self._bytes and not os.path.isabs(uri) and "://" not in uri)
         return not package[0] or any(True for _ in self._roots(uri)) or self._search.knows_packages
 
     def _true_name(self, root: Path, rest: str) -> str | None:
-        """The path in a folder as its folders spell it, if it is there in any case."""
+        """Return the path in a folder as its folders spell it, if it is there in any case."""
         parts = []
         for part in rest.split("/"):
             names = self._names(root)

@@ -31,7 +31,7 @@ class UnitSlip:
 
 
 def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
-    """The uses of meshes that are 1000 times too large or too small."""
+    """Return the uses of meshes that are 1000 times too large or too small."""
     facts, reach = context.once(all_facts), _reach(context)
     found: dict[GeometryView, UnitSlip] = {}
     for name in context.once(mesh_names).values():
@@ -47,7 +47,7 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
 
 
 def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
-    """Longest side of the box of a mesh, scaled [m]; None where it is not known."""
+    """Return the longest side of the box of a mesh, scaled [m]; None where it is not known."""
     known = context.once(all_facts).get(uri)
     scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
@@ -80,7 +80,7 @@ def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
 
 
 def _twin(link: LinkView, geometry: GeometryView, context: Context) -> float | None:
-    """Longest side of the largest mesh of the link's other kind."""
+    """Return the longest side of the largest mesh of the link's other kind."""
     sides = []
     for other in link.geometries:
         if other.kind != geometry.kind and other.shape is not None and other.shape.tag == "mesh":
@@ -90,6 +90,6 @@ def _twin(link: LinkView, geometry: GeometryView, context: Context) -> float | N
 
 
 def _reach(context: Context) -> float:
-    """The largest distance between the origins of neighbouring links [m]; 0 where there is none."""
+    """Return the largest distance between the origins of neighbouring links [m]; 0 where there is none."""
     offsets = (joint.origin.xyz.or_default(0.0, 0.0, 0.0) for joint in context.view.joints)
     return max((dist(xyz, (0.0, 0.0, 0.0)) for xyz in offsets if xyz is not None), default=0.0)

@@ -76,7 +76,7 @@ class Twins:
 
 
 def twins(context: Context) -> tuple[Twins, ...]:
-    """The pairs of which both links have mass. From stage MODEL on."""
+    """Return the pairs of which both links have mass. From stage MODEL on."""
     return tuple(_twins(context))
 
 

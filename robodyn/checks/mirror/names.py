@@ -28,7 +28,7 @@ _SWAPS = tuple(
 
 
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
-    """(left, right) of the names that are each other's but for left and right.
+    """Yield (left, right) of the names that are each other's but for left and right.
 
     Understood are left and right, l and r, two letters such as FL, LF, RL or LH, all in lower and upper case, and L as
     the first letter of LHipYaw and the last of ElbowL.

@@ -53,13 +53,14 @@ class Plane:
         return np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
 
     def image(self, p: Floats) -> Floats:
-        """(..., 3) mirror images of points."""
+        """Return (..., 3) the mirror images of points."""
         moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
         return moved
 
 
 def pairs(context: Context) -> tuple[Pair, ...]:
-    """The confirmed pairs, in the order of the right links in the file; none where the description cannot be read.
+    """Return the confirmed pairs, in the order of the right links in the file; none where the description cannot be
+    read.
 
     Names propose pairs (`named_pairs`). The plane is, among those across x, y or z of the root or across the line
     between the two of a pair, the one that confirms most. A pair is confirmed if at q = 0 each frame's origin is at the
@@ -91,7 +92,7 @@ def pairs(context: Context) -> tuple[Pair, ...]:
 
 
 def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[str, Floats]]:
-    """Rotation and origin of every link in the root's axes at q = 0 [m]."""
+    """Return the rotation and origin of every link in the root's axes at q = 0 [m]."""
     below: dict[str, list[Joint]] = {}
     for joint in description.joints:
         below.setdefault(joint.parent, []).append(joint)
@@ -107,13 +108,14 @@ def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[
 
 
 def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
-    """Centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's axes."""
+    """Return the centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's
+    axes."""
     c, I = link_inertia(inertial)
     return product(pair.D, c), product(pair.D, I, pair.D.T)
 
 
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
-    """Centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
+    """Return the centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
     R, c = placement(inertial.origin)
     return c, product(R, matrix(inertial.inertia), R.T)
 
@@ -124,7 +126,7 @@ def _size(p: Mapping[str, Floats]) -> float:
 
 
 def _plane(proposed: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Plane | None:
-    """The plane that confirms most of the proposed pairs."""
+    """Return the plane that confirms most of the proposed pairs."""
     left, right = (np.array([p[names[k]] for names in proposed]) for k in (0, 1))
     near = _NEAR * _size(p)
     apart = left - right
@@ -143,7 +145,7 @@ def _plane(proposed: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Plan
 
 
 def _rooted(found: Sequence[Pair]) -> list[Pair]:
-    """The pairs whose joints hang on one link, or on the two links of another such pair."""
+    """Return the pairs whose joints hang on one link, or on the two links of another such pair."""
     kept: dict[str, Pair] = {}
     of_left = {pair.left.name: pair for pair in found}
     verdicts: dict[str, bool] = {}

@@ -73,7 +73,7 @@ KINDS: Mapping[str, Kind] = {
 
 
 def own_elements(root: Element) -> Iterator[tuple[Element, Kind, Subject | None]]:
-    """The elements that URDF knows, in the order of the file, each with what it is a part of.
+    """Yield the elements that URDF knows, in the order of the file, each with what it is a part of.
 
     What other tools read is left out.
     """

@@ -38,7 +38,7 @@ class Named(NamedTuple):
 
 
 def srdf_of(file: str, robot: str | None) -> Path | None:
-    """The SRDF of the description's name beside it, or the only one there, if it is for the robot of that name.
+    """Return the SRDF of the description's name beside it, or the only one there, if it is for the robot of that name.
 
     Looked for in the description's folder, in config and srdf in it, and in config and srdf beside it.
     """
@@ -57,7 +57,8 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
 
 
 def names_in_srdf(path: Path) -> tuple[Named, ...]:
-    """Every use of a link's or a joint's name; none where the file cannot be read, which is no fault of the robot's."""
+    """Return every use of a link's or a joint's name; none where the file cannot be read, which is no fault of the
+    robot's."""
     try:
         root = read_document(path).root
     except DescriptionError:

@@ -52,7 +52,7 @@ class Tree:
 
 
 def build_tree(view: View) -> Tree | None:
-    """None where links and joints make no tree, or names or types are not in order; rules RD101 to RD109 say why."""
+    """Return the tree; None where there is none, or names or types are not in order: RD101 to RD109 say why."""
     above = {joint.child: joint for joint in view.joints}
     unique = len(view.link) == len(view.links) and len(view.joint) == len(view.joints) == len(above)
     led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
@@ -68,7 +68,7 @@ def build_tree(view: View) -> Tree | None:
 
 
 def _downward(view: View, root: LinkView) -> tuple[LinkView, ...]:
-    """The links that hang on the root, itself first, in depth-first order."""
+    """Return the links that hang on the root, itself first, in depth-first order."""
     below: dict[str, list[str]] = {}
     for joint in view.joints:
         below.setdefault(joint.parent, []).append(joint.child)
@@ -98,7 +98,7 @@ def _groups(links: Sequence[LinkView], above: Mapping[str, JointView]) -> tuple[
 
 
 def first_above(view: View) -> dict[str, JointView]:
-    """For each link that is a joint's child, the first such joint."""
+    """Return for each link that is a joint's child, the first such joint."""
     above: dict[str, JointView] = {}
     for joint in view.joints:
         if joint.child:

@@ -47,7 +47,7 @@ def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator
 
 
 def _is_near(tag: str, known: Sequence[str]) -> bool:
-    """At the top other tools may keep elements of any name; only slips of the pen are reported there."""
+    """Return whether it is a slip of the pen: at the top other tools may keep elements of any name."""
     from difflib import get_close_matches
 
     return len(tag) < 30 and bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75))

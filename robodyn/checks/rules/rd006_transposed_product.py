@@ -40,7 +40,7 @@ def check(context: Context) -> Faults:
 
 
 def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
-    """Where both are the same, the lower one goes; where only the lower one stands, it takes its twin's name."""
+    """Return the fix: of two that are the same the lower one goes; a lower one alone takes its twin's name."""
     span = inertia.attributes[lower].span
     if inertia.get(upper) is None:
         return Fix(f"call it {upper}", (Edit(span.start, span.start + len(lower), upper),), safe=False)

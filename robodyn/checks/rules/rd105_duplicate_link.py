@@ -21,7 +21,7 @@ def check(context: Context) -> Faults:
 
 
 def namesakes(kind: str, parts: Sequence[LinkView | JointView], first: Mapping[str, LinkView | JointView]) -> Faults:
-    """The parts whose name another one before them has."""
+    """Yield the parts whose name another one before them has."""
     for part in parts:
         before = first.get(part.name, part)
         if before is not part:

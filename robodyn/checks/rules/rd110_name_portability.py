@@ -32,7 +32,7 @@ def check(context: Context) -> Faults:
 
 
 def _refusal(name: str) -> str | None:
-    """Which format does not take the name."""
+    """Return which format does not take the name."""
     if not name or (_PLAIN.fullmatch(name) and not name.startswith("__")):
         return None
     if "::" in name or (name.startswith("__") and name.endswith("__")):

@@ -33,7 +33,7 @@ def check(context: Context) -> Faults:
 
 
 def _severity(context: Context, link: LinkView) -> Severity:
-    """A remark where heavier links are fixed to it and the body has an inertia by them; a warning for a base."""
+    """Return a remark where heavier links are fixed to it and the body has an inertia by them; a warning for a base."""
     group = None if context.tree_or_none is None else context.tree_or_none.group[link.name]
     if group is None or group.mass is None or link.mass is None:
         return Severity.ERROR

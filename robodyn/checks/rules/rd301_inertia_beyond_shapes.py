@@ -45,7 +45,7 @@ def check(context: Context) -> Faults:
 
 
 def _beyond_reach(body: Body) -> Fault | None:
-    """tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
+    """Check tr(S) > m r^2, r being the distance from the centre of mass to the farthest corner."""
     if body.S is None or body.box is None:
         return None
     spread = float(np.trace(body.S)) / body.mass
@@ -72,7 +72,7 @@ def _beyond_reach(body: Body) -> Fault | None:
 
 
 def _beyond_box(body: Body) -> Fault | None:
-    """S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
+    """Check S_ii / m > (hi_i - c_i)(c_i - lo_i), with the box of the rigid group."""
     if body.S is None or body.group is None:
         return None
     c, S = body.in_group

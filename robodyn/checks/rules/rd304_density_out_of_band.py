@@ -48,7 +48,7 @@ def check(context: Context) -> Faults:
 
 
 def _box(context: Context, group: Group) -> Box | None:
-    """Around the visual shapes of the group, or its collision shapes if it has no visual ones."""
+    """Return the box around the visual shapes of the group, or its collision shapes if it has no visual ones."""
     known, poses = context.once(solids), context.once(link_poses)
     seen = any(shape.kind == "visual" for link in group.links for shape in real_shapes(link))
     boxes = []

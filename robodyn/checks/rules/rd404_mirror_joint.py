@@ -48,7 +48,7 @@ def check(context: Context) -> Faults:
 
 
 def _direction(pair: Pair) -> int | None:
-    """1 where equal positions of both joints are mirror images, -1 where opposite ones are, None if neither.
+    """Return 1 where equal positions of both joints are mirror images, -1 where opposite ones are, None if neither.
 
     A reflection D carries a translation a to D a, and a rotation about a to one about -D a.
     """

@@ -38,8 +38,7 @@ def check(context: Context) -> Faults:
 
 
 def _fix(axis: tuple[float, ...], at: Span) -> Fix:
-    """A direction alone counts, so that dividing by the length changes nothing; by the largest entry first, lest it
-    overflow."""
+    """Return the division by the length, which changes nothing; by the largest entry first, lest it overflow."""
     largest = max(map(abs, axis))
     length = hypot(*(x / largest for x in axis))
     text = " ".join(repr(x / largest / length) for x in axis)

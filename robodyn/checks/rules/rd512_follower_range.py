@@ -37,7 +37,7 @@ def check(context: Context) -> Faults:
 
 
 def _range(joint: JointView | None) -> tuple[float, float] | None:
-    """lower and upper of a joint that has both, in order."""
+    """Return lower and upper of a joint that has both, in order."""
     if joint is None or joint.limit is None or joint.type not in WITH_RANGE:
         return None
     lower, upper = joint.limit.lower.value, joint.limit.upper.value
@@ -45,7 +45,7 @@ def _range(joint: JointView | None) -> tuple[float, float] | None:
 
 
 def _reached(context: Context, joint: JointView) -> tuple[float, float] | None:
-    """multiplier q + offset over the range of the joint that is followed, if that one is free."""
+    """Return multiplier q + offset over the range of the joint that is followed, if that one is free."""
     if joint.mimic is None:
         return None
     multiplier, offset = joint.mimic.multiplier.or_default(1.0), joint.mimic.offset.or_default(0.0)

@@ -58,12 +58,12 @@ def _missing(context: Context, name: MeshName) -> Fault:
 
 
 def _written(context: Context, name: MeshName, better: str) -> Fix | None:
-    """The edit that writes another name, if the mesh is there by that."""
+    """Return the edit that writes another name, if the mesh is there by that."""
     return None if context.search.find(better) is None else name.renamed(better)
 
 
 def _unknown(names: list[MeshName]) -> Iterator[Fault]:
-    """One remark for all meshes of packages of which nothing is known."""
+    """Yield one remark for all meshes of packages of which nothing is known."""
     if not names:
         return
     packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]

@@ -47,7 +47,7 @@ def _why(context: Context, name: MeshName) -> str | None:
 
 
 def _leaves(context: Context, uri: str) -> bool:
-    """Whether a relative name leads out of the package that the file is in, if there is one."""
+    """Return whether a relative name leads out of the package that the file is in, if there is one."""
     root = context.search.home
     if context.reading.file == STDIN or ".." not in uri or root is None:
         return False

@@ -28,7 +28,7 @@ def check(context: Context) -> Faults:
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
-    """What is wrong, worst first; what hardly shows is a remark where the mesh is only looked at."""
+    """Return what is wrong, worst first; what hardly shows is a remark where the mesh is only looked at."""
     if not facts.finite:
         return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
     if facts.inverted:

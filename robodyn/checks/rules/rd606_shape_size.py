@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.links import SIZES
 from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
 
-_SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 _EXPORT = "export the mesh of this part"
 
 
@@ -35,7 +35,7 @@ def check(context: Context) -> Faults:
 
 def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
     shape = geometry.shape
-    for attribute in _SIZES.get("" if shape is None else shape.tag, ()):
+    for attribute in SIZES.get("" if shape is None else shape.tag, ()):
         size = numbers(shape, attribute, 3 if attribute == "size" else 1)
         if shape is not None and size.values is not None and min(size.values) <= 0:
             yield Fault(
@@ -49,7 +49,7 @@ def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
 
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
-    """One finding for all uses of a mesh with one scale."""
+    """Return one finding for all uses of a mesh with one scale."""
     severity = Severity.NOTE
     if 0 in scale:
         what, remedy, severity = "leaves no volume", 'write scale="1 1 1", or leave it out', Severity.ERROR

@@ -56,7 +56,7 @@ def check(context: Context) -> Faults:
 
 
 def _uses(owner: Element) -> Iterator[Named]:
-    """The names that an element of the robot uses."""
+    """Yield the names that an element of the robot uses."""
     if owner.tag in ("transmission", "ros2_control"):
         for joint in owner.findall("joint"):
             if joint.get("name"):
@@ -67,8 +67,8 @@ def _uses(owner: Element) -> Iterator[Named]:
 
 
 def _in_srdf(context: Context) -> Iterator[Fault]:
-    """One fault for each name at the robot's start tag, since its place is in the other file; of an SRDF of another
-    name, which may be of a variant of the robot, one warning."""
+    """Yield one fault for each name at the robot's start tag, since its place is in the other file; of an SRDF of
+    another name, which may be of a variant of the robot, one warning."""
     file, view = context.reading.file, context.view
     path = srdf_of(file, view.root.get("name"))
     missing: dict[tuple[str, str], Named] = {}

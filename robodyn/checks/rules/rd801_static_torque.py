@@ -48,7 +48,7 @@ def check(context: Context) -> Faults:
 
 
 def _pose(model: Model, one: StaticTorque) -> str:
-    """The positions of the joints, those that are not zero, in degrees or metres."""
+    """Return the positions of the joints, those that are not zero, in degrees or metres."""
     values = []
     for joint in model.independent:
         value = one.q[joint.coordinate]

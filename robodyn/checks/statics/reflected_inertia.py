@@ -18,7 +18,7 @@ _WORTH = 1e-2
 
 
 def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
-    """(joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges.
+    """Return (joint, J) of the joints whose damping may be fast; J = 1 / (M^-1)_ii at the middle of the ranges.
 
     From stage MODEL on. Empty for a robot whose mass matrix is singular, that has a floating joint or more than
     MOST_BODIES bodies.
@@ -37,7 +37,7 @@ def reflected_inertias(context: Context) -> tuple[tuple[Joint, float], ...]:
 
 
 def inverse_of_definite(M: Floats) -> Floats | None:
-    """The inverse of a symmetric positive definite matrix; None where it is not.
+    """Return the inverse of a symmetric positive definite matrix; None where it is not.
 
     Method: the sweep operator, Gauss-Jordan in place. LAPACK's threads wait for each other on a busy machine, where
     they take a hundred times as long.
@@ -58,7 +58,7 @@ def inverse_of_definite(M: Floats) -> Floats | None:
 
 
 def joint_space_inertia(model: Model, q: Floats) -> Floats:
-    """M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
+    """Return M(q) = sum of m J_v^T J_v + J_w^T I_c J_w over the bodies, with rotor inertias on the diagonal.
 
     For one pose this is ready long before the recursion of `robodyn.mass_matrix` is traced.
 
@@ -88,7 +88,7 @@ def joint_space_inertia(model: Model, q: Floats) -> Floats:
 
 
 def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) -> Floats:
-    """The sum over the bodies, from the bodies' places and each joint's angular and linear velocity per rate."""
+    """Return the sum over the bodies, from the bodies' places and each joint's angular and linear velocity per rate."""
     on, rates = _carries(model), [max(body.joint.rate, 0) for body in model.bodies]
     centres = np.array([body.inertia.centre_of_mass for body in model.bodies])
     c = p + product(R, centres[:, :, None])[:, :, 0]
@@ -108,7 +108,7 @@ def _kinetic(model: Model, R: Floats, p: Floats, spins: Floats, slides: Floats) 
 
 
 def _carries(model: Model) -> Floats:
-    """(bodies, joints) 1 where a joint carries a body; the base's joint stands still."""
+    """Return (bodies, joints) 1 where a joint carries a body; the base's joint stands still."""
     on = np.eye(len(model.bodies))
     for i, body in enumerate(model.bodies):
         if body.parent >= 0:

@@ -72,16 +72,16 @@ class Sweep:
         self._scale = float(self._carried[0]) or 1.0
 
     def poses(self) -> Floats:
-        """(targets, rows, n) the poses."""
+        """Return (targets, rows, n) the poses."""
         found: Floats = self.q.T.reshape(len(self._rows), self._each, -1)
         return found
 
     def torques(self) -> Floats:
-        """(targets, rows) torque / g."""
+        """Return (targets, rows) torque / g."""
         return self._torques(self._inward()).reshape(len(self._rows), self._each)
 
     def improve(self) -> Floats:
-        """One sweep from the base to the tips: the best position of each joint in turn, the others as they are.
+        """Make one sweep from the base to the tips: the best position of each joint in turn, the others as they are.
 
         Returns:
             (rows of all targets,) torque / g before the sweep, times the sign that the row is to have; 0 before the
@@ -107,7 +107,7 @@ class Sweep:
         return position
 
     def _inward(self) -> dict[int, Floats]:
-        """(3, 2, rows) h and v of the bodies that matter."""
+        """Return (3, 2, rows) h and v of the bodies that matter."""
         x = {i: np.zeros((3, 2, self.q.shape[1])) for i in self._relevant}
         for i in reversed(self._relevant):
             body, own = self._bodies[i], x[i]
@@ -166,7 +166,7 @@ class Sweep:
 
 
 def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
-    """The bodies above and below the targets, the targets and the base, parents first."""
+    """Return the bodies above and below the targets, the targets and the base, parents first."""
     below, above = set(targets), {0}
     for i, parent in enumerate(parents):
         if parent in below:
@@ -179,7 +179,7 @@ def around(parents: Sequence[int], targets: frozenset[int]) -> list[int]:
 
 
 def _turned(parts: Floats, x: Floats, q: Floats) -> Floats:
-    """(along + cos q across + sin q turned) x."""
+    """Return (along + cos q across + sin q turned) x."""
     along, across, turned = product(parts, x.reshape(3, -1)).reshape(3, *x.shape)
     result: Floats = along + np.cos(q) * across + np.sin(q) * turned
     return result

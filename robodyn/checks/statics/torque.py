@@ -49,7 +49,7 @@ class GravityBound:
 
 
 def static_torques(context: Context) -> tuple[StaticTorque, ...]:
-    """For each joint whose effort limit gravity might exceed, by a bound on its reach; from stage MODEL on.
+    """Return the most that gravity asks of joints whose effort limits it might exceed, by a bound. From stage MODEL on.
 
     Method: the torque of gravity about a joint is M g u . (a x r), u pointing up, r from the joint to the centre of the
     mass M that it carries. As a function of the angle of one joint it is a + b cos q + c sin q: of one above, which
@@ -93,13 +93,13 @@ def _worst(model: Model, joints: Sequence[Joint], targets: Sequence[int]) -> Ite
 
 
 def _followed(model: Model) -> frozenset[int]:
-    """The coordinates that move several joints."""
+    """Return the coordinates that move several joints."""
     return frozenset(body.joint.coordinate for body in model.bodies if body.joint.mimics is not None)
 
 
 def position_ranges(model: Model) -> tuple[Floats, Floats]:
-    """(n,) least and largest position of each coordinate [rad or m]: a turn where an angle has no limits, or a wider
-    range; 0 where a slide has none."""
+    """Return (n,) the least and the largest position of each coordinate [rad or m]: a turn where an angle has no
+    limits, or a wider range; 0 where a slide has none."""
     low, high = np.zeros(model.n), np.zeros(model.n)
     for joint in model.independent:
         lower, upper = joint.lower, joint.upper
@@ -113,7 +113,7 @@ def position_ranges(model: Model) -> tuple[Floats, Floats]:
 
 
 def starts(low: Floats, high: Floats) -> Floats:
-    """(STARTS, n): the middle, and points spread evenly by multiples of irrational numbers."""
+    """Return (STARTS, n) the middle, and points spread evenly by multiples of irrational numbers."""
     n = len(low)
     spread = np.outer(np.arange(STARTS), np.sqrt(np.arange(2, n + 2))) % 1.0
     spread[0] = 0.5
@@ -122,7 +122,8 @@ def starts(low: Floats, high: Floats) -> Floats:
 
 
 def gravity_bounds(context: Context) -> Mapping[str, GravityBound]:
-    """By joint, what no pose exceeds, from the sum of the lengths on the way and what turns it. From stage MODEL on."""
+    """Return by joint what no pose exceeds, from the sum of the lengths on the way and what turns it. From stage MODEL
+    on."""
     model = context.model
     count = len(model.bodies)
     carried, reach, tilt = np.zeros(count), np.zeros(count), _tilts(model)

@@ -52,7 +52,7 @@ def load_description(
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> Description:
-    """`read_description` of `read_document`, with the arguments and errors of both; a xacro file is expanded first.
+    """Return `read_description` of `read_document`, with the errors of both; a xacro file is expanded first.
 
     Args:
         package_paths: packages, or folders of packages, that are looked at before others; see `Search.packages`.
@@ -64,7 +64,7 @@ def load_description(
 
 
 def read_description(document: Document) -> Description:
-    """Links, joints and transmissions of a document, checked to be one tree.
+    """Return links, joints and transmissions of a document, checked to be one tree.
 
     Method: one pass over the elements and one over the joints; linear in the size of the file, no recursion.
 

@@ -52,7 +52,7 @@ class Reading:
         return self.document.root
 
     def found(self, code: str) -> list[TextFault]:
-        """What rule `code` reports."""
+        """Return what rule `code` reports."""
         return [fault for fault in self.faults if fault.code == code]
 
 
@@ -109,7 +109,7 @@ def _parsed(file: str, data: bytes, transcoded: bool) -> Reading:
 
 
 def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Reading:
-    """The reading of a file with a token that is too long: its data end soon after that has begun."""
+    """Return the reading of a file with a token that is too long: its data end soon after that has begun."""
     what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
     remedy = "shorten it; no robot needs as much"
     seen = data[: min(start + _SHOWN, end)]

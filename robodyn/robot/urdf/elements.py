@@ -53,7 +53,7 @@ class Element:
         return self.values.get(name)
 
     def find(self, tag: str) -> Element | None:
-        """The first child with that tag."""
+        """Return the first child with that tag."""
         for child in self.children:
             if child.tag == tag:
                 return child
@@ -69,7 +69,7 @@ class Element:
 
 
 def _scan(element: Element) -> tuple[Mapping[str, Attribute], Span]:
-    """Attributes and span of a start tag that expat has accepted, from its bytes."""
+    """Return the attributes and the span of a start tag that expat has accepted, from its bytes."""
     places = element.places
     attributes = {}
     position = _end(_TAG.match(places.data, element.start))

@@ -28,7 +28,7 @@ class Fields:
         self.notes.append(Note(line, what, "warning"))
 
     def child(self, element: Element, tag: str, owner: str) -> Element | None:
-        """The child with that tag, of which there may be one at most."""
+        """Return the child with that tag, of which there may be one at most."""
         children = element.findall(tag)
         if len(children) > 1:
             raise self.error(
@@ -43,7 +43,7 @@ class Fields:
         return child
 
     def name(self, element: Element, attribute: str, owner: str) -> str:
-        """An attribute that must be there and not be empty."""
+        """Return an attribute that must be there and not be empty."""
         value = element.get(attribute)
         if not value:
             raise self.missing(element, attribute, owner)
@@ -56,7 +56,7 @@ class Fields:
         )
 
     def numbers(self, element: Element, attribute: str, count: int, owner: str) -> tuple[float, ...] | None:
-        """The numbers of an attribute, None where it is absent."""
+        """Return the numbers of an attribute, None where it is absent."""
         text = element.get(attribute)
         if text is None:
             return None
@@ -88,7 +88,7 @@ class Fields:
         return cast("Vector | None", self.numbers(element, attribute, 3, owner))
 
     def origin(self, element: Element, owner: str) -> Origin:
-        """The pose in the child <origin>; zero where it says nothing."""
+        """Return the pose in the child <origin>; zero where it says nothing."""
         origin = self.child(element, "origin", owner)
         if origin is None:
             self.default(element.line, f"{_where(element, owner)} has no <origin>: 0 0 0")
@@ -104,5 +104,5 @@ class Fields:
 
 
 def _where(element: Element, owner: str) -> str:
-    """`owner` where the element is the owner itself, otherwise `<tag> of owner`."""
+    """Return `owner` where the element is the owner itself, otherwise `<tag> of owner`."""
     return owner if owner.partition(" ")[0].strip("<>") == element.tag else f"<{element.tag}> of {owner}"

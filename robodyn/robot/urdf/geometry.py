@@ -33,7 +33,7 @@ class Shape:
 
 
 def link_named(description: Description, name: str) -> Link:
-    """The link of this name.
+    """Return the link of this name.
 
     Raises:
         InputError: there is none.
@@ -47,7 +47,7 @@ def link_named(description: Description, name: str) -> Link:
 
 
 def link_shapes(description: Description, link: str, kind: Kind | None = None) -> tuple[Shape, ...]:
-    """The shapes of a link in the order of the file.
+    """Return the shapes of a link in the order of the file.
 
     Args:
         kind: "visual" or "collision"; both if None.
@@ -64,7 +64,7 @@ def link_shapes(description: Description, link: str, kind: Kind | None = None) -
 
 
 def missing_mesh(description: Description, geometry: Geometry) -> DescriptionError:
-    """The error of a mesh whose file is not found."""
+    """Return the error of a mesh whose file is not found."""
     name = geometry.filename or ""
     package = package_of(name)
     remedy = "names are relative to the description's folder"

@@ -47,7 +47,7 @@ def _type(element: Element, owner: str, fields: Fields) -> str:
 
 
 def _axis(element: Element, kind: str, owner: str, fields: Fields) -> Vector:
-    """The axis as written. Only the types that move along or about it need it to be a direction."""
+    """Return the axis as written. Only the types that move along or about it need it to be a direction."""
     written = fields.child(element, "axis", owner)
     if written is None:
         if kind in WITH_AXIS:

@@ -10,8 +10,8 @@ from robodyn.robot.urdf.parts import Geometry, Inertial, Link, Vector
 from robodyn.support.wording import alternatives, shown
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
-SHAPES = (*_SIZES, "mesh")
+SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
+SHAPES = (*SIZES, "mesh")
 _UNIT: Vector = (1.0, 1.0, 1.0)
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
@@ -69,7 +69,7 @@ def _no_single_shape(geometry: Element, shapes: list[Element], where: str, field
 
 def _size(shape: Element, owner: str, fields: Fields) -> tuple[float, ...]:
     size: tuple[float, ...] = ()
-    for attribute in _SIZES.get(shape.tag, ()):
+    for attribute in SIZES.get(shape.tag, ()):
         numbers = fields.numbers(shape, attribute, 3 if attribute == "size" else 1, owner)
         if numbers is None:
             raise fields.missing(shape, attribute, owner)

@@ -15,7 +15,7 @@ _PIECE = re.compile(rb""">|"[^"]*(?:"|\Z)|'[^']*(?:'|\Z)""")
 
 
 def long_token(data: bytes) -> tuple[int, int, str] | None:
-    """Bytes [start, end) and kind of the first token that makes it more than `LONGEST` bytes from one tag to the next.
+    """Return the bytes [start, end) and the kind of the first token that makes it more than `LONGEST` from tag to tag.
 
     Method: two passes over the bytes, in leaps from comment to comment and, of each window of `LONGEST` bytes, to the
     last `<` in it.
@@ -34,7 +34,7 @@ def long_token(data: bytes) -> tuple[int, int, str] | None:
 
 
 def _long_stretch(data: bytes) -> int | None:
-    """The `<`, or the beginning of the file, that no other `<` follows within `LONGEST` bytes."""
+    """Return the `<`, or the beginning of the file, that no other `<` follows within `LONGEST` bytes."""
     start = 0
     while start + LONGEST < len(data):
         last = data.rfind(b"<", start + 1, start + LONGEST + 1)

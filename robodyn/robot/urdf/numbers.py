@@ -24,7 +24,7 @@ _DIRECTIONS = frozenset({"axis"})
 
 
 def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
-    """Exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.floats` has.
+    """Return exactly `count` finite numbers of an element with this tag, of a size that `robodyn.support.floats` has.
 
     What is next to nothing is 0. Limits may be of any size: they are compared, not calculated with.
 
@@ -48,7 +48,7 @@ def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
 
 
 def _settled(number: float, text: str, tag: str) -> float:
-    """A number of unusual size, or 0 for next to nothing."""
+    """Return a number of unusual size, or 0 for next to nothing."""
     if not isfinite(number):
         raise NumbersError(f"is not finite: {shown(text)}", "write a finite number")
     if abs(number) > LARGEST and tag not in _UNBOUNDED:

@@ -42,7 +42,7 @@ class Search:
         return Search, (self.file, self.package_paths)
 
     def find(self, uri: str) -> Path | None:
-        """The file that a description means by the name of a mesh; None if there is none on this machine.
+        """Return the file that a description means by the name of a mesh; None if there is none on this machine.
 
         A plain name is relative to a folder of the description. `package://NAME/REST` (and Gazebo's `model://`) is REST
         in the package NAME; see `packages`. `file://` is a path from the root. Nothing is fetched: other schemes have
@@ -58,7 +58,7 @@ class Search:
         return (named,) if real == named.absolute() else (named, real)
 
     def packages(self, name: str) -> Iterator[Path]:
-        """The folders that may be the package of this name, the likeliest first; they need not exist.
+        """Return the folders that may be the package of this name, the likeliest first; they need not exist.
 
         Of the package paths, then of ROS_PACKAGE_PATH: the path itself, and what is below it. Then PREFIX/share/NAME
         and PREFIX/NAME/share/NAME of AMENT_PREFIX_PATH, then of COLCON_PREFIX_PATH. Then the folders above the
@@ -69,7 +69,8 @@ class Search:
         return again
 
     def share(self, name: str) -> Path | None:
-        """The folder of a package for those who ask for no file in it: the first with a package.xml, or the first."""
+        """Return the folder of a package for those who ask for no file in it: the first with a package.xml, or the
+        first."""
         found = [path for path in self.packages(name) if os.path.isdir(path)]
         return next((path for path in found if _manifest(path) is not None), found[0] if found else None)
 
@@ -110,14 +111,14 @@ class Search:
 
 
 def package_of(uri: str) -> tuple[str, str] | None:
-    """Name of the package, perhaps empty, and the path in it, of `package://NAME/PATH`; None of other names."""
+    """Return the package's name, perhaps empty, and the path in it, of `package://NAME/PATH`; None of other names."""
     scheme, separator, rest = uri.partition("://")
     name, _, path = rest.partition("/")
     return (name, path.lstrip("/")) if separator and scheme in _PACKAGE else None
 
 
 def listed(variable: str) -> list[str]:
-    """The folders that an environment variable lists."""
+    """Return the folders that an environment variable lists."""
     return [entry for entry in os.environ.get(variable, "").split(os.pathsep) if entry]
 
 
@@ -128,7 +129,7 @@ def _here(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _below(root: Path, name: str) -> Iterator[Path]:
-    """Packages of this name below a folder, the nearest first; none is within another."""
+    """Yield packages of this name below a folder, the nearest first; none is within another."""
     level, seen = [root], 0
     for _ in range(_DEEPEST):
         level = [sub for folder in level if _manifest(folder) is None for sub in _folders_in(folder)]
@@ -153,7 +154,7 @@ def _is_package(folder: Path, name: str) -> bool:
 
 
 def _manifest(folder: Path) -> bytes | None:
-    """The name in the package.xml of a folder, empty where it says none; None without one."""
+    """Return the name in the package.xml of a folder, empty where it says none; None without one."""
     try:
         with open(folder / _MANIFEST, "rb") as manifest:
             found = _NAME.search(manifest.read(_MOST_READ))

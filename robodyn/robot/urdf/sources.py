@@ -12,7 +12,7 @@ from robodyn.support.wording import shown
 
 
 def is_xacro(source: object) -> bool:
-    """Whether this is the path of a xacro file."""
+    """Return whether this is the path of a xacro file."""
     return isinstance(source, (str, os.PathLike)) and os.fspath(source).lower().endswith(".xacro")
 
 
@@ -22,7 +22,7 @@ def content_of(
     package_paths: Sequence[str] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> tuple[str, bytes]:
-    """The name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
+    """Return the name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
 
     Raises:
         InputError: the file cannot be read or expanded, or arguments are given to a file that is no xacro file.
@@ -40,7 +40,7 @@ def content_of(
 
 
 def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tuple[str, bytes]:
-    """The name to show in messages, and the bytes."""
+    """Return the name to show in messages, and the bytes."""
     if isinstance(source, bytes):
         return name or "<stdin>", source
     path = os.fspath(source)
@@ -68,7 +68,7 @@ def _existing(path: str) -> str:
 
 
 def as_utf8(file: str, data: bytes) -> tuple[bytes, bool]:
-    """UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
+    """Return UTF-16 transcoded to UTF-8, everything else as it is; and whether it was transcoded."""
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encoding = "utf-16"
     elif data[:2] == b"<\0":

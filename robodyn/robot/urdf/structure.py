@@ -25,7 +25,7 @@ K = TypeVar("K", bound=Hashable)
 
 
 def by_name(parts: Iterable[N], kind: str, fields: Fields) -> dict[str, N]:
-    """The parts by name; no name may stand for two."""
+    """Return the parts by name; no name may stand for two."""
     named: dict[str, N] = {}
     for part in parts:
         first = named.setdefault(part.name, part)
@@ -36,7 +36,7 @@ def by_name(parts: Iterable[N], kind: str, fields: Fields) -> dict[str, N]:
 
 
 def root_link(links: Mapping[str, Link], joints: Sequence[Joint], fields: Fields) -> str:
-    """The name of the one link without a parent, after checking that the joints make a tree of the links."""
+    """Return the name of the one link without a parent, after checking that the joints make a tree of the links."""
     if not links:
         raise fields.error(1, "the robot has no links", "add a <link>")
     above = _joint_above(links, joints, fields)
@@ -54,7 +54,7 @@ def root_link(links: Mapping[str, Link], joints: Sequence[Joint], fields: Fields
 
 
 def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], fields: Fields) -> None:
-    """`lines` are those of the <mimic> elements."""
+    """Check that mimic joints follow joints that lead somewhere; `lines` are those of the <mimic> elements."""
     masters = {joint.name: joint.mimic.joint for joint in joints.values() if joint.mimic is not None}
     for name, master in masters.items():
         if master not in joints:
@@ -68,7 +68,7 @@ def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], fields: 
 
 
 def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], fields: Fields) -> dict[str, Joint]:
-    """For each link but the roots the joint that it hangs on."""
+    """Return for each link but the roots the joint that it hangs on."""
     above: dict[str, Joint] = {}
     for joint in joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
@@ -87,7 +87,7 @@ def _dangling(joint: Joint, role: str, link: str, links: Collection[str], fields
 
 
 def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:
-    """Every cycle of a graph in which each node has at most one successor. Each node is visited twice at most."""
+    """Yield every cycle of a graph in which each node has at most one successor. Each node is visited twice at most."""
     walk_of: dict[K, int] = {}
     for walk, start in enumerate(successor):
         node = start

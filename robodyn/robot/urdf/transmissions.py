@@ -15,7 +15,7 @@ _ROTOR_INERTIAS = ("rotorInertia", "rotor_inertia", "motorInertia", "motor_inert
 
 
 def read_transmission(element: Element, joints: Collection[str], fields: Fields) -> Transmission | None:
-    """None, with a warning, where no single joint of the robot is driven."""
+    """Return a transmission; None, with a warning, where no single joint of the robot is driven."""
     name = element.get("name") or ""
     owner = f"transmission {shown(name)}"
     driven = element.findall("joint")
@@ -39,7 +39,7 @@ def read_transmission(element: Element, joints: Collection[str], fields: Fields)
 
 
 def _value(places: Collection[Element], tags: Collection[str], owner: str, fields: Fields) -> float | None:
-    """The one value that the actuator, the joint or the transmission gives."""
+    """Return the one value that the actuator, the joint or the transmission gives."""
     found = [child for place in places for child in place.children if child.tag in tags]
     if not found:
         return None
@@ -52,7 +52,7 @@ def _value(places: Collection[Element], tags: Collection[str], owner: str, field
 
 
 def _number(element: Element, owner: str, fields: Fields) -> float:
-    """The number in the element's text, or in its attribute `value`, as Drake writes it."""
+    """Return the number in the element's text, or in its attribute `value`, as Drake writes it."""
     if element.get("value") is not None:
         return fields.needed_number(element, "value", owner)
     try:

@@ -59,7 +59,7 @@ class Numbers:
         return value_span(self.element, self.attribute)
 
     def or_default(self, *default: float) -> tuple[float, ...] | None:
-        """The values; the default where the attribute is absent; None where it cannot be read."""
+        """Return the values; the default where the attribute is absent; None where it cannot be read."""
         return self.values if self.given else default
 
 
@@ -77,18 +77,18 @@ def numbers(element: Element | None, attribute: str, count: int) -> Numbers:
 
 
 def value_span(element: Element, attribute: str) -> Span:
-    """What stands between the quotes of an attribute; the start tag where it is absent."""
+    """Return what stands between the quotes of an attribute; the start tag where it is absent."""
     found = element.attributes.get(attribute)
     return element.span if found is None else found.value_span
 
 
 def _number(name: str, count: int = 1, child: str = "") -> cached_property[Numbers]:
-    """The numbers of an attribute of the part's element, or of its first child with that tag."""
+    """Return the numbers of an attribute of the part's element, or of its first child with that tag."""
     return cached_property(lambda part: numbers(part.element.find(child) if child else part.element, name, count))
 
 
 def _text(name: str, child: str = "") -> cached_property[str]:
-    """An attribute of the part's element, or of its first child with that tag; empty where it is missing."""
+    """Return an attribute of the part's element, or of its first child with that tag; empty where it is missing."""
 
     def read(part: _Part) -> str:
         element = part.element.find(child) if child else part.element
@@ -98,7 +98,7 @@ def _text(name: str, child: str = "") -> cached_property[str]:
 
 
 def _child(tag: str, kind: Callable[[Element], P]) -> cached_property[P | None]:
-    """The first child of the part's element with that tag, as a part."""
+    """Return the first child of the part's element with that tag, as a part."""
     return cached_property(lambda part: None if (found := part.element.find(tag)) is None else kind(found))
 
 

@@ -35,7 +35,7 @@ print("\x1e" + json.dumps(answer(*question)))
 
 
 def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, str] | None = None) -> bytes:
-    """The URDF that a xacro file stands for.
+    """Return the URDF that a xacro file stands for.
 
     The text is what the command `xacro FILE` prints, so that lines can be looked up there. Packages that it includes
     from are looked for as those of meshes are. xacro evaluates the file's expressions in Python, with a restricted set
@@ -64,7 +64,7 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
 
 
 def _asked(*question: Any) -> dict[str, Any]:
-    """What a process of its own answers; see `answer`."""
+    """Return what a process of its own answers; see `answer`."""
     asked = json.dumps([sys.path, question]).encode()
     call = [sys.executable, "-c", _PROCESS]
     try:

@@ -86,7 +86,7 @@ class Reader:
         return None
 
     def _parse(self) -> bool:
-        """Whether the file could be read to its end."""
+        """Return whether the file could be read to its end."""
         try:
             self._parser.Parse(self.places.data, True)
             self._whole = True
@@ -148,7 +148,7 @@ class Reader:
         self._add("RD001", start, end, text + inside, remedy, line=error.lineno, said=said)
 
     def _said(self, text: str) -> tuple[str, str | None]:
-        """What is wrong with malformed XML, and the remedy, as strict reading says it."""
+        """Return what is wrong with malformed XML, and the remedy, as strict reading says it."""
         remedy = _REMEDIES.get(text)
         if self._stack:
             element = self._stack[-1]
@@ -198,7 +198,7 @@ class Reader:
         self._texts[-1].append(text)
 
     def _in_extension(self) -> bool:
-        """Inside an element that is not URDF's own (gazebo, ros2_control, ...) and is therefore not read."""
+        """Return whether this is inside an element that is not URDF's own (gazebo, ...) and is therefore not read."""
         return len(self._stack) > 2 and self._stack[1].tag not in OWN_TAGS
 
     def _check_prefix(self, element: Element, name: str) -> None:
@@ -224,5 +224,5 @@ class Reader:
 
 
 def unexpanded(text: str) -> bool:
-    """Whether there is an expression in it that xacro should have replaced."""
+    """Return whether there is an expression in it that xacro should have replaced."""
     return "${" in text or "$(" in text
