@@ -113,7 +113,7 @@ def accuracy_of(
 
 def _of_mesh(mesh: str) -> Accuracy:
     from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
-    from robodyn.solids.mesh.load import load_triangles
+    from robodyn.solids.mesh.read.load import load_triangles
 
     return mesh_accuracy(load_triangles(mesh))
 

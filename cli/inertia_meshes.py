@@ -19,8 +19,7 @@ from robodyn.report.bodies import inertia_sections
 from robodyn.report.json.bodies import inertia_json
 from robodyn.report.renderers.text import text
 from robodyn.solids.inertia.properties import Pose
-from robodyn.solids.inertia.urdf_text import inertial_element
-from robodyn.solids.inertia.view import View
+from robodyn.solids.inertia.view import View, inertial_element
 from robodyn.solids.mesh_mass import Floats, Part, mass_properties
 
 
@@ -75,7 +74,7 @@ def _shapes(
     files: Sequence[str], outcomes: Sequence[Part | MeshError], how: dict[str, Any], pictures: bool
 ) -> list[Floats | None]:
     """Return the triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
-    from robodyn.solids.mesh.load import load_triangles
+    from robodyn.solids.mesh.read.load import load_triangles
 
     units = one_each(how["unit"], files, "--unit")
     found: list[Floats | None] = []

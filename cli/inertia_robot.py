@@ -24,8 +24,7 @@ from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Kind
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.urdf_text import inertial_element
-from robodyn.solids.inertia.view import View
+from robodyn.solids.inertia.view import View, inertial_element
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

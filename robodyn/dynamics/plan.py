@@ -18,7 +18,7 @@ from robodyn.robot.model import Frame, Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.fit import check_scene, refuse_loops
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 SOURCES = ("q", "qd", "qdd")
 

@@ -16,8 +16,8 @@ from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.symmetry_kinds import Axis, Plane
-    from robodyn.solids.mesh.tessellation import Bars
+    from robodyn.solids.mesh.symmetry.kinds import Axis, Plane
+    from robodyn.solids.mesh.tessellation.bars import Bars
 
 AXES = ("x", "y", "z")
 _UNKNOWN = "an unknown amount (facets too coarse)"
@@ -98,7 +98,7 @@ def _symmetry(part: Part) -> Section:
 
 
 def _row(thing: Plane | Axis, reach: float) -> tuple[str, ...]:
-    from robodyn.solids.mesh.symmetry_kinds import Plane
+    from robodyn.solids.mesh.symmetry.kinds import Plane
 
     if isinstance(thing, Plane):
         name, direction, place = "plane", thing.normal, number(thing.offset, reach)

@@ -12,7 +12,7 @@ from robodyn.robot.joints import elementary, numbered, placement
 from robodyn.robot.model import Body, Floats, Frame, Joint, Model
 from robodyn.robot.urdf.description import Description, Inertial, load_description
 from robodyn.robot.urdf.description import Joint as DescribedJoint
-from robodyn.solids.inertia.moments import Inertia, combined, inertia_of
+from robodyn.solids.inertia.laws import Inertia, combined, inertia_of
 from robodyn.solids.inertia.validity import unphysical
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.frozen import Frozen
 
 if TYPE_CHECKING:

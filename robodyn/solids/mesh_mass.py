@@ -14,18 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 from robodyn.errors import InputError, MeshError
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.bodies import region, sheet, solid
-from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.load import from_array, load_triangles
+from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.measured import Measured, measured
-from robodyn.solids.mesh.scaled import scaled
+from robodyn.solids.mesh.read.load import from_array, load_triangles
+from robodyn.solids.mesh.read.stl_binary import Heard
 from robodyn.solids.mesh.shape import Shape, shape
-from robodyn.solids.mesh.stl_binary import Heard
-from robodyn.solids.mesh.triangles import Triangles
+from robodyn.solids.mesh.triangles import Triangles, scaled
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.repair import Step
-    from robodyn.solids.mesh.symmetry_kinds import Symmetry
-    from robodyn.solids.mesh.tessellation import Tessellation
+    from robodyn.solids.mesh.repair.repair import Step
+    from robodyn.solids.mesh.symmetry.kinds import Symmetry
+    from robodyn.solids.mesh.tessellation.bars import Tessellation
 
 Floats = NDArray[np.float64]
 
@@ -194,7 +193,7 @@ def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize
         return body
     if found.symmetry is None:
         raise MeshError("has no symmetry to average over", remedy="; ".join(found.notes))
-    from robodyn.solids.mesh.symmetry import symmetrized
+    from robodyn.solids.mesh.symmetry.symmetry import symmetrized
 
     return symmetrized(body, found.symmetry)
 

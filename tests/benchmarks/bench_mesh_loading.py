@@ -26,13 +26,13 @@ from helpers.markdown_tables import main, table
 from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, three_mf
 from helpers.mesh_samples import binary_stl, torus
 
-from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.read.load import load_triangles
 
 HEAD = ("format", "bytes per triangle", "robodyn", "trimesh", "ratio")
 LARGE = 5_000_000
 PEAK = """
 import sys
-from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.read.load import load_triangles
 sum(len(block) for block in load_triangles(sys.argv[1]).blocks())
 print(next(line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")))
 """

@@ -24,7 +24,7 @@ from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Joint
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.moments import MASSLESS, Inertia
+from robodyn.solids.inertia.laws import MASSLESS, Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 

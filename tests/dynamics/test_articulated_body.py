@@ -31,7 +31,7 @@ from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Body, Joint, Model
 from robodyn.scene.scene import Rotor, Scene
-from robodyn.solids.inertia.moments import MASSLESS, Inertia
+from robodyn.solids.inertia.laws import MASSLESS, Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]
 

@@ -8,10 +8,10 @@ MUTATIONS = {
         ("loads/history.py", "*(each.argmax(axis=1) for", "*(each.argmin(axis=1) for"),
         ("loads/history.py", "columns if len(each) > 1 else 0, rows", "0, rows"),
     ],
-    "solids/mesh/test_compiled_kernel.py": [
-        ("solids/mesh/compiled_kernel.py", "for edge in (v, w, u)]", "for edge in (v, w, w)]"),
-        ("solids/mesh/compiled_kernel.py", "range(3)] for c in range(3)]", "range(3)] for c in (0, 2, 1)]"),
-        ("solids/mesh/compiled_kernel.py", "blocks))[1] < count", "blocks))[0] < count"),
+    "solids/mesh/integrate/test_compiled_kernel.py": [
+        ("solids/mesh/integrate/compiled_kernel.py", "for edge in (v, w, u)]", "for edge in (v, w, w)]"),
+        ("solids/mesh/integrate/compiled_kernel.py", "range(3)] for c in range(3)]", "range(3)] for c in (0, 2, 1)]"),
+        ("solids/mesh/integrate/compiled_kernel.py", "blocks))[1] < count", "blocks))[0] < count"),
     ],
     "dynamics/test_golden.py": [
         ("dynamics/recursions/newton_euler.py", "+ cross(w_in, joint.w) + joint.wd", "+ joint.wd"),
@@ -30,7 +30,7 @@ MUTATIONS = {
         ("dynamics/recursions/euler.py", "yz * (y * y - z * z)", "yz * (z * z - y * y)"),
         ("dynamics/recursions/euler.py", "(yy - xx) * (x * y)", "(xx - yy) * (x * y)"),
         ("programs/vectors.py", "+ skew(axis) * sin(angle)", "- skew(axis) * sin(angle)"),
-        ("solids/inertia/moments.py", "turned - m *", "turned + m *"),
+        ("solids/inertia/laws.py", "turned - m *", "turned + m *"),
     ],
     "dynamics/test_momentum.py": [
         ("robot/kinematics.py", "turn.T @ vector(*qdd[3:])", "turn @ vector(*qdd[3:])"),
@@ -52,7 +52,7 @@ MUTATIONS = {
         ("dynamics/effects/external_wrench.py", "where[body].R.T @ where[0].R", "where[body].R.T"),
     ],
     "dynamics/effects/test_fluid.py": [
-        ("solids/inertia/moments.py", "product(R, c) + p", "product(R, c) - p"),
+        ("solids/inertia/laws.py", "product(R, c) + p", "product(R, c) - p"),
         ("dynamics/effects/payload.py", "np.array(load.com), I_c, R, p)", "np.array(load.com), I_c)"),
         ("dynamics/effects/fluid.py", "(sign(x) * (x * x))", "(x * x)"),
     ],
@@ -112,9 +112,9 @@ MUTATIONS = {
         ("programs/run/llvm/kernel.py", "code.fma(x if op is ADD else code.neg(x), y,", "code.fma(x, y,"),
         ("programs/run/llvm/kernel.py", "code.fma(x, y, z if op is ADD else code.neg(z))", "code.fma(x, y, z)"),
         ("programs/run/llvm/kernel.py", "for row in homes[k]:", "for row in homes[k][:1]:"),
-        ("programs/run/llvm/fusion.py", "op is MUL and k not in outputs]", "op is MUL]"),
-        ("programs/run/llvm/fusion.py", "in (ADD, SUB) and k not in taken for", "in (ADD, SUB) for"),
-        ("programs/run/llvm/fusion.py", "key=lambda k: len(users[k])", "key=lambda k: -len(users[k])"),
+        ("programs/run/llvm/kernel.py", "op is MUL and k not in outputs]", "op is MUL]"),
+        ("programs/run/llvm/kernel.py", "in (ADD, SUB) and k not in taken for", "in (ADD, SUB) for"),
+        ("programs/run/llvm/kernel.py", "key=lambda k: len(users[k])", "key=lambda k: -len(users[k])"),
         ("programs/run/llvm/driver.py", "%up = add i64 %filled, {lanes_less_one}", "%up = add i64 %filled, 0"),
         ("programs/run/llvm/driver.py", "%skip = mul i64 %start, %sample_stride", "%skip = mul i64 %start, {bytes}"),
     ],

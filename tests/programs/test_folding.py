@@ -12,8 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from robodyn.programs.program import trace
-from robodyn.programs.run.exponential import exponential
-from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.numpy_blocks import NumpyBlocks, exponential
 from robodyn.programs.scalar import Traced
 from robodyn.programs.vectors import cos, exp, sign, sin
 

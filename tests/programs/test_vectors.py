@@ -20,7 +20,7 @@ from robodyn.programs.vectors import (
     skew,
     snapped,
 )
-from robodyn.solids.inertia.moments import MASSLESS, combined, inertia_of
+from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of
 from robodyn.solids.inertia.validity import unphysical
 
 angles = st.one_of(st.floats(-10, 10), st.sampled_from([k * np.pi / 2 for k in range(-8, 9)]), st.floats(-1e-12, 1e-12))

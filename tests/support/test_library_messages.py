@@ -13,7 +13,7 @@ from helpers.mesh_files import dae
 
 from robodyn.report.pictures.visuals import _of_meshes
 from robodyn.robot.urdf.description import load_description
-from robodyn.solids.mesh.load import load_triangles
+from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.support.libraries import library_messages, treated_warnings
 
 NAME = "robodyn.tests.library"

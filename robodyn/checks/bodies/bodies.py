@@ -16,7 +16,7 @@ from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.boxes import Box
 from robodyn.solids.inertia.exact import Floats
-from robodyn.solids.inertia.second import second_moments
+from robodyn.solids.inertia.laws import second_moments
 
 _LEAST = 0.01
 _STILL = Pose(np.eye(3), np.zeros(3))

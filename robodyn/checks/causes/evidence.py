@@ -16,7 +16,7 @@ from robodyn.checks.mirror.pairs import Pair, link_inertia, reflected
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import LinkView
 from robodyn.solids.inertia.exact import Floats
-from robodyn.solids.inertia.second import second_moments
+from robodyn.solids.inertia.laws import second_moments
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""

@@ -73,12 +73,12 @@ def mesh_facts(path: Path) -> MeshFacts:
 
     Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrate`).
     """
+    from robodyn.solids.mesh.closed.one_shell import is_one_shell
     from robodyn.solids.mesh.indexed import merged
-    from robodyn.solids.mesh.integrate import measure
-    from robodyn.solids.mesh.load import load_triangles
-    from robodyn.solids.mesh.one_shell import is_one_shell
-    from robodyn.solids.mesh.shell_faults import shell_faults
-    from robodyn.solids.mesh.shells import wound
+    from robodyn.solids.mesh.integrate.integrals import measure
+    from robodyn.solids.mesh.read.load import load_triangles
+    from robodyn.solids.mesh.repair.shell_faults import shell_faults
+    from robodyn.solids.mesh.repair.shells import wound
 
     try:
         triangles = load_triangles(path)

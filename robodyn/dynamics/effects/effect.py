@@ -11,7 +11,7 @@ from robodyn.robot.kinematics import motions
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 ZeroColumns = frozenset[tuple[str, int]]
 """The (source, column) pairs of q, qd and qdd that are zero in every sample."""

@@ -10,7 +10,7 @@ from robodyn.dynamics.effects import gravity
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.moments import MASSLESS, combined, inertia_of
+from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:

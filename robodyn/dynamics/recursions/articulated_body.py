@@ -11,7 +11,7 @@ from robodyn.dynamics.recursions.elimination import Elimination
 from robodyn.programs.vectors import Array, Scalar, cross, skew
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion, Wrench
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 Turn = tuple[Scalar, Scalar]
 """Cosine and sine of an angle."""

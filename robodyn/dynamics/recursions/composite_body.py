@@ -9,7 +9,7 @@ from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_p
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 Entries = dict[tuple[int, int], Scalar]
 """Of a symmetric matrix, by (i, j) with i <= j; those left out are zero."""

@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar, cross, length, product, snapped
 from robodyn.robot.model import Body, Floats, Frame, Joint, Model
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 ROUNDING = 2.0**-48
 """A smaller share of a body's inertia is what rounding leaves of none."""

@@ -10,7 +10,7 @@ from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
 from robodyn.robot.poses import velocities
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 
 def dual_state(

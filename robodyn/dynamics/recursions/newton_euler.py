@@ -11,7 +11,7 @@ from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew
 from robodyn.robot.kinematics import motions
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion, Wrench
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 
 def newton_euler(

@@ -14,7 +14,7 @@ from robodyn.equations.dae.equations import Equation, Sum, drifts, stacked
 from robodyn.equations.dae.state import State
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, narrowed, product, skew
 from robodyn.robot.motion_types import Wrench
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 
 @dataclass(frozen=True, eq=False)

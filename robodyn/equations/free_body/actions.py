@@ -21,7 +21,7 @@ from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.robot.poses import Acceleration, Pose, Velocity
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 from robodyn.support.floats import Floats
 
 _LETTERS = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from robodyn.errors import InputError, MeshError
-from robodyn.solids.mesh.integrate import LIMIT
+from robodyn.solids.mesh.integrate.integrals import LIMIT
 from robodyn.solids.mesh_mass import Part
 
 ROUNDING = 2.0**-53

@@ -26,17 +26,16 @@ from robodyn.measure.accuracy.mesh_methods import (
 from robodyn.measure.accuracy.operations import counted, integral_operations
 from robodyn.measure.timing import timed
 from robodyn.solids.inertia.exact import exact, fraction
-from robodyn.solids.mesh.asymmetry import CentredBody
-from robodyn.solids.mesh.closed import fingerprint
-from robodyn.solids.mesh.exact import Moments
-from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.integrate import integrate
+from robodyn.solids.mesh.closed.fingerprint import fingerprint
+from robodyn.solids.mesh.closed.one_shell import is_one_shell
+from robodyn.solids.mesh.integrate.exact import Moments
+from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.measured import Measured, measured
-from robodyn.solids.mesh.one_shell import is_one_shell
-from robodyn.solids.mesh.repair import repair
+from robodyn.solids.mesh.repair.repair import repair
 from robodyn.solids.mesh.shape import SYMMETRY_TRIANGLES
-from robodyn.solids.mesh.symmetry import symmetry
-from robodyn.solids.mesh.tessellation import tessellation
+from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
+from robodyn.solids.mesh.symmetry.symmetry import symmetry
+from robodyn.solids.mesh.tessellation.bars import tessellation
 from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
 
 COLUMNS = 256, 4096, 65536

@@ -9,17 +9,16 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.inertia.exact import exact
-from robodyn.solids.mesh.columns import Lattice
-from robodyn.solids.mesh.exact import Moments
-from robodyn.solids.mesh.excess import directions
 from robodyn.solids.mesh.indexed import merged
-from robodyn.solids.mesh.integrate import integrate
-from robodyn.solids.mesh.kernel import symmetric, volume_kernel
-from robodyn.solids.mesh.pieces import Pieces, pieces
-from robodyn.solids.mesh.sweep import swept
+from robodyn.solids.mesh.integrate.exact import Moments
+from robodyn.solids.mesh.integrate.integrals import integrate
+from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
+from robodyn.solids.mesh.integrate.sweep import swept
+from robodyn.solids.mesh.region.columns import Lattice
+from robodyn.solids.mesh.region.pieces import Pieces, directions, pieces
+from robodyn.solids.mesh.region.winding_tree import WindingTree
+from robodyn.solids.mesh.repair.union import manifold
 from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
-from robodyn.solids.mesh.union import manifold
-from robodyn.solids.mesh.winding_tree import WindingTree
 
 _TESTS = 1 << 18
 """Tests of a point against a triangle that are made at once."""

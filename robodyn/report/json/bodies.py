@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from robodyn.robot.masses.from_shapes import LinkShapes
     from robodyn.robot.urdf.geometry import Shape
     from robodyn.solids.composite_mass import Combination
-    from robodyn.solids.mesh.tessellation import Bars, Tessellation
+    from robodyn.solids.mesh.tessellation.bars import Bars, Tessellation
 
 COM = View()
 

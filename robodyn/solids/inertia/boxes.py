@@ -1,15 +1,19 @@
-"""Boxes around bodies, along the axes of a frame."""
+"""Boxes around bodies, along the axes of a frame, and what bound they set to second moments."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, product
 from robodyn.solids.inertia.exact import Floats
+from robodyn.solids.inertia.properties import MassProperties
 
 _TOUCH = 1e-6
 
@@ -49,3 +53,54 @@ def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
         return ()
     which = "boxes of 1 pair of bodies overlap" if pairs == 1 else f"boxes of {pairs} pairs of bodies overlap"
     return (f"{which}: what bodies share counts twice",)
+
+
+@dataclass(frozen=True, eq=False)
+class BoxBound:
+    """The spread of a body along the axes of its frame, and the most that a box around it allows.
+
+    Attributes:
+        spread: (3,) S_ii / m, the mean square distance from the centre of mass along each axis [m^2].
+        bound: (3,) (hi_i - c_i)(c_i - lo_i) [m^2]; negative where the centre of mass lies outside the box.
+        ratio: (3,) spread / bound, above 1 where no distribution of positive mass inside the box has it; infinite where
+            the bound is negative, or zero and the spread is not.
+    """
+
+    spread: Floats
+    bound: Floats
+    ratio: Floats
+
+    @property
+    def worst(self) -> float:
+        """The largest ratio: above 1, the mass properties are impossible in the box."""
+        return float(self.ratio.max())
+
+
+def box_bound(body: MassProperties, lo: ArrayLike, hi: ArrayLike) -> BoxBound:
+    """S_ii / m <= (hi_i - c_i)(c_i - lo_i) for every body inside the box [lo, hi], whatever its density.
+
+    The inequality of Bhatia and Davis (2000) for the coordinates of the mass; two point masses on opposite faces reach
+    it, a uniform box reaches a third of it.
+
+    Args:
+        lo, hi: (3,) corners of the box in the axes of the body's frame [m].
+
+    Raises:
+        InputError: the mass is not positive, or lo > hi.
+
+    Accuracy: `spread` within eps, `bound` within 2 eps of (hi_i - lo_i) max(|lo_i|, |hi_i|, |c_i|).
+    """
+    low, high = np.asarray(lo, dtype=float), np.asarray(hi, dtype=float)
+    if not body.mass > 0:
+        raise InputError(f"the bound of a box needs a positive mass, not {body.mass:g} kg")
+    if not (low <= high).all():
+        raise InputError(f"the corners of the box are in the wrong order: {low.tolist()}, {high.tolist()}")
+    spread = np.diagonal(body.S_c) / body.mass
+    inside = (low <= body.com) & (body.com <= high)
+    size = np.abs((high - body.com) * (body.com - low))
+    bound = np.where(inside, size, -size)
+    ratio = np.full(3, np.inf)
+    ratio[inside & (spread == 0)] = 0.0
+    possible = bound > 0
+    ratio[possible] = spread[possible] / bound[possible]
+    return BoxBound(spread, bound, ratio)

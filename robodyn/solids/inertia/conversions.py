@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO, Array, Scalar
 from robodyn.solids.inertia.exact import exact, fraction
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia, second_moments
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.second import second_moments
 
 
 def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:

@@ -13,10 +13,8 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, product
 from robodyn.solids.inertia.exact import Floats, exact, fraction, rounded, two_floats
-from robodyn.solids.inertia.laws import orthogonal, parallel_axis
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia, inertia_matrix, orthogonal, parallel_axis
 from robodyn.solids.inertia.principal import Principal, principal_axes
-from robodyn.solids.inertia.second import inertia_matrix
 
 Pose = tuple[Array, Array]
 """Rotation (3, 3) and origin (3,) [m] of a frame in another."""

@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.programs.vectors import Array
 from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
-from robodyn.solids.inertia.second import principal_moments, second_moments
+from robodyn.solids.inertia.laws import principal_moments, second_moments
 from robodyn.support.floats import HALF_UP
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.stl_binary import StlTriangles
+from robodyn.solids.mesh.read.stl_binary import StlTriangles
 from robodyn.solids.mesh.triangles import Corners, MemoryTriangles, Triangles
 
 CHUNK = 256

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from robodyn.errors import MeshError
 from robodyn.solids.inertia.conversions import from_integrals, from_surface_integrals
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.surface import surface
+from robodyn.solids.mesh.integrate.integrals import Integrals
+from robodyn.solids.mesh.integrate.sweep import surface
 from robodyn.solids.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.quadrature import Quadrature
+    from robodyn.solids.mesh.region.quadrature import Quadrature
 
 
 def solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:

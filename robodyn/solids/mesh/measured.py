@@ -1,19 +1,46 @@
-"""A surface measured, after what it needed of repair."""
+"""A surface measured: as it is where it is proven sound, else after what it needed of repair."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from sys import float_info
 from typing import TYPE_CHECKING
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.integrals import Integrals
-from robodyn.solids.mesh.integrate import measure
-from robodyn.solids.mesh.sound import is_sound
+from robodyn.solids.mesh.closed.fingerprint import Fingerprint
+from robodyn.solids.mesh.closed.one_shell import is_one_shell
+from robodyn.solids.mesh.integrate.integrals import Integrals, measure
 from robodyn.solids.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.quadrature import Quadrature
-    from robodyn.solids.mesh.repair import Repaired, Step
+    from robodyn.solids.mesh.region.quadrature import Quadrature
+    from robodyn.solids.mesh.repair.repair import Repaired, Step
+
+_FLAT = 1e-12
+"""Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
+
+_COLLINEAR = 64 * float_info.epsilon
+"""Area, over the square of the reach of the box, below which three corners may lie on a line: their edges from the
+reference are exact within 2 eps, and the products of these within 35 eps."""
+
+
+def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> bool:
+    """Whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
+
+    So it is where the surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and
+    is one shell with exactly two triangles on every edge: then no face is there twice, no winding has to be turned,
+    there is no other shell that could overlap it or lie in it, and none that could be folded.
+
+    Args:
+        integrals, edges: of these triangles.
+    """
+    size = (integrals.hi - integrals.lo).max()
+    return (
+        edges.closed
+        and bool(integrals.volume > _FLAT * integrals.area * size)
+        and bool(integrals.least > _COLLINEAR * size**2)
+        and is_one_shell(triangles)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +119,7 @@ def measured(
 
 def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
     """The surface put right and closed."""
-    from robodyn.solids.mesh.repair import repair
+    from robodyn.solids.mesh.repair.repair import repair
 
     fixed = repair(triangles, cavities)
     if strict and fixed.steps:

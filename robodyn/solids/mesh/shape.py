@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.solids.mesh.integrals import Integrals
+from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
-    from robodyn.solids.mesh.symmetry_kinds import Symmetry
-    from robodyn.solids.mesh.tessellation import Tessellation
+    from robodyn.solids.mesh.symmetry.kinds import Symmetry
+    from robodyn.solids.mesh.tessellation.bars import Tessellation
 
 SYMMETRY_TRIANGLES = 30_000
 """Up to which symmetry is sought unasked: a tenth of a second on most parts of that size."""
@@ -63,9 +63,9 @@ def shape(
     ask, notes_smooth = _wanted("tessellation", smooth, count, TESSELLATION_TRIANGLES)
     if not seek and not ask:
         return Shape(notes=notes_even + notes_smooth)
-    from robodyn.solids.mesh.asymmetry import CentredBody
-    from robodyn.solids.mesh.symmetry import symmetry
-    from robodyn.solids.mesh.tessellation import tessellation
+    from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
+    from robodyn.solids.mesh.symmetry.symmetry import symmetry
+    from robodyn.solids.mesh.tessellation.bars import tessellation
 
     _keep_what_is_freed()
     body = CentredBody.of(triangles, integrals)

@@ -17,8 +17,7 @@ from robodyn.checks.examples import ORIGIN, two_arms
 from robodyn.checks.run import check_one
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.urdf.document import read
-from robodyn.solids.inertia.laws import parallel_axis
-from robodyn.solids.inertia.second import inertia_matrix
+from robodyn.solids.inertia.laws import inertia_matrix, parallel_axis
 
 C = np.array((0.1, -0.05, 0.2))
 MASS = 2.0

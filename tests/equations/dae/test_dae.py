@@ -22,7 +22,7 @@ from robodyn.equations.dae.dae import dae, dae_at
 from robodyn.equations.dae.posed import own_rates, posed
 from robodyn.errors import InputError
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.solids.inertia.moments import Inertia
+from robodyn.solids.inertia.laws import Inertia
 
 OWN = sorted(path.stem for path in ROBOTS.glob("*.urdf") if path.stem != "composite")
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])

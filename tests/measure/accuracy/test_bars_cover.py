@@ -38,8 +38,8 @@ from robodyn.measure.accuracy.simulation_ladder import state_errors
 from robodyn.measure.accuracy.torques_within import arithmetic_within
 from robodyn.programs.run.multiprecision import Multiprecision
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.solids.mesh.integrate import integrate
-from robodyn.solids.mesh.load import from_array
+from robodyn.solids.mesh.integrate.integrals import integrate
+from robodyn.solids.mesh.read.load import from_array
 from robodyn.trajectory.robot_motion import motion, sources_of
 
 ENOUGH = 0.95

@@ -20,7 +20,7 @@ from robodyn.measure.accuracy.mesh_methods import (
     union_with_a_copy,
 )
 from robodyn.measure.accuracy.operations import counted, integral_operations
-from robodyn.solids.mesh.load import from_array, load_triangles
+from robodyn.solids.mesh.read.load import from_array, load_triangles
 
 TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
     np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])

@@ -14,7 +14,7 @@ from helpers.oracles import golden_model
 
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks, kernel_of
-from robodyn.programs.run.llvm.fusion import fused_products
+from robodyn.programs.run.llvm.kernel import fused_products
 from robodyn.programs.scalar import ADD, CONSTANT, INPUT, MUL, SUB
 from robodyn.scene.scene import Scene
 

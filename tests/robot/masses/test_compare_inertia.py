@@ -16,7 +16,7 @@ from robodyn.robot.masses.measured import Reading
 from robodyn.robot.masses.slips import relative, slip
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
-from robodyn.solids.inertia.urdf_text import inertial_element
+from robodyn.solids.inertia.view import inertial_element
 
 ROBOTS = Path(__file__).parents[3] / "robots"
 EPS = np.finfo(float).eps

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.box_bound import box_bound
+from robodyn.solids.inertia.boxes import box_bound
 from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.exact import exact
 from robodyn.solids.inertia.properties import MassProperties

@@ -12,8 +12,14 @@ from hypothesis import strategies as st
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.solids.inertia.exact import exact
-from robodyn.solids.inertia.laws import about_centre, orthogonal, parallel_axis, rotation_law
-from robodyn.solids.inertia.second import inertia_matrix, second_moments
+from robodyn.solids.inertia.laws import (
+    about_centre,
+    inertia_matrix,
+    orthogonal,
+    parallel_axis,
+    rotation_law,
+    second_moments,
+)
 
 lengths = st.floats(-10, 10)
 places = st.tuples(lengths, lengths, lengths).map(np.array)

@@ -11,7 +11,7 @@ from robodyn.robot.assemble import load
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.solids import box, cone
-from robodyn.solids.inertia.urdf_text import inertial_element
+from robodyn.solids.inertia.view import inertial_element
 
 
 def _urdf(body):

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.programs.vectors import rotation_about, rotation_from_quaternion, rotation_from_rpy
+from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.inertia.principal import principal_axes
-from robodyn.solids.inertia.second import inertia_matrix
 from robodyn.solids.inertia.solids import box, cylinder, sphere
 
 SHAPES = {

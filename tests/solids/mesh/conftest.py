@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from robodyn.solids.mesh import compiled_kernel, integrate
-from robodyn.solids.mesh.kernel import volume_kernel
+from robodyn.solids.mesh.integrate import compiled_kernel, integrals
+from robodyn.solids.mesh.integrate.kernel import volume_kernel
 
 
 @pytest.fixture(params=["numpy", "machine code"])
 def either_kernel(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Meshes of any size are integrated by NumPy, and once more by machine code."""
     if request.param == "numpy":
-        monkeypatch.setattr(integrate, "kernel_for", lambda count: volume_kernel)
+        monkeypatch.setattr(integrals, "kernel_for", lambda count: volume_kernel)
     else:
         pytest.importorskip("llvmlite")
         monkeypatch.setattr(compiled_kernel, "LEAST", 0)

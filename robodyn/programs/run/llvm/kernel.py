@@ -9,8 +9,32 @@ from typing import Any
 from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.code import BYTES, Code
 from robodyn.programs.run.llvm.functions import LARGEST_QUARTER, exponential, reduced, sign, sine_and_cosine
-from robodyn.programs.run.llvm.fusion import fused_products
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+
+
+def fused_products(program: Program) -> dict[int, int]:
+    """For each sum or difference that takes in a product: the position of that product.
+
+    A product is taken in where every use of it is a sum that has not yet taken in another: then it is never formed on
+    its own. Products used once come first, for they cost nothing twice. The choice depends on the program alone, so
+    every processor rounds alike.
+    """
+    users: dict[int, list[int]] = defaultdict(list)
+    for k, (op, a, b) in enumerate(program.operations):
+        if op is not INPUT and op is not CONSTANT:
+            users[a].append(k)
+            if b is not None:
+                users[b].append(k)
+    outputs = set(program.outputs)
+    products = [k for k, (op, _, _) in enumerate(program.operations) if op is MUL and k not in outputs]
+    taken: dict[int, int] = {}
+    for product in sorted(products, key=lambda k: len(users[k])):
+        sums = users[product]
+        fitting = all(program.operations[k][0] in (ADD, SUB) and k not in taken for k in sums)
+        if fitting and len(set(sums)) == len(sums):
+            taken.update(dict.fromkeys(sums, product))
+    return taken
+
 
 TWO = {ADD: "fadd", SUB: "fsub", MUL: "fmul", DIV: "fdiv"}
 ONE: dict[str, Callable[[Code, str], str]] = {
@@ -61,7 +85,7 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
         scalar: "double" or "float".
         lanes: samples in a group: 8 or 16.
-        fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.fusion`.
+        fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.kernel`.
     """
     writer = _Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
     return FRAME.format(

@@ -1,0 +1,1 @@
+"""Mesh files of all formats as triangles, with errors that name the line."""

@@ -1,0 +1,196 @@
+"""What a scene file says about itself, and what it must not hold, before trimesh reads its geometry."""
+
+from __future__ import annotations
+
+import json
+import math
+import zipfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any, BinaryIO
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from robodyn.solids.mesh.read.source import Source
+
+_LOOKS = (
+    "bind_material",
+    "instance_light",
+    "instance_camera",
+    *(f"library_{name}" for name in ("materials", "effects", "images", "lights", "cameras", "animations")),
+)
+"""Elements without which a scene has the same shape. A reference that is broken in one of them hides geometry."""
+
+
+def bare(source: Source, stream: BinaryIO) -> tuple[float | None, str, bytes]:
+    """Metres per unit and the axis that points up, None and "" if it names none; and the document without its looks.
+
+    Raises:
+        MeshError: the unit is no length, or a position is not finite or an index negative, which
+            pycollada would read as 0 and as counted from the end.
+        ElementTree.ParseError: it is no XML.
+    """
+    root = ElementTree.parse(stream).getroot()
+    asset = root.find("{*}asset")
+    unit = None if asset is None else asset.find("{*}unit")
+    metres = None if unit is None or "meter" not in unit.attrib else _positive(source, unit.attrib["meter"])
+    up = "" if asset is None else (asset.findtext("{*}up_axis") or "").strip()
+    _check_positions(source, root)
+    if any("-" in (indices.text or "") for indices in root.iterfind(".//{*}p")):
+        raise source.error("an index is negative", remedy="the file is damaged: export it again")
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if _tag(child) in _LOOKS:
+                parent.remove(child)
+    return metres, up, ElementTree.tostring(root, "utf-8")
+
+
+def _tag(element: Element) -> str:
+    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""
+
+
+def _positive(source: Source, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise source.error(f"the unit {text[:40]!r} is not a length in metres", remedy="repair <unit meter>")
+    return value
+
+
+def _check_positions(source: Source, root: Element) -> None:
+    for name, numbers in _positions(root):
+        text = numbers.text or ""
+        if "n" not in text.lower():
+            continue
+        for at, word in enumerate(text.split()):
+            if not math.isfinite(float(word)):
+                what = f"vertex {at // 3 + 1} of {name!r} has the coordinate {word}"
+                raise source.error(what, remedy="coordinates must be finite")
+
+
+def _positions(root: Element) -> Iterator[tuple[str, Element]]:
+    """Name and array of each source of positions."""
+    used = {
+        place.get("source", "").removeprefix("#")
+        for place in root.iterfind(".//{*}vertices/{*}input")
+        if place.get("semantic") == "POSITION"
+    }
+    for known in root.iterfind(".//{*}source"):
+        numbers = known.find("{*}float_array")
+        name = known.get("id", "")
+        if name in used and numbers is not None:
+            yield name, numbers
+
+
+_UNITS_3MF = {
+    "micron": 1e-6,
+    "millimeter": 1e-3,
+    "centimeter": 1e-2,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "meter": 1.0,
+}
+_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_", "KHR_xmp")
+_MOST_UNPACKED = 1 << 31
+
+
+@dataclass(frozen=True)
+class Asset:
+    """Metres per unit of the file, None if it says none; what else to note; what to read in place of the file."""
+
+    metres: float | None
+    notes: tuple[str, ...] = ()
+    data: bytes | None = None
+
+
+def asset_of(source: Source, kind: str) -> Asset:
+    """What a file of this kind says about its unit and axes.
+
+    Raises:
+        MeshError: it holds what would be read wrongly: compressed geometry, lying sizes, positions that are not finite.
+    """
+    with source.opened() as stream:
+        return _READERS.get(kind, _nothing)(source, stream)
+
+
+def _nothing(source: Source, stream: BinaryIO) -> Asset:
+    return Asset(None)
+
+
+def _dae(source: Source, stream: BinaryIO) -> Asset:
+    metres, up, data = bare(source, stream)
+    notes = (f"the axis {up[0]} points up in the file; its axes are kept",) if up in ("X_UP", "Y_UP") else ()
+    return Asset(metres, notes, data)
+
+
+def _3mf(source: Source, stream: BinaryIO) -> Asset:
+    _zip(source, stream)
+    with zipfile.ZipFile(stream) as archive:
+        name = next((name for name in archive.namelist() if "3d/3dmodel.model" in name.lower()), None)
+        if name is None:
+            raise source.error("has no 3D/3dmodel.model inside", remedy="export it again")
+        with archive.open(name) as model:
+            _, root = next(iter(ElementTree.iterparse(model, ("start",))))
+    unit = root.get("unit", "millimeter")
+    if unit not in _UNITS_3MF:
+        raise source.error(f"unknown unit {unit[:40]!r}", remedy=f"units of 3MF: {', '.join(_UNITS_3MF)}")
+    return Asset(_UNITS_3MF[unit])
+
+
+def _zip(source: Source, stream: BinaryIO) -> Asset:
+    with zipfile.ZipFile(stream) as archive:
+        size = sum(info.file_size for info in archive.infolist())
+    if size > _MOST_UNPACKED:
+        raise source.error(f"unpacks to {size} bytes", remedy=f"at most {_MOST_UNPACKED} are read")
+    stream.seek(0)
+    return Asset(None)
+
+
+def _zae(source: Source, stream: BinaryIO) -> Asset:
+    _zip(source, stream)
+    with zipfile.ZipFile(stream) as archive:
+        name = next(name for name in archive.namelist() if name.lower().endswith(".dae"))
+        with archive.open(name) as inner:
+            return _dae(source, BytesIO(inner.read()))
+
+
+def _glb(source: Source, stream: BinaryIO) -> Asset:
+    head = stream.read(20)
+    length, chunk = int.from_bytes(head[8:12], "little"), int.from_bytes(head[12:16], "little")
+    if head[:4] != b"glTF" or head[16:] != b"JSON":
+        raise source.error("does not begin as a GLB does", remedy="is its type another?")
+    if length > source.size:
+        what = f"the header promises {length} bytes, the file has {source.size}"
+        raise source.error(what, remedy="the file is cut short: get it again")
+    return _gltf_of(source, json.loads(stream.read(min(chunk, source.size))))
+
+
+def _gltf(source: Source, stream: BinaryIO) -> Asset:
+    return _gltf_of(source, json.loads(stream.read()))
+
+
+def _gltf_of(source: Source, header: Any) -> Asset:
+    """Refuses geometry that trimesh would read as zeros, and numbers of elements that no bytes stand behind."""
+    harmful = [name for name in header.get("extensionsRequired", []) if not str(name).startswith(_HARMLESS)]
+    if harmful:
+        what = f"needs the glTF extension {str(harmful[0])[:60]!r}, which is not read"
+        raise source.error(what, remedy="export it without compression")
+    for accessor in header.get("accessors", []):
+        if "bufferView" not in accessor:
+            raise source.error("holds an accessor without a buffer", remedy="export it without sparse accessors")
+        if not 0 <= accessor["count"] < 1 << 32:
+            raise source.error(f"an accessor of {accessor['count']} elements", remedy="export it again")
+    return Asset(1.0, ("the axis Y points up in glTF; its axes are kept",))
+
+
+_READERS: dict[str, Callable[[Source, BinaryIO], Asset]] = {
+    "dae": _dae,
+    "3mf": _3mf,
+    "zae": _zae,
+    "3dxml": _zip,
+    "glb": _glb,
+    "gltf": _gltf,
+}

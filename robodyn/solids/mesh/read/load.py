@@ -1,0 +1,96 @@
+"""Meshes from files, standard input, bytes and arrays."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.errors import MeshError
+from robodyn.solids.mesh.read.kinds import SCENES, kind_of, scale_of
+from robodyn.solids.mesh.read.source import Source, open_source
+from robodyn.solids.mesh.read.stl_binary import Heard, is_complete, open_binary
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
+
+_HEAD = 4096
+_CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
+
+
+def load_triangles(
+    source: str | os.PathLike[str] | bytes,
+    *,
+    file_type: str | None = None,
+    unit: str | None = None,
+    heard: Heard | None = None,
+) -> Triangles:
+    """The triangles of a mesh.
+
+    Binary STL is streamed from the file: memory does not grow with it. OBJ, PLY, OFF and ASCII STL are read here, all
+    others by trimesh. Polygons are cut into triangles; nothing is merged, repaired or moved.
+
+    Args:
+        source: name of a file; `-` is standard input; or the bytes themselves.
+        file_type: one of `kinds.KINDS`; by the suffix, or by how the file begins, if None.
+        unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
+        heard: is told how many triangles of a binary STL have been read, whenever some have.
+
+    Raises:
+        MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
+    """
+    found = open_source(source)
+    kind = kind_of(found, file_type)
+    if kind in SCENES:
+        from robodyn.solids.mesh.read.scenes import read_scene
+
+        return read_scene(found, kind, unit)
+    scale, note = scale_of(unit, None, found.name)
+    if kind == "stl":
+        return _read_stl(found, scale, (note,), heard)
+    if kind == "ply":
+        from robodyn.solids.mesh.read.ply import read_ply
+
+        return read_ply(found, scale, (note,))
+    if b"\0" in found.data(_HEAD):
+        raise found.error(f"is binary data, no {kind.upper()}", remedy="is its type another?")
+    if kind == "obj":
+        from robodyn.solids.mesh.read.obj import read_obj
+
+        return read_obj(found, scale, (note,))
+    from robodyn.solids.mesh.read.off import read_off
+
+    return read_off(found, scale, (note,))
+
+
+def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") -> MemoryTriangles:
+    """The triangles of an array.
+
+    Args:
+        corners: (m, 3, 3) of triangle, corner and coordinate; float32 counts as rounded to 24 bits, all else as exact.
+
+    Raises:
+        MeshError: the array has another shape, holds no triangle, or a corner that is not finite.
+    """
+    try:
+        given = np.asarray(corners)
+        values = given if given.dtype == np.float32 else given.astype(np.float64, casting="same_kind")
+    except (TypeError, ValueError):
+        raise MeshError("the corners are not numbers", remedy="give an array (m, 3, 3)", file=name) from None
+    if values.ndim != 3 or values.shape[1:] != (3, 3) or not len(values):
+        what = f"an array of shape {values.shape} where (m, 3, 3) is needed"
+        raise MeshError(what, remedy="axes are triangle, corner, coordinate", file=name)
+    check_finite(values, 0, name)
+    scale, _ = scale_of(unit, None, name)
+    return MemoryTriangles(name, values, 24 if values.dtype == np.float32 else 53, scale)
+
+
+def _read_stl(source: Source, scale: float, notes: tuple[str, ...], heard: Heard | None) -> Triangles:
+    """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
+    head = source.data(_HEAD)
+    if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
+        return open_binary(source, head, scale, notes, heard)
+    if b"solid" not in head.lower() and b"facet" not in head.lower():
+        raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
+    from robodyn.solids.mesh.read.stl_ascii import read_ascii
+
+    return read_ascii(source, scale, notes)

@@ -1,0 +1,1 @@
+"""What overlapping or open surfaces enclose: columns of winding numbers, with error bars."""

@@ -1,0 +1,88 @@
+"""Moments of the region inside a surface whose winding number is not simply 0 or 1, by columns in three directions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robodyn.solids.mesh.indexed import Indexed, Numbers
+from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
+from robodyn.solids.mesh.region.local_caps import local_caps
+from robodyn.solids.mesh.region.open_region import OpenSurface, definite
+from robodyn.solids.mesh.region.pieces import centred, excess, relative
+from robodyn.solids.mesh.triangles import Floats, MemoryTriangles
+
+_TOUCH = 1e-11
+"""Volume that bodies may share, of the volume of all, and still only touch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Quadrature:
+    """Integrals over a region that are known to an error bar, in units of the file.
+
+    Attributes:
+        volume: V, of 1.
+        first: (3,) of x - reference.
+        S: (3, 3) of (x - reference)(x - reference)^T.
+        reference: (3,).
+        bar: of the error of the volume relative to it, and of the error of the second moments about the centre relative
+            to the largest of them.
+        method: "columns" or "winding numbers".
+    """
+
+    volume: float
+    first: Floats
+    S: Floats
+    reference: Floats
+    bar: float
+    method: str
+
+
+def by_columns(mesh: Indexed) -> Quadrature | None:
+    """Moments of the region where the winding number of a closed surface is positive; None if it is 0 or 1 everywhere.
+
+    The signed integral counts every point as often as its winding number says. What it counts too often is integrated
+    over columns and taken off: an overlap that is a tenth of the body is needed to a tenth of the digits only. Overlaps
+    that lie between columns are not seen.
+
+    Accuracy: `bar` covers the error in 95 of 100 cases of random overlapping bodies.
+    """
+    signed = integrate(MemoryTriangles("bodies", mesh.corners))
+    too_often = excess(mesh.corners - signed.reference)
+    if np.abs(too_often[:, 3, 3]).max() <= _TOUCH * abs(signed.volume):
+        return None
+    totals = _moments(signed) - too_often
+    mean = totals.mean(axis=0)
+    return _quadrature(mean, np.ptp(centred(totals, mean), axis=0), signed.reference, "columns")
+
+
+def by_winding_numbers(mesh: Indexed, caps: Numbers) -> Quadrature | None:
+    """Moments of the region where the winding number of an open surface is above 1/2; None if that is not definite.
+
+    With caps (n, 3) on its gaps the surface is closed, and done as in `by_columns`. How the region differs from what
+    that encloses, by winding numbers without the caps, is integrated over fewer columns, only as many as make the bar
+    smaller. Where a gap is plane its cap is where the winding number is 1/2, and there is no difference.
+
+    How definite the region is shows in those above 1/3 and above 2/3, between which a surface that goes on across a
+    round gap as it does around it lies.
+
+    Accuracy: `bar` covers the error of spheres, tori and cylinders without up to a twelfth of their surface, which is
+        below 1e-4 if 2 % of the faces, here and there, are missing.
+    """
+    closing = local_caps(replace(mesh, faces=caps))
+    whole = Indexed(mesh.vertices, np.concatenate([mesh.faces, closing.faces]))
+    signed = integrate(MemoryTriangles("body", whole.corners))
+    mesh = replace(mesh, vertices=mesh.vertices - signed.reference)
+    found = definite(OpenSurface.of(mesh, replace(mesh, faces=closing.faces), _moments(signed)))
+    return None if found is None else _quadrature(found.region, found.error, signed.reference, "winding numbers")
+
+
+def _moments(signed: Integrals) -> Floats:
+    """(4, 4) integral of y y^T with y = (x - reference, 1)."""
+    return np.block([[signed.S, signed.first[:, None]], [signed.first, np.array(signed.volume)]])
+
+
+def _quadrature(total: Floats, error: Floats, reference: Floats, method: str) -> Quadrature:
+    S = (total[:3, :3] + total[:3, :3].T) / 2
+    return Quadrature(float(total[3, 3]), total[:3, 3], S, reference, relative(error, total), method)

@@ -1,0 +1,1 @@
+"""Surfaces put right: bad faces, holes, winding, nesting and overlaps."""

@@ -1,0 +1,145 @@
+"""Faces that add nothing dropped, and rims put together where they nearly meet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
+from robodyn.solids.mesh.triangles import Floats
+
+_ROUNDING = 16 * np.finfo(np.float64).eps
+
+
+def without_degenerate(mesh: Indexed) -> Indexed:
+    """The mesh without its faces of exactly zero area.
+
+    Faces between three different corners on a line stay where they close the surface along a seam.
+    """
+    a, b, c = mesh.faces.T
+    mesh = mesh.keep((a != b) & (b != c) & (c != a))
+    return mesh.keep(~_superfluous(mesh.faces, collinear(mesh.corners), alone=True))
+
+
+def without_duplicates(mesh: Indexed) -> Indexed:
+    """The mesh with one face of those between the same corners, whatever their winding.
+
+    Faces wound alike stay where one of them alone would open the surface: two bodies that are flush. Faces wound both
+    ways cancel: a wall between two bodies. But one stays if it is part of a surface that would be open without it, or
+    if nothing else is near: a surface that is given from both sides.
+    """
+    which, even = _corner_sets(mesh.faces)
+    repeated = ~_first_of(2 * which + even)
+    mesh = mesh.keep(~_superfluous(mesh.faces, repeated, alone=True))
+    which, even = _corner_sets(mesh.faces)
+    ways = np.stack([np.bincount(which[chosen], minlength=which.max(initial=-1) + 1) for chosen in (even, ~even)])
+    both: Mask = np.logical_and(*(ways > 0))[which]
+    stays = ~both | _first_of(which)
+    return mesh.keep(stays).keep(~_superfluous(mesh.faces[stays], both[stays], alone=False))
+
+
+def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
+    """(m,) the number of the set of corners of each face, and whether the corners, from the lowest on, go up."""
+    most = int(faces.max(initial=0)) + 1
+    low, middle, high = np.sort(faces, axis=1).T
+    _, pair = np.unique(low * most + middle, return_inverse=True)
+    _, which = np.unique(pair.reshape(-1) * most + high, return_inverse=True)
+    turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    _, second, third = np.take_along_axis(faces, turn, axis=1).T
+    return which.reshape(-1), np.less(second, third)
+
+
+def _first_of(names: Numbers) -> Mask:
+    """(m,) whether a name was not there before."""
+    first: Mask = np.zeros(len(names), np.bool_)
+    first[np.unique(names, return_index=True)[1]] = True
+    return first
+
+
+def collinear(corners: Floats) -> Mask:
+    """(m,) whether the corners of each triangle lie on a line, decided without rounding."""
+    a, b, c = corners.transpose(1, 0, 2)
+    e, f = b - a, c - a
+    size = np.linalg.norm(e, axis=1) * np.linalg.norm(f, axis=1)
+    reach = np.abs(corners).max(axis=(1, 2)) * (np.abs(e) + np.abs(f)).max(axis=1)
+    flat: Mask = np.linalg.norm(np.cross(e, f), axis=1) <= _ROUNDING * (size + reach)
+    for row in np.flatnonzero(flat):
+        flat[row] = _collinear_exactly(corners[row])
+    return flat
+
+
+def _collinear_exactly(triangle: Floats) -> bool:
+    a, b, c = ([Fraction(x) for x in corner] for corner in triangle.tolist())
+    e, f = [y - x for x, y in zip(a, b, strict=True)], [y - x for x, y in zip(a, c, strict=True)]
+    return all(e[i - 2] * f[i - 1] == e[i - 1] * f[i - 2] for i in range(3))
+
+
+def _superfluous(faces: Numbers, doubtful: Mask, alone: bool) -> Mask:
+    """(m,) which of the doubtful faces leave no more edges with an odd number of faces if they go.
+
+    This is decided for each connected group of them.
+
+    Args:
+        alone: whether a group that touches no other face goes.
+    """
+    rows = np.flatnonzero(doubtful)
+    if not rows.size:
+        return doubtful
+    edges = Edges.between(faces)
+    own = edges.of[rows]
+    most = len(edges.count)
+    nodes = np.repeat(np.arange(len(rows)), 3)
+    group = components(len(rows) + most, nodes, len(rows) + own.ravel())[: len(rows)]
+    within = np.bincount(own.ravel(), minlength=most)
+    others = edges.count - within
+    touched, first = np.unique(own, return_index=True)
+    of_edge = np.repeat(group, 3)[first]
+    groups = int(group.max()) + 1
+    stays = np.bincount(of_edge, (within + others)[touched] % 2, groups)
+    goes = np.bincount(of_edge, others[touched] % 2, groups)
+    near = np.bincount(of_edge, others[touched] > 0, groups)
+    found = np.zeros_like(doubtful)
+    found[rows] = ((goes <= stays) & (alone | (near > 0)))[group]
+    return found
+
+
+_NEAR = 1e-6
+"""Distance of corners that rounding may have parted, over the size of the surface."""
+
+_CELL = 4.0
+"""Times this distance, the side of the cells in which near corners are sought."""
+
+
+def welded(mesh: Indexed) -> Indexed:
+    """The mesh with corners on its rims made one where rounding may have parted them, without faces that vanish then.
+
+    The same object where there are none.
+
+    Corners within 1e-6 of the surface's size share a cell of at least one of eight lattices, shifted by half a cell.
+    """
+    edges = Edges.between(mesh.faces)
+    rim = np.unique(edges.ends[edges.count == 1])
+    points = mesh.vertices[rim]
+    cell = _CELL * _NEAR * float(np.ptp(mesh.vertices[np.unique(mesh.faces)], axis=0).max())
+    if not len(rim) or not cell > 0:
+        return mesh
+    links = [_neighbours(points / cell + shift) for shift in product((0.0, 0.5), repeat=3)]
+    label = components(len(rim), *np.concatenate(links, axis=1))
+    _, first = np.unique(label, return_index=True)
+    if len(first) == len(rim):
+        return mesh
+    name = np.arange(len(mesh.vertices))
+    name[rim] = rim[first[label]]
+    a, b, c = faces = name[mesh.faces].T
+    return replace(mesh, faces=faces.T[(a != b) & (b != c) & (c != a)])
+
+
+def _neighbours(points: Floats) -> np.ndarray[tuple[int, int], np.dtype[np.int64]]:
+    """(2, n) pairs of points that follow each other in the same unit cell."""
+    cells = np.floor(points)
+    order = np.lexsort(cells.T)
+    same = (np.diff(cells[order], axis=0) == 0).all(axis=1)
+    return np.stack([order[:-1][same], order[1:][same]])

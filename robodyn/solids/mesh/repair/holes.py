@@ -1,0 +1,159 @@
+"""Holes in shells, filled where they are small."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robodyn.solids.mesh.indexed import Numbers, areas
+from robodyn.solids.mesh.repair.loops import boundary_loops, cap_of, is_seam
+from robodyn.solids.mesh.repair.shells import Shells
+
+LARGEST_OF_SHELL = 0.1
+"""Share of a shell that may be missing: a box without one of its 12 triangles is filled, without a side it is not."""
+
+LARGEST_OF_ALL = 0.01
+"""Share of the whole surface that what is missing from shells may have together, however open they are."""
+
+_BODY = 0.3
+"""Share of an open shell that may be missing for it to be a body with a hole, rather than a patch of one."""
+
+_BULGE = 0.2
+"""Volume, over the area of a hole to the power 3/2, that may lie between its cap and the surface that was there: twice
+what lies between the cap of a round or a square hole and where the winding number is 1/3 or 2/3."""
+
+
+@dataclass(frozen=True)
+class Filling:
+    """What became of the gaps.
+
+    Attributes:
+        shells: with the filled ones closed.
+        holes, seams: gaps that were filled; a seam has no area to speak of.
+        triangles: that fill them. area: of these.
+        doubt: volume by which the surface that was missing may differ from what fills it.
+        left: gaps of shells that stay open, too large to be filled.
+        missing: the share of the surface, of those shells with their gaps filled, that is missing.
+        capped: the shells with caps as their last faces, which close the rest. Those of a body with a hole lie across
+            it. Those of patches, which close nothing each for itself, are a cone from one vertex over all their rims:
+            where the rims of two patches nearly coincide, so do the two sides of a thin part of it.
+        caps: their number.
+    """
+
+    shells: Shells
+    capped: Shells
+    caps: int
+    holes: int
+    seams: int
+    triangles: int
+    area: float
+    doubt: float
+    left: int
+    missing: float
+
+
+def filled(shells: Shells) -> Filling:
+    """Fill the boundary loops of open shells, unless they are large.
+
+    The boundary of a surface is made of loops, each of which is cut into triangles without new corners. Where a loop is
+    plane the moments of what it then encloses do not depend on how it is cut.
+    """
+    mesh = shells.mesh
+    gaps = _gaps(shells)
+    loose = [gap for gap in gaps if gap.share > LARGEST_OF_SHELL]
+    if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(mesh.areas.sum()):
+        loose = []
+    fill = [gap for gap in gaps if gap not in loose]
+    caps = [cap for gap in fill for cap in gap.caps]
+    sizes = [size for gap in fill for size in gap.sizes]
+    seams = sum(is_seam(mesh.vertices, cap, size) for cap, size in zip(caps, sizes, strict=True))
+    closed = shells.closed.copy()
+    closed[[gap.shell for gap in fill]] = True
+    whole = replace(mesh, faces=np.concatenate([mesh.faces, *caps]))
+    label = np.concatenate([shells.label, *[np.full(sum(map(len, gap.caps)), gap.shell, np.int64) for gap in fill]])
+    after = replace(shells, mesh=whole, label=label, closed=closed)
+    rest = _Caps()
+    for gap in loose:
+        rest.add(gap)
+    missing, present = sum(gap.area for gap in loose), sum(gap.own for gap in loose)
+    return Filling(
+        shells=after,
+        capped=rest.on(after),
+        caps=rest.count,
+        holes=len(caps) - seams,
+        seams=seams,
+        triangles=sum(map(len, caps)),
+        area=sum(sizes),
+        doubt=_BULGE * sum(size**1.5 for size in sizes),
+        left=sum(len(gap.caps) for gap in loose),
+        missing=missing / (missing + present) if missing else 0.0,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Gap:
+    """What is missing of an open shell: loops around it, their caps, the areas of these and of the shell."""
+
+    shell: int
+    loops: list[list[int]]
+    caps: list[Numbers]
+    sizes: list[float]
+    own: float
+
+    @property
+    def area(self) -> float:
+        return sum(self.sizes)
+
+    @property
+    def share(self) -> float:
+        return self.area / (self.area + self.own)
+
+
+def _gaps(shells: Shells) -> list[_Gap]:
+    mesh = shells.mesh
+    own = np.bincount(shells.label, mesh.areas, shells.count)
+    found = []
+    for shell in np.flatnonzero(~shells.closed).tolist():
+        loops = boundary_loops(shells.faces(shell))
+        caps = [cap_of(mesh.vertices, loop) for loop in loops]
+        sizes = [float(areas(mesh.vertices[cap]).sum()) for cap in caps]
+        found.append(_Gap(shell, loops, caps, sizes, float(own[shell])))
+    return found
+
+
+class _Caps:
+    """Caps of shells that stay open."""
+
+    def __init__(self) -> None:
+        self._faces: list[Numbers] = []
+        self._shells: list[int] = []
+        self._bodies: list[int] = []
+        self._apex: int | None = None
+
+    @property
+    def count(self) -> int:
+        return sum(map(len, self._faces))
+
+    def add(self, gap: _Gap) -> None:
+        """Take the caps of a body with a hole, or a cone over the loops of a patch."""
+        caps = gap.caps
+        if gap.share <= _BODY:
+            self._bodies.append(gap.shell)
+        else:
+            caps = [self._cone(loop) for loop in gap.loops]
+        self._faces += caps
+        self._shells += [gap.shell] * sum(map(len, caps))
+
+    def _cone(self, loop: list[int]) -> Numbers:
+        self._apex = apex = loop[0] if self._apex is None else self._apex
+        sides = zip([loop[-1], *loop[:-1]], loop, strict=True)
+        return np.array([(a, b, apex) for a, b in sides if apex not in (a, b)], np.int64).reshape(-1, 3)
+
+    def on(self, shells: Shells) -> Shells:
+        """The shells with the caps as their last faces; a body with caps is closed."""
+        closed = shells.closed.copy()
+        closed[self._bodies] = True
+        mesh = replace(shells.mesh, faces=np.concatenate([shells.mesh.faces, *self._faces]))
+        label = np.concatenate([shells.label, np.array(self._shells, np.int64)])
+        return replace(shells, mesh=mesh, label=label, closed=closed)

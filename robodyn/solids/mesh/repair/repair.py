@@ -1,0 +1,215 @@
+"""Putting a surface right step by step, saying what was done and what it did to the volume."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from robodyn.errors import MeshError
+from robodyn.solids.mesh.indexed import Indexed, merged
+from robodyn.solids.mesh.region.quadrature import Quadrature, by_columns, by_winding_numbers
+from robodyn.solids.mesh.repair.clean import welded, without_degenerate, without_duplicates
+from robodyn.solids.mesh.repair.holes import Filling, filled
+from robodyn.solids.mesh.repair.nesting import Nesting, nested
+from robodyn.solids.mesh.repair.shells import Shells, wound
+from robodyn.solids.mesh.repair.union import United, united
+from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+
+_BY_REGION = ("overlaps", "winding numbers")
+"""Steps that leave the surface as it is."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One kind of repair.
+
+    Attributes:
+        name: "degenerate", "duplicate", "winding", "holes", "orientation", "nested", "union", "overlaps" or "winding
+            numbers"; the last two leave the surface as it is.
+        count: of the faces, gaps, shells or bodies it was done to.
+        what: in words.
+        volume_before, volume_after: signed, in units of the file cubed; of an open surface about the middle of its box.
+    """
+
+    name: str
+    count: int
+    what: str
+    volume_before: float
+    volume_after: float
+
+    @property
+    def change(self) -> float:
+        """Of the volume."""
+        return self.volume_after - self.volume_before
+
+
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """A surface after its repair.
+
+    Attributes:
+        triangles: the surface, the same object if nothing was done.
+        steps: what was done, in order.
+        shells: connected parts, before any union.
+        closed: whether no boundary is left, so that the volume is well defined.
+        doubt: volume that may be missing or too much where holes were filled.
+        missing: estimated share of the surface of the open parts that is missing, 0 if closed.
+        quadrature: integrals over the region that the surface encloses, where they are not those of its triangles.
+        remarks: what was found and left as it is.
+    """
+
+    triangles: Triangles
+    steps: tuple[Step, ...]
+    shells: int
+    closed: bool
+    doubt: float
+    missing: float
+    quadrature: Quadrature | None
+    remarks: tuple[str, ...]
+
+
+def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
+    """The surface with bad faces dropped, small holes filled, shells wound as their nesting asks, and bodies united.
+
+    Vertices are merged where they are equal, not where they are near. Shells that are open by more than a small hole,
+    and those that overlap but are no manifolds, stay as they are: the region where the winding number is positive is
+    integrated by columns. Nothing is replaced by its hull.
+
+    Args:
+        triangles: at least one.
+        cavities: shells in others are cavities, however they are wound; else by winding numbers (see `nested`).
+
+    Raises:
+        MeshError: no triangle has an area, or a part of the surface has one side only.
+    """
+    mesh = merged(triangles.array())
+    steps = _Steps(mesh.middle)
+    mesh = steps.taken(mesh, *_dropped(mesh, without_degenerate(mesh), "degenerate", "without area"))
+    mesh = steps.taken(mesh, *_dropped(mesh, without_duplicates(mesh), "duplicate", "given more than once"))
+    if not len(mesh.faces):
+        raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
+    shells, turned = wound(mesh)
+    _check_sides(shells, triangles.name)
+    steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
+    filling = filled(shells)
+    count = filling.holes + filling.seams
+    steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
+    nesting = nested(filling.capped, filling.caps, cavities)
+    count = nesting.bodies + nesting.cavities
+    steps.taken(filling.capped.mesh, nesting.whole, count, "orientation", _nesting(nesting))
+    what = f"{_many(nesting.within, 'shell')} in another, wound as it is, counted once"
+    steps.taken(nesting.whole, nesting.shells.mesh, nesting.within, "nested", what)
+    union = united(nesting, filling.caps)
+    steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
+    mesh, region = _region(union, filling, steps)
+    return Repaired(
+        triangles=_replaced(triangles, mesh) if any(step.name not in _BY_REGION for step in steps.all) else triangles,
+        steps=tuple(steps.all),
+        shells=nesting.shells.count,
+        closed=not filling.left,
+        doubt=filling.doubt,
+        missing=filling.missing,
+        quadrature=region,
+        remarks=(*_remarks(filling, region), *_within(nesting, triangles.scale)),
+    )
+
+
+def _check_sides(shells: Shells, name: str) -> None:
+    """Refuse a surface that cannot be wound, whose inside and outside are therefore not told apart.
+
+    Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
+    """
+    if not shells.closed.all():
+        whole = welded(shells.mesh)
+        shells = shells if whole is shells.mesh else wound(whole)[0]
+    if shells.twisted:
+        raise MeshError(
+            f"{shells.twisted} of {_many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
+            "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
+            remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
+            file=name,
+        )
+
+
+def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Quadrature | None]:
+    """The mesh without caps, and the region that it encloses if its winding number has to tell."""
+    count = len(union.mesh.faces) - filling.caps
+    mesh, caps = replace(union.mesh, faces=union.mesh.faces[:count]), union.mesh.faces[count:]
+    if not filling.left:
+        region = by_columns(mesh) if union.untested or union.folded else None
+        steps.measured(mesh, region, union.untested + union.folded, "overlaps", _overlaps(union))
+        return mesh, region
+    region = by_winding_numbers(mesh, caps)
+    what = f"{_many(filling.left, 'gap')} too large to be filled, left to winding numbers"
+    steps.measured(mesh, region, filling.left, "winding numbers", what)
+    return mesh, region
+
+
+class _Steps:
+    """The steps so far; their volumes are about one point."""
+
+    def __init__(self, reference: Floats) -> None:
+        self.all: list[Step] = []
+        self._reference = reference
+
+    def measured(self, before: Indexed, region: Quadrature | None, count: int, name: str, what: str) -> None:
+        """Keep in mind that a region was measured."""
+        if region is not None:
+            self.all.append(Step(name, count, what, before.volume(self._reference), region.volume))
+
+    def taken(self, before: Indexed, after: Indexed, count: int, name: str, what: str) -> Indexed:
+        """The mesh after a step, which is kept in mind if it was done to anything."""
+        if not count:
+            return before
+        self.all.append(Step(name, count, what, *(mesh.volume(self._reference) for mesh in (before, after))))
+        return after
+
+
+def _dropped(before: Indexed, after: Indexed, name: str, why: str) -> tuple[Indexed, int, str, str]:
+    count = len(before.faces) - len(after.faces)
+    return after, count, name, f"{_many(count, 'face')} {why} dropped"
+
+
+def _filling(found: Filling) -> str:
+    kinds = [(found.holes, "hole"), (found.seams, "seam")]
+    gaps = " and ".join(_many(count, kind) for count, kind in kinds if count)
+    return f"{gaps} filled by {_many(found.triangles, 'triangle')}"
+
+
+def _nesting(found: Nesting) -> str:
+    kinds = [(found.bodies, "turned outwards"), (found.cavities, "turned inwards, being a cavity in another")]
+    return ", ".join(f"{_many(count, 'shell')} {how}" for count, how in kinds if count)
+
+
+def _overlaps(found: United) -> str:
+    bodies = [f"{found.untested} bodies"] if found.untested else []
+    shells = [_many(found.folded, "folded shell")] if found.folded else []
+    return f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
+
+
+def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
+    remarks = []
+    if found.left and region is None:
+        share = f"{100 * found.missing:.2g} % of their surface"
+        remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
+    return tuple(remarks)
+
+
+def _within(found: Nesting, scale: float) -> tuple[str, ...]:
+    """What was taken of shells that lie in others and are wound alike, and how to have it otherwise."""
+    if not found.within:
+        return ()
+    one = found.within == 1
+    is_or_are, cavity = ("is", "it is a cavity") if one else ("are", "they are cavities")
+    return (
+        f"{_many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
+        f"if {cavity}, say --cavities ({found.less * scale**3:.4g} m^3 less)",
+    )
+
+
+def _many(count: int, thing: str) -> str:
+    return f"{count} {thing}" + ("" if count == 1 else "s")
+
+
+def _replaced(triangles: Triangles, mesh: Indexed) -> Triangles:
+    given = triangles
+    return MemoryTriangles(given.name, mesh.corners, given.significand, given.scale, given.notes, given.warnings)

@@ -1,0 +1,1 @@
+"""Mirror planes and axes of symmetry: candidates by moments, verdicts by volumes."""

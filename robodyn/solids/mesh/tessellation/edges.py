@@ -1,0 +1,173 @@
+"""Edges at which facets meet at small angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import radians
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.programs.vectors import Array, arctan2
+from robodyn.solids.mesh.indexed import components
+
+Integers = NDArray[np.int64]
+
+_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
+_HALF = np.uint64(32)
+_LOW = np.uint64(2**32 - 1)
+
+
+def paired_edges(X: Array) -> tuple[Integers, Integers]:
+    """The numbers, triangle plus m times corner, of edges that are the same pair of corners, where just two are.
+
+    In ascending order, so that what they refer to is read nearly in order as well.
+
+    Method: keys that hold as many bits of the hash of an edge as its number leaves free, so that one sort without an
+    index brings equal edges together. Where two edges share a key, which of a million triangles happens to about one
+    edge, neither is found.
+
+    Args:
+        X: (3 corners, 3 coordinates, m) with the same bits in both triangles of an edge.
+    """
+    hashes = _hashed(X)
+    keys = np.concatenate([hashes[i - 3] + hashes[i - 2] for i in range(3)])
+    low = np.uint64((1 << (len(keys) - 1).bit_length()) - 1)
+    keys &= ~low
+    keys |= np.arange(len(keys), dtype=np.uint64)
+    keys.sort()
+    edge = keys & ~low
+    same = np.concatenate([[False], edge[1:] == edge[:-1], [False]])
+    (begin,) = np.nonzero(~same[:-2] & same[1:-1] & ~same[2:])
+    keys &= low
+    both = (keys[begin] << _HALF) | keys[begin + 1]
+    both.sort()
+    return (both >> _HALF).view(np.int64), (both & _LOW).view(np.int64)
+
+
+def _hashed(X: Array) -> NDArray[np.uint64]:
+    """Of each corner, mixed so well that the sums for the sides of a rectangle differ."""
+    bits = (X + 0.0).view(np.uint64)
+    words: NDArray[np.uint64] = bits[:, 0] * _FACTORS[0]
+    for i in (1, 2):
+        words ^= words >> _HALF
+        words += bits[:, i]
+        words *= _FACTORS[i]
+    for factor in _FACTORS[:2]:
+        words ^= words >> _HALF
+        words *= factor
+    words ^= words >> _HALF
+    return words
+
+
+Floats = NDArray[np.float64]
+
+SHARPEST = radians(65)
+"""Facets that meet at a larger angle are meant so, unless both belong to curved faces."""
+
+_WIDEST = radians(120)
+
+BENT = 1e-3
+"""Below this many radians an angle may be a rounding error."""
+
+_FLAT = 1e-5
+_BLOCK = 1 << 14
+
+
+@dataclass(frozen=True, eq=False)
+class BentEdges:
+    """Edges of two triangles that meet at an angle below 120 degrees which is not zero.
+
+    Attributes:
+        start, end: (3, k).
+        angle: (k,) between the normals [rad], positive where the surface is convex.
+        length: (k,).
+        heights: (2, k) of the two triangles over the edge.
+        feet: (2, k) where the corners opposite to the edge stand over it, from 0 at its start to 1 at its end.
+        outward: (2, 3, k) unit vectors across the edge in the plane of either triangle, out of it.
+        triangles: (2, k) their numbers.
+        flat: (m,) whether a triangle lies in one plane with another one.
+        facet: (m,) number of the connected triangles in one plane that each belongs to. areas: (m,) of these.
+    """
+
+    start: Floats
+    end: Floats
+    angle: Floats
+    length: Floats
+    heights: Floats
+    feet: Floats
+    outward: Floats
+    triangles: Integers
+    flat: NDArray[np.bool_]
+    facet: Integers
+    areas: Floats
+
+    def among(self, chosen: NDArray[np.bool_]) -> BentEdges:
+        """Some of them."""
+        if chosen.all():
+            return self
+        columns = {name: getattr(self, name)[..., chosen] for name in _COLUMNS}
+        return replace(self, **columns)
+
+
+_COLUMNS = ("start", "end", "angle", "length", "heights", "feet", "outward", "triangles")
+
+
+def bent_edges(corners: Array) -> BentEdges:
+    """The bent edges of triangles (m, 3, 3), wound outwards, that have the same bits in both triangles of an edge."""
+    X = np.ascontiguousarray(corners.transpose(1, 2, 0))
+    points = np.ascontiguousarray(X.transpose(0, 2, 1)).reshape(-1, 3)
+    normals = _normals(X)
+    one, other = paired_edges(X)
+    coplanar: list[Integers] = []
+    blocks = (slice(k, k + _BLOCK) for k in range(0, max(len(one), 1), _BLOCK))
+    parts = [_bent(points, normals, one[block], other[block], coplanar) for block in blocks]
+    columns: dict[str, Any] = {name: np.concatenate([part[name] for part in parts], axis=-1) for name in _COLUMNS}
+    a, b = np.concatenate(coplanar, axis=1)
+    flat = np.zeros(len(normals), dtype=np.bool_)
+    flat[a] = flat[b] = True
+    facet = components(len(normals), a, b)
+    of_facets: Floats = np.bincount(facet, np.sqrt((normals * normals).sum(axis=1)) / 2).astype(np.float64)
+    return BentEdges(**columns, flat=flat, facet=facet, areas=of_facets[facet])
+
+
+def _bent(
+    points: Floats, normals: Floats, one: Integers, other: Integers, coplanar: list[Integers]
+) -> dict[str, Array]:
+    """The columns of `BentEdges` of some edges.
+
+    Args:
+        points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
+        coplanar: gets the pairs (2, n) of triangles that lie in one plane.
+    """
+    count = len(normals)
+    triangles = np.stack([one, other]) % count
+    first, second = np.ascontiguousarray(normals.take(triangles, axis=0).transpose(0, 2, 1))
+    cosine = first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
+    cross = np.stack([first[i - 2] * second[i - 1] - first[i - 1] * second[i - 2] for i in range(3)])
+    sine = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
+    coplanar.append(triangles[:, (sine <= BENT * cosine) & (cosine > 0)])
+    angle = arctan2(sine, cosine)
+    (kept,) = np.nonzero((angle > _FLAT) & (angle < _WIDEST))
+    one, other = one[kept], other[kept]
+    start, end = points.take(one, axis=0).T, points.take((one + count) % len(points), axis=0).T
+    along = end - start
+    length = np.sqrt(along[0] ** 2 + along[1] ** 2 + along[2] ** 2)
+    angle = np.copysign(angle[kept], (cross[:, kept] * along).sum(axis=0))
+    sides = np.stack([first[:, kept], second[:, kept]])
+    sizes = np.sqrt((sides * sides).sum(axis=1))
+    outward = np.stack([along[i - 2] * sides[:, i - 1] - along[i - 1] * sides[:, i - 2] for i in range(3)], axis=1)
+    outward /= np.array([[1.0], [-1.0]])[:, None] * (sizes * length)[:, None]
+    opposite = points.take(np.stack([one, other]) + 2 * count, axis=0, mode="wrap").transpose(2, 0, 1)
+    feet = ((opposite - start[:, None]) * along[:, None]).sum(axis=0) / length**2
+    found = (start, end, angle, length, sizes / length, feet, outward, triangles[:, kept])
+    return dict(zip(_COLUMNS, found, strict=True))
+
+
+def _normals(X: Floats) -> Floats:
+    u, v = X[1] - X[0], X[2] - X[0]
+    normals = np.empty((X.shape[2], 3))
+    for i in range(3):
+        normals[:, i] = u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2]
+    return normals

@@ -1,0 +1,126 @@
+"""Wavefront OBJ: every form of index, polygons, comments, continued lines; what else stands in it does not matter."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.mesh_files import obj, rows
+from helpers.mesh_samples import box, corners, torus
+
+from robodyn.errors import MeshError
+from robodyn.solids.mesh.read.load import load_triangles
+
+VERTICES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)]
+TEXT = "".join(f"v {x} {y} {z}\n" for x, y, z in VERTICES)
+
+
+def read(text):
+    return load_triangles(text if isinstance(text, bytes) else text.encode(), file_type="obj")
+
+
+@pytest.mark.parametrize("corner", ["{}", "{}/1", "{}//2", "{}/1/2", "{}/", "+{}"])
+def test_every_form_of_index(corner):
+    np.testing.assert_array_equal(rows(read(obj(box(), corner)).array()), rows(box()))
+
+
+@pytest.mark.parametrize(
+    "face", ["f 1 2 3", "f -5 -4 -3", "f 1 -4 3//7", "f\t1  2\t3 \r", "f 1 \\\n2 \\\r\n 3 # a face"]
+)
+def test_a_face_in_many_spellings(face):
+    np.testing.assert_array_equal(read(TEXT + face + "\n").array(), corners(VERTICES, [(0, 1, 2)]))
+
+
+def test_negative_indices_count_from_the_vertices_before_the_face():
+    text = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -1 -2 -4\n"
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    np.testing.assert_array_equal(read(text).array(), corners(points, [(0, 1, 2), (3, 2, 0)]))
+
+
+def test_negative_indices_across_chunks_of_the_text():
+    """Each facet stands after its own three vertices: 3 MB of text."""
+    ring = torus(rings=150, sectors=100)
+    lines = [
+        "".join(f"v {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in triangle) + "f -3 -2 -1\n"
+        for triangle in ring.tolist()
+    ]
+    text = "".join(lines).encode()
+    assert len(text) > 2 << 20
+    np.testing.assert_array_equal(read(text).array(), ring)
+
+
+@pytest.mark.parametrize(
+    "vertex", ["v {} {} {} 1.0", "v {} {} {} 0.1 0.2 0.3", "v {} {} {} # 4 5", "  v   {}\t{} {}  \r"]
+)
+def test_weights_colours_and_blanks(vertex):
+    text = "\n".join(vertex.format(*point) for point in VERTICES)
+    np.testing.assert_array_equal(read(text + "\nf 1 2 5").array(), corners(VERTICES, [(0, 1, 4)]))
+
+
+@pytest.mark.parametrize("feed", ["\n", "\r\n"])
+def test_continued_lines_across_chunks_of_the_text(feed):
+    count = 60_000
+    text = TEXT + f"f 1 \\{feed}2 \\{feed}3 # corners{feed}" * count
+    assert len(text) > 1 << 20
+    np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)] * count))
+
+
+def test_other_lines_do_not_matter():
+    text = "\ufeff# v 5 5 5\nmtllib x.mtl\no first#\nvt 1 2\nvn 0 0 1\nvp 1\n" + TEXT + "g a b\ns off\nusemtl v\n"
+    read_back = read(text + "f 1 2 3\ng c\nl 1 2\np 3\nf 1 3 4\n# the path ends in a C:\\\nf 1 2 5\n")
+    np.testing.assert_array_equal(read_back.array(), corners(VERTICES, [(0, 1, 2), (0, 2, 3), (0, 1, 4)]))
+
+
+def test_text_of_old_systems():
+    np.testing.assert_array_equal(read((TEXT + "f 1 2 3\n").replace("\n", "\r")).array()[0], VERTICES[:3])
+
+
+def test_polygons_become_fans():
+    result = read(TEXT + "f 1 2 3 4\nf 5 1 2\nf 5 4 3 2 1\n")
+    faces = [(0, 1, 2), (0, 2, 3), (4, 0, 1), (4, 3, 2), (4, 2, 1), (4, 1, 0)]
+    np.testing.assert_array_equal(result.array(), corners(VERTICES, faces))
+    assert "2 of 3 faces have more than three corners: cut into triangles" in result.notes
+
+
+def test_a_face_may_stand_before_its_vertices():
+    np.testing.assert_array_equal(read("f 1 2 3\n" + TEXT).array(), corners(VERTICES, [(0, 1, 2)]))
+
+
+def test_unused_vertices_do_not_matter():
+    text = "v nan inf 1e999\n" + TEXT + "v 1e30 0 0\nf 2 3 4\n"
+    np.testing.assert_array_equal(read(text).array(), corners(VERTICES, [(0, 1, 2)]))
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("v nan 0 0\n" + TEXT + "f 2 3 4\nf 2 3 4 1\n", "face 2 has a corner at (nan, 0, 0)"),
+        (TEXT + "f 1 2 3\nf 1 2 6\n", "face 2 names vertex 5, counted from 0, of 5"),
+        (TEXT + "f 1 2 3\nf 7 1 2\n", "face 2 names vertex 6, counted from 0, of 5"),
+        (TEXT + "f 1 2 3\nf 1 2 123456789012\n", "face 2 names vertex 123456789011"),
+        (TEXT + "f 1 2 -6\n", "6: vertex -6 of the 5 before this face"),
+        (TEXT + "f 1 2 0\n", "6: vertex 0 of the 5"),
+        (TEXT + "f 1 2\n", "6: a face with 2 corners"),
+        (TEXT + "f\n", "6: a face with 0 corners"),
+        (TEXT + "f 1 2 x\n", "6: 'x' is not an index"),
+        (TEXT + "f 1 2 3.0\n", "6: '3.0' is not an index"),
+        (TEXT + "f 1 2 /3\n", "6: '/3' is not an index"),
+        (TEXT + "f 1 2 9999999999999999999\n", "is not an index"),
+        ("v 1 2\n" + TEXT, "1: a vertex with 2 coordinates"),
+        (TEXT + "v 1 2 3_0\n", "6: '3_0' is not a number"),
+        (TEXT + "v 1 2 0x1\n", "6: '0x1' is not a number"),
+        (TEXT + "v 1 2 " + "9" * 70 + "\n", "is not a number"),
+        (TEXT, "holds 5 vertices and no faces"),
+        ("some words\n", "no line begins with 'v' or 'f'"),
+        ("v 1 2 3\0\n", "binary data, no OBJ"),
+        (b"\xff\xfe" + TEXT.encode("utf-16-le"), "binary data, no OBJ"),
+    ],
+)
+def test_what_is_wrong_is_told(text, what):
+    with pytest.raises(MeshError, match=r"^<bytes>:") as caught:
+        read(text)
+    assert what in str(caught.value)
+
+
+def test_a_line_without_end_is_refused():
+    with pytest.raises(MeshError, match="line longer than 16 MB"):
+        read(b"v 1 2 3\nf 1 2 3 " + b"1 " * (9 << 20))
