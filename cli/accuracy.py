@@ -25,8 +25,8 @@ from robodyn.cli.screen import page, show
 from robodyn.measure.accuracy.ladder import Accuracy
 from robodyn.report.accuracy import accuracy_sections
 from robodyn.report.json.runs import accuracy_json
-from robodyn.report.plotting import form_of, rendered
-from robodyn.report.renderers.text import text
+from robodyn.report.pictures.accuracy import form_of, rendered
+from robodyn.report.text import text
 from robodyn.support.extras import need
 from robodyn.support.files import write_whole
 
@@ -71,7 +71,7 @@ def command(
     found = accuracy_of(files, scene_file, gravity, duration, table)
     written = ""
     if plot:
-        from robodyn.report.plot_accuracy import accuracy_figure
+        from robodyn.report.pictures.accuracy import accuracy_figure
 
         write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"

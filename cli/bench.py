@@ -10,8 +10,8 @@ from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, SCENE, Vector
 from robodyn.cli.screen import page, show
 from robodyn.measure.speed.run import bench
+from robodyn.report.bench import bench_text
 from robodyn.report.json.runs import bench_json
-from robodyn.report.text_bench import bench_text
 
 
 @click.command("bench", short_help="How fast each executor is on a robot.")

@@ -22,7 +22,7 @@ from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
-from robodyn.report.fixes_check import check_diff, fix_lines
+from robodyn.report.fixes import check_diff, fix_lines
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 
@@ -147,7 +147,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     if not flags["diff"]:
         show(report(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
     if flags["report"]:
-        from robodyn.report.page_check import check_page
+        from robodyn.report.check import check_page
 
         click.echo(write_report(flags["report"], check_page(checked)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if flags["strict"] else (Severity.ERROR,)

@@ -10,12 +10,12 @@ from robodyn.checks.catalogue import RULES
 from robodyn.checks.project import Task
 from robodyn.checks.run import Checked
 from robodyn.cli.screen import page
-from robodyn.report.github_check import check_github
+from robodyn.report.check import check_text
 from robodyn.report.json.descriptions import check_json
-from robodyn.report.junit_check import check_junit
-from robodyn.report.sarif_check import check_sarif
-from robodyn.report.statistics_check import check_statistics
-from robodyn.report.text_check import check_text
+from robodyn.report.renderers.github import check_github
+from robodyn.report.renderers.junit import check_junit
+from robodyn.report.renderers.sarif import check_sarif
+from robodyn.report.rules import check_statistics
 from robodyn.robot.urdf.packages import EXPANDED
 
 

@@ -7,8 +7,8 @@ import click
 from robodyn.cli.options import FORMAT
 from robodyn.cli.screen import show
 from robodyn.measure.doctor import doctor, healthy
+from robodyn.report.doctor import doctor_text
 from robodyn.report.json.descriptions import doctor_json
-from robodyn.report.text_doctor import doctor_text
 
 
 @click.command("doctor", short_help="What this machine and installation can do.")

@@ -13,11 +13,11 @@ from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
+from robodyn.report.dae import dae_text
+from robodyn.report.equations import closed_text, ode_text
 from robodyn.report.json.equations import closed_json, dae_json, ode_json
-from robodyn.report.latex_dae import dae_latex
-from robodyn.report.latex_equations import closed_latex
-from robodyn.report.text_dae import dae_text
-from robodyn.report.text_equations import closed_text, ode_text
+from robodyn.report.renderers.latex_closed import closed_latex
+from robodyn.report.renderers.latex_dae import dae_latex
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 

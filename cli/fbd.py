@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -12,11 +14,13 @@ from robodyn.cli.options import AT, DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, 
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.screen import page, show
 from robodyn.equations.free_body.bodies import free_bodies
+from robodyn.errors import InputError
+from robodyn.report.free_body import free_bodies_text
 from robodyn.report.json.equations import free_bodies_json
-from robodyn.report.text_free_body import free_bodies_text
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
+from robodyn.support.files import write_whole
 from robodyn.trajectory.at_time import row_at
 from robodyn.trajectory.robot_motion import read_motion
 
@@ -84,8 +88,25 @@ def command(
     found = replace(found, warnings=(*warnings, *found.warnings))
     written = ""
     if svg is not None:
-        from robodyn.cli.drawings import write_drawings
-        from robodyn.report.svg_free_body import drawings
+        from robodyn.report.pictures.free_body import drawings
 
         written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
     show(free_bodies_json(found, words) if form == "json" else free_bodies_text(found, words, page()) + written)
+
+
+def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:
+    """Write files of text to a folder, which is made if there is none; how many.
+
+    Raises:
+        InputError: the folder cannot be made, or a file in it cannot be written.
+    """
+    remedy = "name another folder"
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except (OSError, ValueError) as error:
+        why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
+        raise InputError(f"cannot be written: {why}", remedy=remedy, file=folder) from None
+    drawings = list(files)
+    for name, text in drawings:
+        write_whole(os.path.join(folder, name), text.encode(), remedy)
+    return len(drawings)

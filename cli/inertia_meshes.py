@@ -17,7 +17,7 @@ from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.report.bodies import inertia_sections
 from robodyn.report.json.bodies import inertia_json
-from robodyn.report.renderers.text import text
+from robodyn.report.text import text
 from robodyn.solids.inertia.properties import Pose
 from robodyn.solids.inertia.view import View, inertial_element
 from robodyn.solids.mesh_mass import Floats, Part, mass_properties

@@ -16,7 +16,7 @@ from robodyn.cli.screen import page, show
 from robodyn.report.composite import comparison_sections, link_sections, link_shapes_sections, robot_sections
 from robodyn.report.document import Section
 from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
-from robodyn.report.renderers.text import text
+from robodyn.report.text import text
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.from_shapes import link_from_shapes

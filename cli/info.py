@@ -9,7 +9,7 @@ from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
 from robodyn.cli.screen import page, show
 from robodyn.report.json.descriptions import overview_json
-from robodyn.report.text_overview import overview_text
+from robodyn.report.overview import overview_text
 
 
 @click.command("info", short_help="A robot at a glance: tree, joints, masses, meshes.")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from importlib import import_module
 from threading import Thread
 from typing import Any
@@ -17,8 +17,6 @@ from robodyn.errors import InputError
 from robodyn.support.extras import need
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
-LARGE = 20_000_000
-"""Bytes of a table from which processes that draw are worth their start."""
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
@@ -62,22 +60,6 @@ def get_ready(report: str | None) -> None:
         Thread(target=_import, daemon=True).start()
 
 
-@contextmanager
-def drawing(report: str | None, table: str) -> Iterator[Any]:
-    """What draws the figures of a report on this table: a large one is worth processes beside this."""
-    if report is None:
-        yield None
-        return
-    from robodyn.report.drawing import at_once, beside
-
-    if pictured(report) and os.path.isfile(table) and os.path.getsize(table) >= LARGE:
-        with beside() as draw:
-            yield draw
-    else:
-        get_ready(report)
-        yield at_once
-
-
 def _import() -> None:
     with suppress(ImportError):
         for name in ("matplotlib.figure", "matplotlib.backends.backend_svg", "jinja2"):
@@ -106,11 +88,11 @@ def write_report(path: str, document: Any) -> str:
 
     whole = replace(document, command=shlex.join(["robodyn", *sys.argv[1:]]), versions=versions())
     if form_of(path) == "html":
-        from robodyn.report.html_page import html
+        from robodyn.report.renderers.html import html
 
         text = html(whole)
     else:
-        from robodyn.report.markdown_page import markdown
+        from robodyn.report.renderers.markdown import markdown
 
         text = markdown(whole)
     content = text.encode("utf-8", errors="backslashreplace")

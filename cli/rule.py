@@ -7,7 +7,7 @@ import click
 from robodyn.checks.catalogue import RULES, found_by, instead_of
 from robodyn.cli.screen import show
 from robodyn.errors import InputError
-from robodyn.report.text_check_rules import rules_text
+from robodyn.report.rules import rules_text
 from robodyn.support.wording import shown
 
 

@@ -14,8 +14,8 @@ from robodyn.cli.screen import page, show
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.json.runs import simulation_json
-from robodyn.report.renderers.text import text
 from robodyn.report.simulation import simulation_sections
+from robodyn.report.text import text
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table

@@ -13,7 +13,7 @@ from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect,
 from robodyn.cli.options import Vector
 from robodyn.cli.progress import watched
 from robodyn.cli.reading_options import reading
-from robodyn.cli.reports import drawing, pictured, reported
+from robodyn.cli.reports import get_ready, pictured, reported
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
@@ -50,33 +50,33 @@ def run_single(
     expect(TABLE, trajectory)
     if out:
         format_of(out)
-    with drawing(report, trajectory) as draw:
-        model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
-        said = ""
-        if example:
-            write_example(trajectory, model, scene)
-            said = f"\nwritten: {trajectory}, an example motion to begin with\n"
-        way = None
-        if accuracy is not None:
-            way = arithmetic_for(accuracy, trajectory, model, scene)
-            options["executor"] = way.executor or options["executor"]
-        names = output_names(model, options["reactions"], options["momentum"] is not None)
-        reader = read_motion(trajectory, model, scene, **reading())
-        with reader, sinks(out, names, reader) as gather:
-            result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
-        result = way.fulfilled(result) if way else result
-        if out:
-            said += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
-        if report:
-            from robodyn.report.torques_page import torques_page
+    get_ready(report)
+    model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
+    said = ""
+    if example:
+        write_example(trajectory, model, scene)
+        said = f"\nwritten: {trajectory}, an example motion to begin with\n"
+    way = None
+    if accuracy is not None:
+        way = arithmetic_for(accuracy, trajectory, model, scene)
+        options["executor"] = way.executor or options["executor"]
+    names = output_names(model, options["reactions"], options["momentum"] is not None)
+    reader = read_motion(trajectory, model, scene, **reading())
+    with reader, sinks(out, names, reader) as gather:
+        result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
+    result = way.fulfilled(result) if way else result
+    if out:
+        said += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
+    if report:
+        from robodyn.report.torques_page import torques_page
 
-            said += reported(report, lambda pictures: torques_page(result, model, scene, pictures, draw))
+        said += reported(report, lambda pictures: torques_page(result, model, scene, pictures))
     if form == "json":
         from robodyn.report.json.loads import torques_json
 
         show(torques_json(result))
     else:
-        from robodyn.report.renderers.text import text
+        from robodyn.report.text import text
         from robodyn.report.torques import torques_sections
 
         show(text(torques_sections(result, options["explain"]), page()) + said)

@@ -165,8 +165,8 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
     from matplotlib import rc_context
     from matplotlib.rcsetup import cycler
 
-    from robodyn.report.figures import SERIES, plot
-    from robodyn.report.plot_accuracy import draw_accuracy
+    from robodyn.report.pictures.accuracy import draw_accuracy
+    from robodyn.report.pictures.figures import SERIES, plot
 
     ladder = accuracy.ladders[k]
 

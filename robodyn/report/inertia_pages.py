@@ -79,7 +79,7 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
             blocks.append(Heading(printable(part.name)))
         blocks.append(_weights(part.body))
         if triangles is not None:
-            from robodyn.report.solids import body_figure
+            from robodyn.report.pictures.solids import body_figure
 
             name = printable(PurePath(part.name).name)
             blocks.append(Gallery((body_figure(name, part.body, triangles, f"mesh {k}"),)))
@@ -104,7 +104,7 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
     doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
     figures = []
     if placed:
-        from robodyn.report.solids import body_figure
+        from robodyn.report.pictures.solids import body_figure
 
         figures.append(body_figure("The whole", found.body, np.concatenate(placed), "whole"))
     blocks = _body(found.body, _possible(found.body, doubts), combination_sections(found, view), figures)
@@ -115,7 +115,7 @@ def robot_page(found: RobotInertia, description: Description, view: View, checke
     """Return the whole robot, its joints locked."""
     figures: list[Figure] = []
     if pictures:
-        from robodyn.report.robot_picture import robot_figure, shapes_of
+        from robodyn.report.pictures.robot import robot_figure, shapes_of
 
         model = assemble(description)
         q = configuration(model, found.at)
@@ -171,8 +171,8 @@ def _figures(description: Description, found: LinkInertia | LinkShapes, pictures
     """Return the visual shapes of a link, where there are some, with its centre of mass and principal axes."""
     if not pictures or not found.body.mass:
         return []
-    from robodyn.report.robot_picture import shapes_of
-    from robodyn.report.solids import body_figure
+    from robodyn.report.pictures.robot import shapes_of
+    from robodyn.report.pictures.solids import body_figure
 
     shapes, _ = shapes_of(assemble(description))
     triangles = None if shapes is None else shapes.triangles.get(found.name)

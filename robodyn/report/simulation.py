@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits_words import limits_section, simulation_limits, use
+from robodyn.report.limits import limits_section, simulation_limits, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import drift_text, moment, number, relative_text
 from robodyn.simulation.loop_figures import LoopFigures

@@ -22,7 +22,7 @@ from robodyn.report.document import (
     on_page,
 )
 from robodyn.report.json.runs import simulation_json
-from robodyn.report.limits_words import simulation_limits
+from robodyn.report.limits import simulation_limits
 from robodyn.report.simulation import simulation_sections
 from robodyn.report.sizes import simulation_sizes
 from robodyn.report.table import drift_text, is_noise, number, printable, relative_text
@@ -72,7 +72,7 @@ def _verdict(result: Simulation) -> Verdict:
 
 
 def _poses(result: Simulation) -> list[Block]:
-    from robodyn.report.robot_picture import robot_figure, shapes_of
+    from robodyn.report.pictures.robot import robot_figure, shapes_of
 
     shapes, why = shapes_of(result.model)
     figures = [
@@ -121,7 +121,7 @@ def _curves(time: Floats, names: tuple[str, ...], values: tuple[Floats, ...]) ->
 
 
 def _joint(name: str, slides: bool, time: Floats, values: tuple[Floats, ...]) -> Figure:
-    from robodyn.report.figures import SERIES, few_ticks, plot
+    from robodyn.report.pictures.figures import SERIES, few_ticks, plot
 
     units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N m")
     what = ("position", "speed", "drive's force" if slides else "drive's torque")
@@ -163,7 +163,7 @@ def _energies(result: Simulation) -> list[Figure]:
 
 def _lines(time: Floats, parts: dict[str, Floats], name: str, colour: int) -> str:
     """Energies against time, named where there are several."""
-    from robodyn.report.figures import SERIES, few_ticks, plot
+    from robodyn.report.pictures.figures import SERIES, few_ticks, plot
 
     curves = _curves(time, tuple(parts), tuple(parts.values()))
 

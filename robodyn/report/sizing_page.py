@@ -13,7 +13,7 @@ from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Block, Figure, Gallery, Heading, Level, Table, Verdict
-from robodyn.report.limits_words import offenders, offenders_first
+from robodyn.report.limits import offenders, offenders_first
 from robodyn.report.sizing import in_words, sizing_sections
 from robodyn.report.table import number, printable
 from robodyn.robot.model import Model
@@ -79,7 +79,7 @@ def _figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iter
 
 
 def _figure(name: str, motor: MotorLoad, speed: Floats, torque: Floats, k: int) -> Figure:
-    from robodyn.report.figures import BAD, SERIES, SOFT, dots, few_ticks, plot
+    from robodyn.report.pictures.figures import BAD, SERIES, SOFT, dots, few_ticks, plot
 
     fastest = max(float(np.abs(speed).max()), motor.speed_limit or 0.0)
 

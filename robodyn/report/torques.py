@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from robodyn.loads.result import Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits_words import limits_section, limits_verdict, offenders_first
+from robodyn.report.limits import limits_section, limits_verdict, offenders_first
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable, relative_text
 from robodyn.report.torques_tables import (

@@ -20,9 +20,8 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
-from robodyn.report.drawing import Draw, at_once
 from robodyn.report.json.loads import torques_json
-from robodyn.report.limits_words import (
+from robodyn.report.limits import (
     LINES,
     effort_use,
     exceeded_table,
@@ -31,7 +30,7 @@ from robodyn.report.limits_words import (
     speed_use,
     use,
 )
-from robodyn.report.plots_torques import Plots
+from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
 from robodyn.report.torques import input_words
@@ -44,12 +43,11 @@ from robodyn.support.floats import ranked
 from robodyn.support.wording import count
 
 
-def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True, draw: Draw = at_once) -> Document:
+def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> Document:
     """Limits first, then what the joints and the base carry, how that comes about, and whether it can be trusted.
 
     Args:
         pictures: with figures, which needs the result's history.
-        draw: what draws them.
     """
     x, y, z = result.gravity
     what = (
@@ -57,8 +55,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
     )
     history = result.history if pictures else None
-    plots = Plots(result, history, model, draw) if history else None
-    files = list(_files(result, history))  # before any figure is waited for
+    plots = Plots(result, history, model) if history else None
     ordered = offenders_first(result)
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
@@ -80,7 +77,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
     blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]
-    return Document(result.robot, what, (*blocks, *files))
+    return Document(result.robot, what, (*blocks, *_files(result, history)))
 
 
 def _facts(result: Result) -> Facts:

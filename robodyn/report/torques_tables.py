@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from robodyn.dynamics.momenta import GROUND
 from robodyn.loads.result import JointLoad, MomentumReport, Result
-from robodyn.report.limits_words import use
+from robodyn.report.limits import use
 from robodyn.report.sizes import result_sizes, speed_unit
 from robodyn.report.table import Content, is_noise, moment, number, printable
 from robodyn.trajectory.motion import Derivation

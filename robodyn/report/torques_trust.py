@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from robodyn.loads.doubts import energy_doubt
 from robodyn.loads.result import Result
 from robodyn.report.document import Block, Findings, Gallery, Heading, Paragraph, Table, Verdict
-from robodyn.report.plots_torques import Plots
+from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import Content, number, relative_text
 from robodyn.report.torques_tables import derivation_table, effect_table

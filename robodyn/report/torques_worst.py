@@ -9,11 +9,11 @@ from robodyn.errors import RobodynError
 from robodyn.loads.history import History
 from robodyn.loads.result import Result
 from robodyn.report.document import Block, Figure, Gallery, Heading, Paragraph, Table
-from robodyn.report.plots_torques import Plots
+from robodyn.report.free_body import action_table
+from robodyn.report.pictures.svg import NOTES, symbols
+from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import Sizes, free_body_sizes
-from robodyn.report.svg_text import NOTES, symbols
 from robodyn.report.table import printable
-from robodyn.report.text_free_body import action_table
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
@@ -53,8 +53,8 @@ def _free_bodies(model: Model, scene: Scene, history: History, k: int) -> FreeBo
 
 
 def _drawing(body: FreeBody, size: Sizes, name: str) -> Figure:
-    from robodyn.report.figures import of_page
-    from robodyn.report.svg_free_body import page_drawing
+    from robodyn.report.pictures.figures import of_page
+    from robodyn.report.pictures.free_body import page_drawing
 
     forces = ", ".join(action.what for action in body.actions)
     alt = f"Free-body diagram of {printable(body.name)} with its forces and moments: {printable(forces)}"

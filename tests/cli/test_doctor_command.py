@@ -12,7 +12,7 @@ from helpers.command_line import Outcome, run
 from robodyn.measure import doctor
 from robodyn.measure.doctor import Line, healthy
 from robodyn.programs.run.trial import TOLERANCE, Trial, trial
-from robodyn.report.text_doctor import doctor_text
+from robodyn.report.doctor import doctor_text
 from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading

@@ -11,7 +11,7 @@ import pytest
 
 from robodyn.checks.overview import overview
 from robodyn.checks.run import check_one
-from robodyn.report.text_overview import overview_text
+from robodyn.report.overview import overview_text
 
 LINK = (
     '<link name="link_{i}"><inertial><mass value="{m}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0"'

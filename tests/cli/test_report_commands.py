@@ -13,7 +13,7 @@ from helpers.html_pages import checked
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.timing import Spread
 from robodyn.report.accuracy import accuracy_page
-from robodyn.report.html_page import html
+from robodyn.report.renderers.html import html
 
 MESHES = ROBOTS / "meshes"
 ARM = str(ROBOTS / "meshed_arm.urdf")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from robodyn.loads.result import Result
-from robodyn.report.renderers.text import text
 from robodyn.report.simulation import simulation_sections
 from robodyn.report.table import PLAIN, Page
+from robodyn.report.text import text
 from robodyn.report.torques import torques_sections
 from robodyn.simulation.result import Simulation
 

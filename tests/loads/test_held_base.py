@@ -13,7 +13,7 @@ from helpers.other_robots import other_paths
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.report.limits_words import limits_verdict
+from robodyn.report.limits import limits_verdict
 from robodyn.robot.configuration import link_poses
 from robodyn.robot.standing import untouched
 

@@ -9,7 +9,7 @@ import pytest
 from helpers.batch_runs import write_motion
 from helpers.command_line import ARM, motion, run
 
-from robodyn.report.limits_words import unchecked_words, verdict_on_limits
+from robodyn.report.limits import unchecked_words, verdict_on_limits
 from robodyn.robot.assemble import load
 from robodyn.robot.limits import Excess, coverage
 from robodyn.support.doubts import Doubt

@@ -13,7 +13,7 @@ from helpers.command_line import ARM, run
 from helpers.oracles import robot
 
 import robodyn
-from robodyn.report.limits_words import limits_verdict
+from robodyn.report.limits import limits_verdict
 from robodyn.support.doubts import TOO_FEW
 
 DURATION = 4.0

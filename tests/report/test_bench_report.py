@@ -20,9 +20,9 @@ from robodyn.measure.speed.result import (
     ProgramBench,
     Timing,
 )
+from robodyn.report.bench import bench_text
 from robodyn.report.json.runs import bench_json
 from robodyn.report.table import Page
-from robodyn.report.text_bench import bench_text
 
 
 def time(seconds: float, excess: float = 1.1) -> Timing:

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 from helpers.html_pages import Page, checked
 
-from robodyn.report import html_page
 from robodyn.report.document import (
     HEAT,
     LARGEST,
@@ -27,10 +26,11 @@ from robodyn.report.document import (
     csv_text,
     downloads,
 )
-from robodyn.report.figures import SERIES, of_page, plot
-from robodyn.report.html_page import html
-from robodyn.report.markdown_page import escaped, markdown
-from robodyn.report.svg_text import COLOURS
+from robodyn.report.pictures.figures import SERIES, of_page, plot
+from robodyn.report.pictures.svg import COLOURS
+from robodyn.report.renderers import html as html_page
+from robodyn.report.renderers.html import html
+from robodyn.report.renderers.markdown import escaped, markdown
 
 HOSTILE = '<script>alert(1)</script>"\' onload="x" & | `a` $\\frac{ *b* [c](http://d) --> ]]> @all \x1b[31m'
 

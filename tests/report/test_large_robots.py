@@ -14,10 +14,10 @@ from helpers.report_text import torques_text
 import robodyn
 from robodyn.loads.result import Result
 from robodyn.report.document import HEAT, heat_level
-from robodyn.report.figures_torques import share_figures
-from robodyn.report.html_page import html
-from robodyn.report.limits_words import LINES
-from robodyn.report.markdown_page import markdown
+from robodyn.report.limits import LINES
+from robodyn.report.pictures.torques import share_figures
+from robodyn.report.renderers.html import html
+from robodyn.report.renderers.markdown import markdown
 from robodyn.report.torques_page import torques_page
 from robodyn.support.wording import shortened
 

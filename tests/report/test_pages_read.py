@@ -10,10 +10,11 @@ from helpers.html_pages import Page, checked
 from helpers.oracles import ROBOTS, robot
 
 import robodyn
-from robodyn.report import html_page
+import robodyn.report
 from robodyn.report.document import Document, Table
-from robodyn.report.glossary import MEANINGS
-from robodyn.report.html_page import html
+from robodyn.report.renderers import html as html_page
+from robodyn.report.renderers.glossary import MEANINGS
+from robodyn.report.renderers.html import html
 from robodyn.report.simulation_page import simulation_page
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
@@ -57,7 +58,7 @@ def test_the_slack_of_links_is_explained() -> None:
 
 
 def test_every_meaning_is_of_a_column() -> None:
-    source = "".join(path.read_text(encoding="utf-8") for path in Path(html_page.__file__).parent.glob("text_*.py"))
+    source = "".join(path.read_text(encoding="utf-8") for path in Path(robodyn.report.__file__).parent.glob("*.py"))
     made = {"quartiles [ms]": "quartiles [{unit}]", "quartiles [ns]": "quartiles [{unit}]"}
     assert [title for title in MEANINGS if f'"{made.get(title, title)}"' not in source] == []
 

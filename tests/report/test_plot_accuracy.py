@@ -12,9 +12,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.timing import Spread
 from robodyn.report.accuracy import accuracy_page
-from robodyn.report.html_page import html
-from robodyn.report.plot_accuracy import accuracy_figure
-from robodyn.report.ticks import log_ticks, tick_labels
+from robodyn.report.pictures.accuracy import accuracy_figure
+from robodyn.report.pictures.ticks import log_ticks, tick_labels
+from robodyn.report.renderers.html import html
 
 
 def ladder(errors: list[float], times: list[float]) -> Accuracy:

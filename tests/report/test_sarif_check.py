@@ -13,7 +13,7 @@ from jsonschema import Draft7Validator
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.rule import Edit, Fix, Severity
 from robodyn.checks.run import check_one
-from robodyn.report.sarif_check import check_sarif
+from robodyn.report.renderers.sarif import check_sarif
 from robodyn.robot.urdf.document import read
 
 BOTH = arm(upper=IDENTITY, fore=INERTIA.replace("iyz", 'iyx="0" iyz'), shoulder="0 2 0")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robodyn.report.document import Facts, Findings, Paragraph, Table, on_page, paragraphs, remarks
-from robodyn.report.renderers.text import text
+from robodyn.report.text import text
 
 ROWS = (("name", "value"), [("a  b", "1"), ("warning: c", "2")])
 SECTIONS = [

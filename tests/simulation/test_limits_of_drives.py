@@ -12,7 +12,7 @@ from helpers.example_robots import path_of
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.report.limits_words import simulation_limits
+from robodyn.report.limits import simulation_limits
 from robodyn.scene.scene import Drive, ExternalWrench, Scene
 
 PUSHED = "[drive]\nelbow = { torque = 9.0 }\nshoulder = { torque = 2.0 }\n"

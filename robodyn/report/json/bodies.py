@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import MeshError
-from robodyn.report.check_words import check_data
 from robodyn.report.json.encode import encode, finite, select, written
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import Validity, validity
@@ -48,6 +47,8 @@ def combination_json(found: Combination, view: View) -> str:
 
 def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
     """Return the robot as one body in the frame of its base, every link with an <inertial>, and what a check says."""
+    from robodyn.report.check_words import check_data
+
     links = [
         {**_declared(link), "pose": _pose(link.pose), "com_in_base": link.placed.com.tolist()} for link in found.links
     ]
@@ -69,6 +70,8 @@ def robot_json(found: RobotInertia, view: View, checked: Checked) -> str:
 
 def link_json(robot: str, found: LinkInertia, view: View, checked: Checked) -> str:
     """Return what a link declares, and what a check says of it."""
+    from robodyn.report.check_words import check_data
+
     return written({"robot": robot, **_declared(found, view), "check": check_data(checked), "warnings": found.warnings})
 
 

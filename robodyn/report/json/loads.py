@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from robodyn.report.json.encode import encode, select, written
-from robodyn.report.limits_words import limits_verdict
+from robodyn.report.limits import limits_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:

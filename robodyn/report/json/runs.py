@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.report.json.encode import encode, select, written
 from robodyn.report.json.loads import limits_data
-from robodyn.report.limits_words import simulation_limits
+from robodyn.report.limits import simulation_limits
 
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung

@@ -1,1 +1,1 @@
-"""From reports and findings to text, HTML, Markdown, SARIF, JUnit, GitHub's commands and LaTeX."""
+"""From reports and findings to HTML, Markdown, SARIF, JUnit, GitHub's commands and LaTeX."""

@@ -10,7 +10,7 @@ import pytest
 
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.composite import comparison_sections
-from robodyn.report.renderers.text import text
+from robodyn.report.text import text
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.masses.slips import relative, slip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robodyn.loads.many import Batch, Outcome, Status, Worst
-from robodyn.report.limits_words import unchecked_words, use, verdict_on_limits
+from robodyn.report.limits import unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import speed_unit
 from robodyn.report.table import PLAIN, Content, Page, moment, number, printable
 from robodyn.support.wording import count

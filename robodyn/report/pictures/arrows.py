@@ -9,8 +9,8 @@ import numpy as np
 
 from robodyn.equations.free_body.types import FreeBody
 from robodyn.programs.vectors import Array, length, product
+from robodyn.report.pictures.labels import Point
 from robodyn.report.sizes import Sizes
-from robodyn.report.svg_labels import Point
 from robodyn.report.table import is_noise
 
 RIGHT = np.array([-1.0, 1.0, 0.0]) / sqrt(2)

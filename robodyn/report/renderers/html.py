@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robodyn.report.document import Document, Download, Heading, code_lines, heat_level
-from robodyn.report.glossary import explained
+from robodyn.report.renderers.glossary import explained
 from robodyn.report.table import is_numeric, printable
 from robodyn.support.extras import need
 

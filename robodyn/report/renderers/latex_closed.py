@@ -7,7 +7,7 @@ from typing import Any
 
 from robodyn.equations.closed import Closed, decimal
 from robodyn.programs.run.symbolic import module
-from robodyn.report.text_equations import checked
+from robodyn.report.equations import checked
 
 DIGITS = 6
 WIDTH = 120

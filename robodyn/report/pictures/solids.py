@@ -9,8 +9,8 @@ import numpy as np
 
 from robodyn.programs.vectors import length, product
 from robodyn.report.document import Figure
-from robodyn.report.figures import INK, SERIES, SOFT, plot
-from robodyn.report.svg_arrows import RIGHT, TOWARDS, UP
+from robodyn.report.pictures.arrows import RIGHT, TOWARDS, UP
+from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot
 from robodyn.report.table import number
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.support.floats import Floats

@@ -1,4 +1,4 @@
-"""The findings of `check` as a report for people."""
+"""The findings of `check`: place, message, the line of the source with a caret, and what to do."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import PurePath
 
-from robodyn.checks.rule import Finding
+from robodyn.checks.rule import Excerpt, Finding
 from robodyn.checks.run import Checked
-from robodyn.report.check_words import LEVELS, check_verdict
+from robodyn.report.check_words import LEVELS, check_line, check_verdict, counted
 from robodyn.report.document import (
     Block,
     Document,
@@ -23,12 +23,41 @@ from robodyn.report.document import (
 )
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.table import printable
-from robodyn.report.text_check import marked
+
+
+def check_text(checked: Checked) -> str:
+    """Return every finding, and at the end how many there are in how many files."""
+    summary = f"{counted(len(checked.files), 'file')} checked: {check_line(checked)}\n"
+    return "".join(f"{_lines(finding)}\n" for finding in checked.findings) + summary
+
+
+def _lines(finding: Finding) -> str:
+    place = f"{finding.file}:{finding.line}:{finding.column}"
+    lines = [
+        f"{place}: {finding.severity.value} {finding.code} {finding.name}: {finding.message}",
+        *marked(finding.line, finding.excerpt),
+    ]
+    if finding.cause is not None:
+        lines.append(f"  cause: {finding.cause}")
+    lines.append(f"  do: {finding.remedy}")
+    if finding.fix is not None:
+        lines.append(f"  fix: {finding.fix.what} ({'safe' if finding.fix.safe else 'unsafe'})")
+    return "".join(f"{printable(line)}\n" for line in lines)
+
+
+def marked(line: int, excerpt: Excerpt) -> list[str]:
+    """The source and the caret below; the lines that a terminal would break are escaped before they are counted."""
+    if not excerpt.text:
+        return []
+    before, within = excerpt.text[: excerpt.start], excerpt.text[excerpt.start : excerpt.start + excerpt.length]
+    margin = f"  {line} | "
+    gap = " " * (len(margin) - 2)
+    return [margin + excerpt.text, f"{gap}| {' ' * len(printable(before))}{'^' * max(len(printable(within)), 1)}"]
 
 
 def check_page(checked: Checked) -> Document:
     """Whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
-    count = f"{len(checked.files)} file{'' if len(checked.files) == 1 else 's'} checked"
+    count = f"{counted(len(checked.files), 'file')} checked"
     blocks: list[Block] = [_verdict(checked)]
     if checked.findings:
         blocks += [_facts(checked), Heading("Rules"), _rules(checked)]

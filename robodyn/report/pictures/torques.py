@@ -11,7 +11,7 @@ import numpy as np
 from robodyn.loads.history import Curves, History
 from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.report.document import Figure
-from robodyn.report.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
+from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
 from robodyn.support.floats import Floats, ranked
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
-    from robodyn.robot.urdf.parts import Description
 
 _WIDE = 380
 _TALL = 660
@@ -43,18 +42,6 @@ _NEAR = 0.5
 def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int], size: Sizes) -> list[Figure]:
     """For some joints torque, speed and power against time, and torque against speed within the limits."""
     return [_joint_figure(joints[k], curves, k, size) for k in columns]
-
-
-def first_figure() -> None:
-    """Draw for nobody: axes and letters of the first figures take as long as the figures after them."""
-    line = np.arange(2.0), np.arange(2.0)
-
-    def draw(canvas: Canvas) -> None:
-        for axes in _panels(canvas):
-            _over_time(axes, line, "0", None, INK)
-
-    _sheet(_TALL).plot(draw, "first")
-    _sheet(_LOW).plot(lambda canvas: _lines(canvas, {"0": line}, "0", ({},)), "first")
 
 
 @lru_cache(maxsize=2)
@@ -160,19 +147,6 @@ def _share_figure(joints: Sequence[JointLoad], names: Sequence[str], caption: st
         canvas.legend(loc="upper left", ncols=3, fontsize=10, columnspacing=1.0, handlelength=1.0)
 
     return Figure(caption, _share_words(joints), plot(_WIDE, height, draw, caption))
-
-
-def pose_figure(description: Description, moving_base: bool, q: Floats, joint: str, when: str) -> tuple[Figure, str]:
-    """A robot in one pose, and what is said of shapes that are not there; see `robot_figure`.
-
-    A description goes to a process beside this one; a model does not.
-    """
-    from robodyn.report.robot_picture import robot_figure, shapes_of
-    from robodyn.robot.assemble import assemble
-
-    model = assemble(description, moving_base=moving_base)
-    shapes, why = shapes_of(model)
-    return robot_figure(model, q, joint, when, shapes), why
 
 
 def _lines(canvas: Canvas, lines: Lines, unit: str, looks: Sequence[dict[str, Any]]) -> None:

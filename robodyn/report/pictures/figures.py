@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from robodyn.report.ticks import plain_numbers
+from robodyn.report.pictures.ticks import plain_numbers
 from robodyn.support.libraries import treated_warnings
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> No
 
 def of_page(drawing: str) -> str:
     """The drawing of a free body, which is made for a file of its own, in the colours of a page."""
-    from robodyn.report.svg_free_body import STYLE
+    from robodyn.report.pictures.free_body import STYLE
 
     drawing = drawing.replace(STYLE, "").strip()
     for colour, name in _OF_ACTIONS.items():

@@ -6,14 +6,17 @@ from collections.abc import Sequence
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
+from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.report.plotting import new_figure
+from robodyn.report.pictures.ticks import log_axis
 from robodyn.report.table import printable
-from robodyn.report.ticks import log_axis
+from robodyn.support.extras import need
+from robodyn.support.wording import alternatives
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+FORMS = "svg", "png", "pdf"
 _UNITS = {"mesh": (1e3, "ms"), "motion": (1e3, "ms"), "sample": (1e9, "ns per sample")}
 _MARKERS = "osD^v<>Ph*Xd"
 _NO_ERROR = 1e-16
@@ -80,3 +83,42 @@ def _zero(rungs: Sequence[Rung], target: float | None) -> float | None:
 def _heights(rungs: Sequence[Rung], zero: float | None) -> list[float]:
     """Where the errors of rungs are drawn."""
     return [rung.error or zero or _NO_ERROR for rung in rungs]
+
+
+def form_of(path: str) -> str:
+    """The form of a picture by the suffix of its file.
+
+    Raises:
+        InputError: there is none such.
+    """
+    suffix = path.rpartition(".")[2].lower() if "." in path else ""
+    if suffix not in FORMS:
+        raise InputError("unknown type of picture by this suffix", remedy="name it .svg, .png or .pdf", file=path)
+    return suffix
+
+
+def new_figure(width: float = 8.0, height: float = 5.0) -> Figure:
+    """An empty figure, in inches.
+
+    Raises:
+        InputError: matplotlib is not installed.
+    """
+    need("plots", "matplotlib")
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def rendered(figure: Figure, form: str = "svg", dpi: float = 150.0) -> bytes:
+    """The picture as the content of a file; letters of an SVG stay letters."""
+    from io import BytesIO
+
+    import matplotlib as mpl
+
+    if form not in FORMS:
+        raise InputError(f"no picture is made as {form!r}", remedy=alternatives(form, FORMS, "forms"))
+    stream = BytesIO()
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": None}[form]
+    with mpl.rc_context({"svg.hashsalt": "robodyn", "svg.fonttype": "none"}):
+        figure.savefig(stream, format=form, dpi=dpi, metadata=undated)
+    return stream.getvalue()

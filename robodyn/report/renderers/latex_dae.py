@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.dae import Dae
-from robodyn.report.latex_equations import escaped
-from robodyn.report.letters_dae import acting
+from robodyn.report.dae_actions import acting
+from robodyn.report.renderers.latex_closed import escaped
 
 HEAD = r"""% Needs \usepackage{amsmath}.
 """

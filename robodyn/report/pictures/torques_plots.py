@@ -1,18 +1,17 @@
-"""The figures of a report on torques, begun before the rest of the report and there when it asks for them."""
+"""Which figures a report on torques has, and of which joints."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from robodyn.loads.history import Curves, History
 from robodyn.loads.result import JointLoad, Result
 from robodyn.report.document import Figure
-from robodyn.report.drawing import PROCESSES, Draw, Task
-from robodyn.report.limits_words import effort_use, offenders, worst_joint
+from robodyn.report.limits import effort_use, offenders, worst_joint
+from robodyn.report.pictures.torques import base_figures, energy_figure, joint_figures, share_figures
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
 from robodyn.report.table import NOISE, is_noise, printable
 from robodyn.robot.model import Model
@@ -23,7 +22,7 @@ PLOTTED = 12
 
 
 class Plots:
-    """The figures that are drawn from the course of the motion: begun here, and there when they are asked for.
+    """The figures that are drawn from the course of a motion.
 
     Attributes:
         history: of the motion, with zeros for rounding noise.
@@ -31,12 +30,11 @@ class Plots:
         worst, when: the joint that is loaded most, and its moment.
     """
 
-    def __init__(self, result: Result, history: History, model: Model, draw: Draw) -> None:
-        from robodyn.report import figures_torques as figures
-
+    def __init__(self, result: Result, history: History, model: Model) -> None:
         joints, size = result.joints, result_sizes(result)
-        self.history = history = _without_noise(history, joints, size)
-        over = offenders(result)
+        self._result, self._model, self._size = result, model, size
+        self.history = _without_noise(history, joints, size)
+        self._over = over = offenders(result)
         order = sorted(
             ranked(range(len(joints)), key=lambda k: effort_use(joints[k])), key=lambda k: joints[k].name not in over
         )
@@ -44,48 +42,39 @@ class Plots:
         moving = [k for k in order if k not in self.still]
         self.shown = _in_order(moving[: max(PLOTTED, len(over))], over, joints)
         self.worst = worst_joint(result)
-        tasks: dict[str, Task] = {}
-        if history.joints is not None:
-            for part in range(PROCESSES):
-                chunk = self.shown[part::PROCESSES]
-                tasks[f"joints {part}"] = partial(figures.joint_figures, joints, history.joints, chunk, size)
         if self.worst is not None:
             joint = joints[self.worst]
             self.when = f"the peak of {printable(joint.name)}, {joint.peak_time:.6g} s"
-            assert model.description is not None, "it is not a model of bodies alone"
-            pose = history.states[self.worst]["q"], joint.name, self.when
-            tasks["picture"] = partial(figures.pose_figure, model.description, model.floating, *pose)
-        loaded = [k for k in order if not is_noise(abs(joints[k].peak), size[joints[k].unit])]
-        if loaded:
-            shares = [joints[k] for k in _in_order(loaded, over, joints)]
-            tasks["shares"] = partial(figures.share_figures, shares)
-        tasks["base"] = partial(figures.base_figures, result.base_wrench, history, size)
-        if history.energy.kept[:, 1].any():
-            tasks["energy"] = partial(figures.energy_figure, result.checks.energy_balance, history, size)
-        self._drawn = dict(zip(tasks, draw(list(tasks.values())), strict=True))
 
     def picture(self) -> tuple[Figure, str]:
-        """The robot where its most loaded joint is loaded most, and what is said of shapes that are not there."""
-        found: tuple[Figure, str] = self._drawn["picture"]()
-        return found
+        """Return the robot where its most loaded joint is loaded most, and a sentence on shapes that are missing."""
+        from robodyn.report.pictures.robot import robot_figure, shapes_of
+
+        assert self.worst is not None, "there are joints"
+        shapes, why = shapes_of(self._model)
+        q, name = self.history.states[self.worst]["q"], self._result.joints[self.worst].name
+        return robot_figure(self._model, q, name, self.when, shapes), why
 
     def shares(self) -> list[Figure]:
-        """What each effect adds to the peaks; none where there are none."""
-        return list(self._drawn["shares"]()) if "shares" in self._drawn else []
+        """Return what each effect adds to the peaks; nothing where there are none."""
+        joints, size = self._result.joints, self._size
+        loaded = [k for k, joint in enumerate(joints) if not is_noise(abs(joint.peak), size[joint.unit])]
+        return share_figures([joints[k] for k in _in_order(loaded, self._over, joints)]) if loaded else []
 
     def base(self) -> list[Figure]:
-        """Forces and moments of the ground on the robot."""
-        return list(self._drawn["base"]())
+        """Return forces and moments of the ground on the robot."""
+        return base_figures(self._result.base_wrench, self.history, self._size)
 
     def energy(self) -> list[Figure]:
-        """Work and stored energy; nothing where both are zero throughout."""
-        return [self._drawn["energy"]()] if "energy" in self._drawn else []
+        """Return work and stored energy; nothing where both are zero throughout."""
+        if not self.history.energy.kept[:, 1].any():
+            return []
+        return [energy_figure(self._result.checks.energy_balance, self.history, self._size)]
 
     def joints(self) -> list[Figure]:
-        """Those of the joints that are shown, in their order."""
-        drawn = [figure for part in range(PROCESSES) for figure in self._drawn[f"joints {part}"]()]
-        order = [k for first in range(PROCESSES) for k in self.shown[first::PROCESSES]]
-        return [drawn[order.index(k)] for k in self.shown]
+        """Return the figures of the joints that are shown, in their order."""
+        assert self.history.joints is not None, "there are joints"
+        return joint_figures(self._result.joints, self.history.joints, self.shown, self._size)
 
 
 def _in_order(columns: Sequence[int], over: frozenset[str], joints: Sequence[JointLoad]) -> list[int]:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.counts import Counts
 from robodyn.equations.dae.dae import Dae
-from robodyn.report.letters_dae import acting
+from robodyn.report.dae_actions import acting
+from robodyn.report.dae_numbers import MOST, both_text, cut, elimination_text, numbers_text
 from robodyn.report.table import PLAIN, Content, Page, number, printable
-from robodyn.report.text_dae_numbers import MOST, both_text, cut, elimination_text, numbers_text
 
 ALONG = """\
   force along n     n . (x - y) = 0

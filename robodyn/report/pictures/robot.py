@@ -9,8 +9,8 @@ import numpy as np
 
 from robodyn.programs.vectors import Array, product
 from robodyn.report.document import Figure
-from robodyn.report.figures import INK, SERIES, SOFT, plot
-from robodyn.report.solids import PAPER, Solid, on_paper, paint, triad
+from robodyn.report.pictures.figures import INK, SERIES, SOFT, plot
+from robodyn.report.pictures.solids import PAPER, Solid, on_paper, paint, triad
 from robodyn.report.table import printable
 from robodyn.robot.configuration import link_poses
 from robodyn.robot.model import Model
