@@ -137,7 +137,8 @@ def test_dual_scalars():
 
 def _defined(name):
     package = Path(robodyn.__file__).parent
-    sources = (*(package / "dynamics").glob("*.py"), package / "plan.py")
+    folders = (package / "dynamics" / "recursions", package / "robot")
+    sources = (package / "dynamics" / "plan.py", *(path for folder in folders for path in folder.glob("*.py")))
     trees = [ast.parse(path.read_text()) for path in sources]
     return sum(isinstance(node, ast.FunctionDef) and node.name == name for tree in trees for node in tree.body)
 
