@@ -16,6 +16,7 @@ from helpers.doc_examples import GENERATED, ROOT, blocks, commands, hand_written
 from helpers.doc_tables import TIMED, steady_tables
 from helpers.example_robots import PATHS
 from helpers.markdown_tables import cells
+from helpers.peers import peer
 from make_docs import tables_of_all
 
 import robodyn
@@ -111,7 +112,7 @@ def test_tables_are_up_to_date(name):
 def test_errors_are_those_measured(name):
     """Words to the letter and numbers to a factor of four: rounding errors differ from one processor to another."""
     if name == "accuracy":
-        pytest.importorskip("pinocchio")
+        peer("pinocchio")
     shown, found = (cells(text) for text in (TABLES[name], steady_tables()[name]()))
     assert len(shown) == len(found), ADVICE
     for ours, theirs in zip(shown, found, strict=True):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.command_line import run
 from helpers.example_robots import path_of
+from helpers.peers import mujoco, peer
 
 import robodyn
 from robodyn.checks.compare.regression import changes
@@ -160,7 +161,6 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_mujoco_rejects_what_we_say_it_rejects(case: str) -> None:
-    mujoco = pytest.importorskip("mujoco")
     try:
         mujoco.MjModel.from_xml_string(CASES[case])
     except ValueError:
@@ -172,8 +172,8 @@ def test_mujoco_rejects_what_we_say_it_rejects(case: str) -> None:
 @pytest.mark.parametrize("case", [case for case in CASES if case != "upside down"])
 def test_drake_rejects_what_we_say_it_rejects(case: str) -> None:
     """But for lower > upper, on which this version ends the process."""
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
-    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    parsing = peer("pydrake.multibody.parsing")
+    plant = peer("pydrake.multibody.plant").MultibodyPlant(0.0)
     try:
         parsing.Parser(plant).AddModelsFromString(CASES[case], "urdf")
         plant.Finalize()
@@ -186,15 +186,14 @@ def test_drake_rejects_what_we_say_it_rejects(case: str) -> None:
 
 @pytest.mark.parametrize(("base", "velocities"), [("base", 7), ("world", 1)])
 def test_drake_lets_the_root_float(base: str, velocities: int) -> None:
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
-    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    parsing = peer("pydrake.multibody.parsing")
+    plant = peer("pydrake.multibody.plant").MultibodyPlant(0.0)
     parsing.Parser(plant).AddModelsFromString(arm().replace('"base"', f'"{base}"'), "urdf")
     plant.Finalize()
     assert plant.num_velocities() == velocities
 
 
 def test_mujoco_alters_as_we_say() -> None:
-    mujoco = pytest.importorskip("mujoco")
     based = arm().replace('<link name="base"/>', a_link("base"))
     assert verdict(based, "mujoco") == "alters"
     assert mujoco.MjModel.from_xml_string(based).body_mass.sum() == 2.0

@@ -13,6 +13,7 @@ import pytest
 from helpers.command_line import ARM, ROBOTS, Outcome, run
 from helpers.compiled_programs import needs_compiler
 from helpers.hurried import hurry
+from helpers.peers import needs_peers
 
 from robodyn.cli import bench
 
@@ -47,6 +48,7 @@ def test_text() -> None:
     assert parts[-1].startswith("Times are the shortest of several runs in turn; ")
 
 
+@needs_peers
 @needs_compiler
 def test_json() -> None:
     outcome = run("bench", SCARA, *FEW, "--threads", "2", "--peers", "--format", "json")

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from helpers.example_robots import PATHS, cases
 from helpers.oracles import frictionless, random_state, worst
+from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 
 from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from helpers.example_robots import path_of, real
 from helpers.oracles import frictionless, golden_model, random_state, worst
+from helpers.peers import peer
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 
 
 def test_drake():
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
-    multibody = pytest.importorskip("pydrake.multibody.plant")
+    parsing = peer("pydrake.multibody.parsing")
+    multibody = peer("pydrake.multibody.plant")
     model = golden_model("tree15_bf2_skew0.3")
     plant = multibody.MultibodyPlant(0.0)
     parsing.Parser(plant).AddModels(model.file)
@@ -47,7 +47,7 @@ def _rotation(h):
 
 def test_idyntree():
     """Its mixed representation has the base's linear and angular velocity in the ground's axes."""
-    idyntree = pytest.importorskip("idyntree.bindings")
+    idyntree = peer("idyntree.bindings")
     model = real("solo12", True)
     names = list(model.joint_names[1:])
     loader = idyntree.ModelLoader()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from helpers.busy_robot import busy_parts, busy_robot
 from helpers.oracles import EPS, random_state, robot, worst
+from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import chain, urdf
 

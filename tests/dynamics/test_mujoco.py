@@ -6,10 +6,10 @@ whose force saturates at `frictionloss`; at speeds well above zero that is Coulo
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 import pytest
 from helpers.oracles import random_state, worst
+from helpers.peers import mujoco
 from helpers.small_robots import built, joint, link, random_tree_parts, urdf
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
+
+from helpers.peers import pin
 
 
 class PinocchioRobot:

@@ -6,7 +6,8 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
+
+from helpers.peers import pin
 
 FOLDER = Path(__file__).parents[2] / "robots"
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"

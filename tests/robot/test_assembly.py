@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from helpers.busy_robot import busy_robot
 from helpers.oracles import EPS, robot, worst
+from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import body_numbers, built, chain_parts, joint, link, urdf
 

@@ -6,9 +6,9 @@ import json
 from decimal import Decimal
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from helpers.closed_forms import TORQUES
+from helpers.peers import pin
 from helpers.robot_files import REFERENCE, configuration, model, torques
 from helpers.scene_files import read_scene
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
 import trimesh
 import yourdfpy
+from helpers.peers import pin
 from helpers.robot_files import FOLDER, NAMES, REFERENCE, element, model
 
 from robodyn.robot.urdf.description import load_description

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pinocchio as pin
 import pytest
+from helpers.peers import pin
 from helpers.robot_files import model, read_csv, stacked
 from mpmath import mp
 from scipy.spatial.transform import Rotation

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from helpers.mesh_files import dae, obj
 from helpers.mesh_samples import binary_stl
+from helpers.peers import mujoco, peer, pin
 
 from robodyn.checks.context import Asked
 from robodyn.checks.examples import a_joint, a_link, arm
@@ -47,7 +48,6 @@ def rejected(text: str, target: str) -> bool:
 
 
 def mujoco_rejects(text: str) -> bool:
-    mujoco = pytest.importorskip("mujoco")
     Path("robot.urdf").write_text(text)
     try:
         mujoco.MjModel.from_xml_path("robot.urdf")
@@ -57,7 +57,7 @@ def mujoco_rejects(text: str) -> bool:
 
 
 def drake_rejects(text: str) -> bool:
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    parsing = peer("pydrake.multibody.parsing")
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
     from pydrake.systems.framework import DiagramBuilder
 
@@ -101,7 +101,6 @@ def test_uris_in_mujoco(folder: Path, name: str, extension: str) -> None:
 @pytest.mark.parametrize(("scale", "sign"), [("1 1 1", 1), ("1 -1 1", -1), ("-1 -1 1", 1), ("-1 -1 -1", -1)])
 def test_mirrored_meshes(scale: str, sign: int) -> None:
     """What RD606 says of negative scales: Pinocchio alone has a negative volume; the place is right in all."""
-    pin, mujoco = pytest.importorskip("pinocchio"), pytest.importorskip("mujoco")
     text = described("part.obj", scale=scale)
     Path("robot.urdf").write_text(text)
     centre = np.array((0.075, 0.05, 0.025)) * [float(word) for word in scale.split()]
@@ -120,7 +119,7 @@ def test_mirrored_meshes(scale: str, sign: int) -> None:
 
 
 def test_mirrored_meshes_in_drake() -> None:
-    geometry = pytest.importorskip("pydrake.geometry")
+    geometry = peer("pydrake.geometry")
     for scale in ((1.0, -1.0, 1.0), (-1.0, -1.0, 1.0), (-1.0, -1.0, -1.0)):
         assert geometry.CalcVolume(geometry.Mesh("part.obj", scale3=scale)) == pytest.approx(VOLUME, rel=1e-6)
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from helpers.peers import mujoco, peer
 from pinned_findings import name_of, published
 
 from robodyn.checks.context import Asked
@@ -29,7 +30,6 @@ def said(text: str, target: str) -> bool:
 
 @pytest.mark.parametrize("path", ROBOTS, ids=name_of)
 def test_mujoco(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    mujoco = pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
     text = stripped(path)
     try:
@@ -42,8 +42,8 @@ def test_mujoco(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize("path", ROBOTS, ids=name_of)
 def test_drake(path: Path) -> None:
-    parsing = pytest.importorskip("pydrake.multibody.parsing")
-    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    parsing = peer("pydrake.multibody.parsing")
+    plant = peer("pydrake.multibody.plant").MultibodyPlant(0.0)
     text = stripped(path)
     try:
         parsing.Parser(plant).AddModelsFromString(text, "urdf")

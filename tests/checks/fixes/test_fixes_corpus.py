@@ -11,6 +11,7 @@ from functools import cache, partial
 from pathlib import Path
 
 import pytest
+from helpers.peers import peer
 from helpers.planted_defects import DEFECTS, SOUND
 from pinned_findings import name_of, published
 
@@ -94,7 +95,7 @@ def assert_loads_as_before(one: Fixed) -> None:
     errors = [found for found in checked(one.file, one.after) if found.severity is Severity.ERROR]
     sound = not [found for found in errors if not found.code.startswith(("RD3", "RD6", "RD7"))]
     for program in ("mujoco", "pinocchio"):
-        pytest.importorskip(program)
+        peer(program)
         assert loads(program, one.after) or not (sound or loads(program, one.before)), program
 
 

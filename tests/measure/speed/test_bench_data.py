@@ -10,6 +10,7 @@ from helpers.compiled_programs import needs_compiler
 from helpers.example_robots import real
 from helpers.hurried import hurry
 from helpers.oracles import ROBOTS, robot
+from helpers.peers import needs_peers
 
 from robodyn.dynamics.balance import energy, laws
 from robodyn.dynamics.inverse import mass_matrix
@@ -127,6 +128,7 @@ def test_large_results_are_of_fewer_samples(monkeypatch):
     assert found["bias forces"] == 150
 
 
+@needs_peers
 def test_without_a_compiler(monkeypatch):
     without_compiler(monkeypatch)
     found = bench(robot("scara"), samples=SAMPLES, peers=True)

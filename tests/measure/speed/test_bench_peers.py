@@ -10,6 +10,7 @@ import pytest
 from helpers.example_robots import real
 from helpers.hurried import hurry
 from helpers.oracles import robot
+from helpers.peers import needs_peers
 from helpers.small_robots import joint, link, urdf
 
 from robodyn.dynamics.plan import plan
@@ -36,6 +37,7 @@ def peers_of(model):
     return found
 
 
+@needs_peers
 @pytest.mark.parametrize("model", [robot("scara"), robot("gripper"), real("panda"), real("kinova"), real("solo12")])
 def test_torques_agree(model):
     """With friction, transmissions and mimic joints in the description, and continuous ones, which Pinocchio turns."""
@@ -45,6 +47,7 @@ def test_torques_agree(model):
     assert found.operations == plan(model, bare_scene(model, GRAVITY)).torques().size
 
 
+@needs_peers
 def test_a_link_named_world_is_the_world():
     model = real("ur5_robot")
     assert model.bodies[0].name == "world"
@@ -88,6 +91,7 @@ def test_a_library_that_is_not_there(monkeypatch):
     assert found.ours.least > 0.0
 
 
+@needs_peers
 def test_a_library_that_refuses_the_robot_is_told_from_the_others():
     """MuJoCo does not move links without mass."""
     found = {peer.name.split()[0].strip(","): peer for peer in peers_of(real("romeo")).peers}
@@ -105,6 +109,7 @@ def test_floating_joints_are_not_compared():
     }
 
 
+@needs_peers
 def test_joints_that_a_library_does_not_know(tmp_path):
     """A planar joint is three here, one to the others."""
     file = tmp_path / "puck.urdf"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
+from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 
 from robodyn.errors import InputError

@@ -9,12 +9,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from helpers.peers import pin
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.description import Description, load_description
 from robodyn.robot.urdf.document import Element, read_document
 
-pin = pytest.importorskip("pinocchio")
 yourdfpy = pytest.importorskip("yourdfpy")
 
 REFUSED = {
