@@ -95,7 +95,7 @@ def _waivers(reading: Reading) -> Iterator[Waiver]:
         text = " ".join(comment.group(1).decode(reading.encoding).split())
         allow = _ALLOW.fullmatch(text)
         codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
-        at = reading.document.root.places.span(*comment.span())
+        at = reading.document.root.positions.span(*comment.span())
         reason = allow.group(2) if allow else ""
         yield Waiver(at, text, codes, reason, _erased(reading.data, at), *_about(reading.data, at, elements))
 

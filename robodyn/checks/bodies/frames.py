@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.checks.context import Context
-from robodyn.programs.vectors import Array, product, rotation_from_rpy
+from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.robot.poses import Pose
 from robodyn.robot.urdf.view import OriginView
-
-
-class Pose(NamedTuple):
-    """Rotation (3, 3) and position (3,) [m]."""
-
-    R: Array
-    p: Array
 
 
 def pose(origin: OriginView) -> Pose | None:

@@ -8,14 +8,16 @@ from math import pi, prod
 
 import numpy as np
 
-from robodyn.checks.bodies.frames import Pose, link_poses, pose
+from robodyn.checks.bodies.frames import link_poses, pose
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts
 from robodyn.checks.meshes.units import mesh_slips
 from robodyn.checks.reading.tree import Group
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
+from robodyn.robot.poses import Pose
+from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.boxes import Box, around
 from robodyn.solids.inertia.exact import Floats
 

@@ -17,7 +17,8 @@ from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.links import INERTIA
-from robodyn.robot.urdf.view import LinkView, numbers
+from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.view import LinkView
 from robodyn.solids.inertia.exact import Floats
 from robodyn.support.wording import figure
 
@@ -150,9 +151,9 @@ def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
 
 def _explained(given: Given, evidence: Evidence, symptom: Symptom) -> list[tuple[str, Proposal]]:
     """Return the causes that explain the tensor, each with its correction."""
-    told = TELLS[symptom if evidence.image is None else Symptom.NO_IMAGE]
+    possible = TELLS[symptom if evidence.image is None else Symptom.NO_IMAGE]
     explained: list[tuple[str, Proposal]] = []
-    for code in sorted(told, reverse=True):
+    for code in sorted(possible, reverse=True):
         kept: list[Proposal] = []
         for proposal in FORMS[code](given):
             if proposal.I is None:

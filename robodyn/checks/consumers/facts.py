@@ -7,8 +7,9 @@ from typing import Any
 
 from robodyn.checks.bodies.masses import principal_moments
 from robodyn.checks.context import Context
+from robodyn.robot.urdf.numbers import numbers, value_span
 from robodyn.robot.urdf.source_positions import Span
-from robodyn.robot.urdf.view import JointView, numbers, value_span
+from robodyn.robot.urdf.view import JointView
 
 Found = tuple[Span, str]
 _TINY = 1e-15

@@ -1,6 +1,6 @@
 """Which formats of meshes programs read, and where a description has shapes that one does not take as they are.
 
-That meshes cannot be read is told only of programs that are asked for: nearly every robot has some that one cannot.
+That meshes cannot be read is reported only of programs that are asked for: nearly every robot has some.
 """
 
 from __future__ import annotations

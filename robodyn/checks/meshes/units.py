@@ -8,7 +8,8 @@ from math import dist
 
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names
-from robodyn.robot.urdf.view import GeometryView, LinkView, numbers
+from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.view import GeometryView, LinkView
 
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
@@ -40,9 +41,9 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
             if side is None or name.uri not in facts:
                 continue
             twin = _twin(use.link, use.geometry, context)
-            told = _told(side, twin, reach) or _uneven(use.geometry)
-            if told is not None:
-                found[use.geometry] = UnitSlip(name, use.link, use.geometry, side, *told)
+            mistaken = _mistaken(side, twin, reach) or _uneven(use.geometry)
+            if mistaken is not None:
+                found[use.geometry] = UnitSlip(name, use.link, use.geometry, side, *mistaken)
     return found
 
 
@@ -55,7 +56,7 @@ def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
     return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
 
 
-def _told(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:
+def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str] | None:
     if side > _LONGEST and side > _TIMES * reach:
         return 1e3, f"it is {side:.4g} m long"
     if side < _SHORTEST and reach > _MINUTE * side:

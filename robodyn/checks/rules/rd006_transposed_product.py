@@ -7,7 +7,7 @@ where one of them stands in place of its twin, the product is taken for 0 or the
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.view import numbers
+from robodyn.robot.urdf.numbers import numbers
 
 _PAIRS = (("iyx", "ixy"), ("izx", "ixz"), ("izy", "iyz"))
 
@@ -46,5 +46,5 @@ def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:
         return Fix(f"call it {upper}", (Edit(span.start, span.start + len(lower), upper),), safe=False)
     if not same:
         return None
-    start = len(inertia.places.data[: span.start].rstrip(b" \t\r\n"))
+    start = len(inertia.positions.data[: span.start].rstrip(b" \t\r\n"))
     return Fix(f"delete {lower}", (Edit(start, span.end, ""),), safe=True)

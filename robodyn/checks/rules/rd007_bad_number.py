@@ -7,7 +7,7 @@ whole element, an <inertial> for example, and reports success; other readers tak
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.reading.grammar import own_elements
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import numbers
+from robodyn.robot.urdf.numbers import numbers
 
 
 @rule(

@@ -5,7 +5,8 @@ Readers refuse the file, or leave out the joint and everything that hangs on it.
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import View, value_span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.view import View
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 

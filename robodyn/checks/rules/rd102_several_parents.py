@@ -7,7 +7,7 @@ it.
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.reading.tree import first_above
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import shown
 
 

@@ -6,8 +6,8 @@ Links in a cycle hang on nothing. Some readers do not notice and recurse until m
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.reading.tree import first_above
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.structure import cycles
-from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import listed, shown
 
 

@@ -6,7 +6,7 @@ one.
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 
 
 @rule(Severity.ERROR, Stage.DOCUMENT, bad=arm().replace('<joint name="shoulder" ', "<joint "), good=arm())

@@ -12,7 +12,7 @@ from robodyn.checks.examples import IMAGE, ORIGIN, ORIGIN_IMAGE, two_arms
 from robodyn.checks.mirror.loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.solids.inertia.exact import Floats
 from robodyn.support.wording import figure, shown
 

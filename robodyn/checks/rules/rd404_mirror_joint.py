@@ -14,7 +14,8 @@ from robodyn.checks.examples import ARM_LIMIT, two_arms
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.view import JointView, value_span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.view import JointView
 from robodyn.support.wording import shown
 
 _AXIS = 0.02

@@ -10,7 +10,8 @@ from math import degrees, pi, radians
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
-from robodyn.robot.urdf.view import Numbers, OriginView, Subject
+from robodyn.robot.urdf.numbers import Numbers
+from robodyn.robot.urdf.view import OriginView, Subject
 
 _TURN = 2 * pi * (1 + 1e-3)
 _TURNS = 4 * pi

@@ -7,7 +7,7 @@ the joint meets its end stop at full speed.
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.joints import WITH_RANGE
-from robodyn.robot.urdf.view import numbers
+from robodyn.robot.urdf.numbers import numbers
 
 _SLACK = 1e-9
 

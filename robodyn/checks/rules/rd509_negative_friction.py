@@ -6,7 +6,7 @@ simulation diverges.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import numbers
+from robodyn.robot.urdf.numbers import numbers
 
 
 @rule(

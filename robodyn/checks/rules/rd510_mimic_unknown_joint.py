@@ -5,7 +5,7 @@ Readers refuse the robot, or make the follower a free joint that nothing drives.
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 

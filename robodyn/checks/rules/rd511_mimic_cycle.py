@@ -5,8 +5,8 @@ In a cycle no joint has a position of its own. Some readers follow it for ever.
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.structure import cycles
-from robodyn.robot.urdf.view import value_span
 from robodyn.support.wording import listed
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'

@@ -8,7 +8,7 @@ unit. The other rules leave it out. The examples stand beside a file `millimetre
 
 from robodyn.checks.meshes.units import mesh_slips
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import shown_path
 
 
@@ -29,12 +29,12 @@ def _scaled(scale: str) -> str:
 
 @rule(Severity.ERROR, Stage.DOCUMENT, bad=_scaled("1 1 1"), good=_scaled("0.001 0.001 0.001"))
 def check(context: Context) -> Faults:
-    told = set()
+    reported = set()
     for geometry, slip in context.once(mesh_slips).items():
         scale = None if geometry.shape is None else geometry.shape.get("scale")
-        if geometry.shape is None or (slip.name.uri, scale) in told:
+        if geometry.shape is None or (slip.name.uri, scale) in reported:
             continue
-        told.add((slip.name.uri, scale))
+        reported.add((slip.name.uri, scale))
         yield Fault(
             at=value_span(geometry.shape, "filename" if scale is None else "scale"),
             subject=slip.link.subject,

@@ -15,7 +15,8 @@ from robodyn.checks.examples import arm
 from robodyn.checks.reading.srdf import Named, names_in_srdf, srdf_of
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.view import Subject, value_span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.view import Subject
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 

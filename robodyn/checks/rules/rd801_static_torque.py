@@ -13,7 +13,7 @@ from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import StaticTorque, static_torques
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 
 _HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
 _MOST_JOINTS = 8

@@ -7,7 +7,7 @@ findings. The examples are held against a motion that swings the arm by 1 rad.
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 
 
 @rule(

@@ -3,7 +3,7 @@
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import gravity_bounds
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import figure
 
 FACTOR = 1000.0

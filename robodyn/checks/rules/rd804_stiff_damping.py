@@ -3,7 +3,7 @@
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.reflected_inertia import reflected_inertias
-from robodyn.robot.urdf.view import value_span
+from robodyn.robot.urdf.numbers import value_span
 
 STEP = 1e-3
 """s; the usual step of a simulation."""

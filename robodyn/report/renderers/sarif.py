@@ -16,7 +16,7 @@ from robodyn.checks.compare.baseline import fingerprints
 from robodyn.checks.rule import Edit, Finding, Rule
 from robodyn.checks.run import Unread
 from robodyn.robot.urdf.document import Reading
-from robodyn.robot.urdf.source_positions import Places
+from robodyn.robot.urdf.source_positions import SourcePositions
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 Object = dict[str, Any]
@@ -117,11 +117,11 @@ def _fix(finding: Finding, what: str, edits: Sequence[Edit], region: Region) -> 
     return {"description": {"text": what}, "artifactChanges": [change]}
 
 
-def _places(reading: Reading) -> Places:
-    return Places(reading.data, reading.encoding)
+def _places(reading: Reading) -> SourcePositions:
+    return SourcePositions(reading.data, reading.encoding)
 
 
-def _region(places: Places, start: int, end: int) -> Object:
+def _region(places: SourcePositions, start: int, end: int) -> Object:
     first, last = places.span(start, start), places.span(end, end)
     return {"startLine": first.line, "startColumn": first.column, "endLine": last.line, "endColumn": last.column}
 

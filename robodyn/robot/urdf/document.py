@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.elements import Attribute, Element
 from robodyn.robot.urdf.long_tokens import LONGEST, long_token
-from robodyn.robot.urdf.source_positions import Places, Span
+from robodyn.robot.urdf.source_positions import SourcePositions, Span
 from robodyn.robot.urdf.sources import as_utf8, read_source
 from robodyn.robot.urdf.xml_reader import Reader, TextFault
 
@@ -90,7 +90,7 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Rea
     try:
         data, transcoded = as_utf8(file, original)
     except DescriptionError as error:
-        at, remedy = Places(original, "latin-1").span(0, 0), error.remedy or "save as UTF-8"
+        at, remedy = SourcePositions(original, "latin-1").span(0, 0), error.remedy or "save as UTF-8"
         return Reading(file, original, "latin-1", (TextFault("RD001", at, error.what, remedy, error),), None)
     if (long := long_token(data)) is not None:
         return _unread(file, data, *long)
@@ -103,7 +103,7 @@ def _parsed(file: str, data: bytes, transcoded: bool) -> Reading:
     Method: one pass, no recursion.
     """
     reader = Reader(file, data, "utf-8" if transcoded else None)
-    root, encoding = reader.run(), reader.places.encoding
+    root, encoding = reader.run(), reader.positions.encoding
     document = None if root is None else Document(file, data, root, encoding)
     return Reading(file, data, encoding, tuple(reader.faults), document)
 
@@ -113,6 +113,6 @@ def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Reading:
     what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
     remedy = "shorten it; no robot needs as much"
     seen = data[: min(start + _SHOWN, end)]
-    at = Places(seen, "utf-8").span(start, len(seen))
+    at = SourcePositions(seen, "utf-8").span(start, len(seen))
     error = DescriptionError(what, remedy=remedy, file=file, line=at.line)
     return Reading(file, seen, "utf-8", (TextFault("RD001", at, what, remedy, error),), None)

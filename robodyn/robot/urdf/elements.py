@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from robodyn.robot.urdf.source_positions import Places, Span
+from robodyn.robot.urdf.source_positions import SourcePositions, Span
 
 _TAG = re.compile(rb"<[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(rb"""[ \t\r\n]+([^ \t\r\n=>/]+)[ \t\r\n]*=[ \t\r\n]*("[^"]*"|'[^']*')""")
@@ -34,7 +34,7 @@ class Element:
     values: Mapping[str, str]
     line: int
     start: int
-    places: Places = field(repr=False)
+    positions: SourcePositions = field(repr=False)
     children: list[Element] = field(default_factory=list, repr=False)
     text: str = ""
     _start_tag: tuple[Mapping[str, Attribute], Span] | None = field(default=None, repr=False)
@@ -70,15 +70,15 @@ class Element:
 
 def _scan(element: Element) -> tuple[Mapping[str, Attribute], Span]:
     """Return the attributes and the span of a start tag that expat has accepted, from its bytes."""
-    places = element.places
+    positions = element.positions
     attributes = {}
-    position = _end(_TAG.match(places.data, element.start))
-    while match := _ATTRIBUTE.match(places.data, position):
+    position = _end(_TAG.match(positions.data, element.start))
+    while match := _ATTRIBUTE.match(positions.data, position):
         position = match.end()
-        name = places.decode(*match.span(1))
-        value_span = places.span(match.start(2) + 1, position - 1)
-        attributes[name] = Attribute(name, element.values[name], places.span(match.start(1), position), value_span)
-    return attributes, places.span(element.start, _end(_TAG_END.match(places.data, position)))
+        name = positions.decode(*match.span(1))
+        value_span = positions.span(match.start(2) + 1, position - 1)
+        attributes[name] = Attribute(name, element.values[name], positions.span(match.start(1), position), value_span)
+    return attributes, positions.span(element.start, _end(_TAG_END.match(positions.data, position)))
 
 
 def _end(match: re.Match[bytes] | None) -> int:

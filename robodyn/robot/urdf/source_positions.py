@@ -24,7 +24,7 @@ class Span:
     end: int
 
 
-class Places:
+class SourcePositions:
     """Where byte offsets of `data` lie.
 
     A line ends with LF, CR or CR LF; a byte order mark takes no column. Each index costs one pass over the text,

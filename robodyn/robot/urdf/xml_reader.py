@@ -12,7 +12,7 @@ from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import BOM, Places, Span
+from robodyn.robot.urdf.source_positions import BOM, SourcePositions, Span
 from robodyn.support.wording import shown
 
 MAX_DEPTH = 200
@@ -59,7 +59,7 @@ class Reader:
 
     def __init__(self, file: str, data: bytes, encoding: str | None) -> None:
         self.file = file
-        self.places = Places(data, "utf-8")
+        self.positions = SourcePositions(data, "utf-8")
         self.faults: list[TextFault] = []
         self._root: Element | None = None
         self._stack: list[Element] = []
@@ -77,7 +77,7 @@ class Reader:
 
     def run(self) -> Element | None:
         """Parse, and return the root if it is one that can be checked. Without a root there are faults."""
-        if not self.places.data.removeprefix(BOM).strip():
+        if not self.positions.data.removeprefix(BOM).strip():
             self._add("RD001", 0, 0, "the file is empty", "give a URDF file")
         elif self._parse() and self._root is not None and self._root.tag != "robot":
             self._wrong_root(self._root)
@@ -88,17 +88,17 @@ class Reader:
     def _parse(self) -> bool:
         """Return whether the file could be read to its end."""
         try:
-            self._parser.Parse(self.places.data, True)
+            self._parser.Parse(self.positions.data, True)
             self._whole = True
         except _UnreadableError:
             pass
         except expat.ExpatError as error:
             self._malformed(error)
         except (LookupError, ValueError) as error:
-            self.places.encoding = "utf-8"  # in which excerpts are shown
+            self.positions.encoding = "utf-8"  # in which excerpts are shown
             remedy = "save it as UTF-8"
-            said = f"cannot decode the text: {error}", remedy
-            self._add("RD001", 0, 0, f"the text cannot be decoded: {error}", remedy, said=said)
+            strict = f"cannot decode the text: {error}", remedy
+            self._add("RD001", 0, 0, f"the text cannot be decoded: {error}", remedy, strict=strict)
         return self._whole
 
     def _add(
@@ -110,44 +110,46 @@ class Reader:
         remedy: str,
         *,
         line: int | None = None,
-        said: tuple[str, str | None] | None = None,
+        strict: tuple[str, str | None] | None = None,
     ) -> None:
-        """Note a fault; `line`, and what is wrong and the remedy (`said`), are the error's where they are others."""
-        first = len(BOM) if self.places.data.startswith(BOM) else 0
-        at = self.places.span(max(start, first), max(end, first))
-        strict, do = said or (what, remedy)
-        error = DescriptionError(strict, remedy=do, file=self.file, line=line or at.line)
+        """Note a fault; `line`, and what is wrong and the remedy (`strict`), are the error's where they are others."""
+        first = len(BOM) if self.positions.data.startswith(BOM) else 0
+        at = self.positions.span(max(start, first), max(end, first))
+        wrong, do = strict or (what, remedy)
+        error = DescriptionError(wrong, remedy=do, file=self.file, line=line or at.line)
         self.faults.append(TextFault(code, at, what, remedy, error))
 
     def _wrong_root(self, root: Element) -> None:
         span, other = root.span, _KINDS.get(root.tag)
         remedy = other or "give a URDF file, whose root element is <robot>"
-        strict = other or (RUN_XACRO if self.file.endswith(".xacro") else "give a URDF file")
-        said = f"the root element is {shown(root.tag)}, not 'robot'", strict
-        self._add("RD001", span.start, span.end, f"the root element is <{root.tag}>", remedy, line=root.line, said=said)
+        do = other or (RUN_XACRO if self.file.endswith(".xacro") else "give a URDF file")
+        strict = f"the root element is {shown(root.tag)}, not 'robot'", do
+        self._add(
+            "RD001", span.start, span.end, f"the root element is <{root.tag}>", remedy, line=root.line, strict=strict
+        )
 
     def _malformed(self, error: expat.ExpatError) -> None:
-        data = self.places.data
+        data = self.positions.data
         start = max(self._parser.ErrorByteIndex, 0)
         end = min(start + 1, len(data))
         text = expat.ErrorString(error.code)
-        said = self._said(text)
+        strict = self._strict(text)
         if error.code == _UNDEFINED_ENTITY:
             entity = _ENTITY.search(data, start)
             start, end = entity.span() if entity else (start, end)
             what, remedy = "an entity that XML does not define", _REMEDIES[text]
-            self._add("RD002", start, end, what, remedy, line=error.lineno, said=said)
+            self._add("RD002", start, end, what, remedy, line=error.lineno, strict=strict)
             return
         if "encoding" in text:
-            self.places.encoding = "utf-8"
+            self.positions.encoding = "utf-8"
         inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
         remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
         if b"\0" in data:
             text, remedy = "this is a binary file, not XML", "give a URDF file"
-            said = text, remedy
-        self._add("RD001", start, end, text + inside, remedy, line=error.lineno, said=said)
+            strict = text, remedy
+        self._add("RD001", start, end, text + inside, remedy, line=error.lineno, strict=strict)
 
-    def _said(self, text: str) -> tuple[str, str | None]:
+    def _strict(self, text: str) -> tuple[str, str | None]:
         """Return what is wrong with malformed XML, and the remedy, as strict reading says it."""
         remedy = _REMEDIES.get(text)
         if self._stack:
@@ -160,21 +162,21 @@ class Reader:
 
     def _declare(self, version: str, encoding: str | None, standalone: int) -> None:
         if encoding is not None:
-            self.places.encoding = encoding.lower()
+            self.positions.encoding = encoding.lower()
 
     def _doctype(self, name: str, system: str | None, public: str | None, has_declarations: int) -> None:
-        start = self.places.data.rfind(_DOCTYPE, 0, self._parser.CurrentByteIndex + len(_DOCTYPE))
+        start = self.positions.data.rfind(_DOCTYPE, 0, self._parser.CurrentByteIndex + len(_DOCTYPE))
         what = "a document type with declarations" if has_declarations else "a document type"
         remedy = "delete it; URDF needs none"
-        said = "a document type declaration (<!DOCTYPE, entities) is never read", remedy
+        strict = "a document type declaration (<!DOCTYPE, entities) is never read", remedy
         line = self._parser.CurrentLineNumber
-        self._add("RD002", start, start + len(_DOCTYPE), f"{what} (<!DOCTYPE)", remedy, line=line, said=said)
+        self._add("RD002", start, start + len(_DOCTYPE), f"{what} (<!DOCTYPE)", remedy, line=line, strict=strict)
         if has_declarations:
             raise _UnreadableError
 
     def _start(self, tag: str, values: Mapping[str, str]) -> None:
         parser, stack = self._parser, self._stack
-        element = Element(tag, values, parser.CurrentLineNumber, parser.CurrentByteIndex, self.places)
+        element = Element(tag, values, parser.CurrentLineNumber, parser.CurrentByteIndex, self.positions)
         if stack:
             stack[-1].children.append(element)
         else:
