@@ -226,6 +226,13 @@ def test_files_that_contributors_are_sent_to_are_there():
         assert (ROOT / path).exists() or "NNN" in path, path
 
 
+def test_files_of_python_that_pages_mention_are_there():
+    there = {path.name for room in ("robodyn", "cli", "tests", "docs") for path in (ROOT / room).rglob("*.py")}
+    for name, text in PAGES.items():
+        for file in re.findall(r"`(?:[\w/]*/)?(\w+\.py)`", text):
+            assert file in there or "NNN" in file, f"{name}: {file}"
+
+
 def test_every_extra_is_described():
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     extras = re.findall(
