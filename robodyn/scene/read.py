@@ -6,9 +6,8 @@ import os
 from typing import Any
 
 from robodyn.errors import unreadable
-from robodyn.scene.read_loops import loops_of
 from robodyn.scene.read_motors import motors_of
-from robodyn.scene.read_simulation import simulated_of
+from robodyn.scene.read_simulation import loops_of, simulated_of
 from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
 from robodyn.support.input_file import read_input
@@ -45,9 +44,9 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         gravity=table.vector("gravity", Scene.gravity),
         friction={name: _friction(entry) for name, entry in table.tables("friction")},
         **motors_of(table, {name: _rotor(entry) for name, entry in table.tables("rotor")}),
-        spring={name: _spring(entry) for name, entry in table.tables("spring")},
-        payloads=tuple(_payload(entry) for entry in table.list("payload")),
-        wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
+        spring={name: entry.read(Spring) for name, entry in table.tables("spring")},
+        payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
+        wrenches=tuple(entry.read(ExternalWrench, frame=FRAMES) for entry in table.list("wrench")),
         **_base(table),
         slip_speed=_slip_speed(table),
         loops=loops_of(table),
@@ -101,41 +100,10 @@ def _friction(table: SceneTable) -> Friction:
 
 
 def _rotor(table: SceneTable) -> Rotor:
-    inertia: float = table.number("inertia")
-    gear = table.number("gear", None)
-    table.finish()
-    if inertia < 0:
-        raise table.error(f'"inertia" is {inertia:g}', remedy="it is positive or zero")
-    return Rotor(inertia, gear)
-
-
-def _spring(table: SceneTable) -> Spring:
-    spring = Spring(table.number("stiffness"), table.number("rest", 0.0))
-    table.finish()
-    return spring
-
-
-def _payload(table: SceneTable) -> Payload:
-    payload = Payload(
-        table.text("link"),
-        table.number("mass"),
-        table.vector("com", Payload.com),
-        table.numbers("inertia", 6, Payload.inertia),
-    )
-    table.finish()
-    return payload
-
-
-def _wrench(table: SceneTable) -> ExternalWrench:
-    wrench = ExternalWrench(
-        table.text("link"),
-        table.entries("force"),
-        table.entries("moment"),
-        table.vector("point", ExternalWrench.point),
-        table.text("frame", "link", FRAMES),
-    )
-    table.finish()
-    return wrench
+    rotor = table.read(Rotor)
+    if rotor.inertia is not None and rotor.inertia < 0:
+        raise table.error(f'"inertia" is {rotor.inertia:g}', remedy="it is positive or zero")
+    return rotor
 
 
 def _fluid(table: SceneTable) -> dict[str, Any]:
@@ -153,13 +121,7 @@ def _fluid(table: SceneTable) -> dict[str, Any]:
 
 
 def _immersed(table: SceneTable) -> Immersed:
-    immersed = Immersed(
-        table.text("link"),
-        table.number("volume", 0.0),
-        table.vector("centre", Immersed.centre),
-        table.vector("drag_area", Immersed.drag_area),
-    )
-    table.finish()
+    immersed = table.read(Immersed)
     if immersed.volume < 0 or min(immersed.drag_area) < 0:
         raise table.error("volume and drag_area are positive or zero", remedy="drag opposes motion by itself")
     return immersed

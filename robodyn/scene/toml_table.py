@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields
+from typing import Any, TypeVar
 
 from robodyn.errors import SceneError
 from robodyn.scene.scene import Entry, Vector
 from robodyn.support.wording import nearest, shown
 
+T = TypeVar("T")
 _LARGEST = sys.float_info.max
 WHOLE = "the scene"
 OF_THE_SCENE = (
@@ -94,8 +96,8 @@ class SceneTable:
             raise self.error(f'"{key}" is {value!r:.60}, not at most {most} vectors of 3 numbers')
         return tuple(SceneTable({key: each}, self.what, self.file).vector(key) for each in value)
 
-    def entries(self, key: str) -> tuple[Entry, Entry, Entry]:
-        value = self.take(key, (0.0, 0.0, 0.0))
+    def entries(self, key: str, default: Any = (0.0, 0.0, 0.0)) -> tuple[Entry, Entry, Entry]:
+        value = self.take(key, default)
         if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 3:
             raise self.error(f'"{key}" is {value!r}, not three numbers or names of columns')
         x, y, z = (entry if isinstance(entry, str) and entry else self._number(key, entry) for entry in value)
@@ -128,6 +130,22 @@ class SceneTable:
             raise self.error(f'"{key}" is not a list of tables', remedy=f"write [[{key}]] above each")
         return [SceneTable(value, f"[[{key}]] number {k}", self.file) for k, value in enumerate(values, 1)]
 
+    def read(self, kind: type[T], **choices: Sequence[str]) -> T:
+        """Return a dataclass, each field of which is the key of its name, read by its type; no other key may be left.
+
+        Args:
+            choices: of fields that are texts.
+        """
+        given: dict[str, Any] = {}
+        for each in fields(kind):  # type: ignore[arg-type]
+            default: Any = ... if each.default is MISSING else each.default
+            if each.name in choices:
+                given[each.name] = self.text(each.name, default, choices[each.name])
+            else:
+                given[each.name] = _READERS[str(each.type)](self, each.name, default)
+        self.finish()
+        return kind(**given)
+
     def misplaced(self, key: str) -> SceneError:
         """Return the error of a key of the scene that stands below the header of a table."""
         what = f'"{key}" is a key of the whole scene, and below the header of a table it belongs to that table'
@@ -141,3 +159,16 @@ class SceneTable:
             valid = ", ".join(map(shown, self.known))
             meant = f"; did you mean {shown(near[0])}?" if len(near) == 1 else ""
             raise self.error(f'unknown key "{key}"', remedy=f"valid keys: {valid}{meant}")
+
+
+_READERS: Mapping[str, Callable[[SceneTable, str, Any], Any]] = {
+    "str": SceneTable.text,
+    "float": SceneTable.number,
+    "float | None": SceneTable.number,
+    "Vector": SceneTable.vector,
+    "Entry": SceneTable.entry,
+    "Entry | None": SceneTable.entry,
+    "tuple[Entry, Entry, Entry]": SceneTable.entries,
+    "tuple[float, float, float, float, float, float]": lambda table, key, default: table.numbers(key, 6, default),
+}
+"""How a field of a dataclass is read, by its type."""
