@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, fill, target, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import reflected
-from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
+from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import aligned
@@ -121,37 +121,6 @@ def forward_dynamics(
     fill(out, acceleration_runner(plan(model, scene, zero_sources(sources))), sources, executor, threads)
     _refuse_singular(model, scene, sources, out)
     return out
-
-
-def forward_by_factorisation(
-    model: Model,
-    q: ArrayLike,
-    qd: ArrayLike,
-    tau: ArrayLike,
-    *,
-    scene: Scene = DEFAULT,
-    columns: Mapping[str, ArrayLike] | None = None,
-    executor: str = "auto",
-    threads: int | None = None,
-) -> Floats:
-    """Return the same accelerations from `M(q) qdd = tau - bias`, with M factorised: a check by other means.
-
-    Slower; nothing of `forward_dynamics` enters.
-
-    Args, returns: as for `forward_dynamics`.
-
-    Raises:
-        InputError: M is singular.
-
-    Accuracy: as `forward_dynamics` for mass ratios up to 1e9.
-    """
-    M = mass_matrix(model, q, scene=scene, executor=executor, threads=threads)
-    bias = bias_forces(model, q, qd, scene=scene, columns=columns, executor=executor, threads=threads)
-    free = np.asarray(tau, dtype=float) - bias
-    try:
-        return np.asarray(np.linalg.solve(M, free[..., None])[..., 0], dtype=float)
-    except np.linalg.LinAlgError:
-        raise InputError(f"the mass matrix is singular: {_weakest(model, M)}", remedy=REMEDY) from None
 
 
 REMEDY = "give a link that it carries mass and inertia, or the joint a rotor"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import sympy
 from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.factorised import forward_by_factorisation
 from helpers.oracles import EPS, frictionless, golden_model, random_state, reference, robot, worst
 from helpers.program_values import evaluated
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
@@ -19,7 +20,7 @@ from helpers.small_robots import body_numbers, built, joint, link, numbers, rand
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
-from robodyn.dynamics.forward import acceleration_program, accelerations, forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.dynamics.recursions.articulated_body import articulated_body

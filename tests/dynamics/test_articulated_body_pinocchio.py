@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers.example_robots import PATHS, cases
+from helpers.factorised import forward_by_factorisation
 from helpers.oracles import frictionless, random_state, worst
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 
-from robodyn.dynamics.forward import forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.forward import forward_dynamics
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.errors import InputError
 from robodyn.robot.assemble import load

@@ -7,10 +7,11 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.compiled_programs import bits, needs_compiler
 from helpers.example_robots import real
+from helpers.factorised import forward_by_factorisation
 from helpers.oracles import EPS, frictionless, golden_model, random_state, robot, worst
 
 import robodyn
-from robodyn.dynamics.forward import acceleration_program, forward_by_factorisation, forward_dynamics
+from robodyn.dynamics.forward import acceleration_program, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
@@ -75,14 +76,6 @@ def test_numbers_that_are_not_finite_pass_through():
     found = forward_dynamics(MODEL, q, qd, tau)
     assert np.isnan(found[4]).any()
     np.testing.assert_array_equal(np.delete(found, 4, axis=0), np.delete(right, 4, axis=0))
-
-
-def test_a_singular_mass_matrix_is_refused_by_the_factorisation_too():
-    from helpers.small_robots import built, joint, link
-
-    model = built(link("l0"), link("l1"), joint("j1", "l0", "l1"))
-    with pytest.raises(InputError, match='the mass matrix is singular: hardly anything resists "j1"'):
-        forward_by_factorisation(model, 0.0, 0.0, 1.0)
 
 
 @needs_compiler
