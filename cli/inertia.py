@@ -21,7 +21,7 @@ from robodyn.solids.inertia.view import View
 @ROBOT
 @VIEW
 @REPORT
-def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **how: Any) -> int:
+def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **options: Any) -> int:
     """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
 
@@ -37,11 +37,11 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: 
     """
     check_names([*files], report)
     view, ctx = View(about, rpy), click.get_current_context()
-    if how["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
+    if options["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import robot
 
         robot(files, view, form, report, ctx)
         return 0
     from robodyn.cli.inertia_meshes import meshes
 
-    return meshes(files, view, form, report, ctx, **how)
+    return meshes(files, view, form, report, ctx, **options)

@@ -31,7 +31,7 @@ def meshes(
     ctx: click.Context,
     combine: bool,
     place: Sequence[Pose],
-    **how: Any,
+    **options: Any,
 ) -> int:
     """Show what each mesh encloses, or what they make together; the exit status, 2 where a mesh failed.
 
@@ -39,15 +39,17 @@ def meshes(
     """
     check_use("--combine" if combine else "meshes one by one", ctx)
     if combine or form == "urdf":
-        how |= {name: how[name] or False for name in ("symmetry", "tessellation")}
-    outcomes, whole = _measured(files, combine, **{name: each for name, each in how.items() if name not in OF_ROBOTS})
+        options |= {name: options[name] or False for name in ("symmetry", "tessellation")}
+    outcomes, whole = _measured(
+        files, combine, **{name: each for name, each in options.items() if name not in OF_ROBOTS}
+    )
     parts = [each for each in outcomes if isinstance(each, Part)]
     failed = [each for each in outcomes if isinstance(each, MeshError)]
     for error in failed:
         complain(error)
     if failed and (combine or len(files) == 1):
         return 2
-    shapes = partial(_shapes, files, outcomes, how) if report else None
+    shapes = partial(_shapes, files, outcomes, options) if report else None
     if combine:
         _combined(parts, place, whole, view, form, report, shapes)
         return 0
@@ -71,12 +73,12 @@ def _element(outcome: Part | MeshError) -> str:
 
 
 def _shapes(
-    files: Sequence[str], outcomes: Sequence[Part | MeshError], how: dict[str, Any], pictures: bool
+    files: Sequence[str], outcomes: Sequence[Part | MeshError], options: dict[str, Any], pictures: bool
 ) -> list[Floats | None]:
     """Return the triangles of each part [m]; None where they are not wanted or cannot be read a second time."""
     from robodyn.solids.mesh.read.load import load_triangles
 
-    units = one_each(how["unit"], files, "--unit")
+    units = one_each(options["unit"], files, "--unit")
     found: list[Floats | None] = []
     for name, unit, outcome in zip(files, units, outcomes, strict=True):
         if isinstance(outcome, MeshError):
@@ -84,7 +86,7 @@ def _shapes(
         if not pictures or name == STANDARD_INPUT:
             found.append(None)
             continue
-        triangles = load_triangles(name, file_type=how["file_type"], unit=unit)
+        triangles = load_triangles(name, file_type=options["file_type"], unit=unit)
         found.append(triangles.array() * triangles.scale)
     return found
 
@@ -97,7 +99,7 @@ def _measured(
     unit: Sequence[str],
     accuracy: float | None,
     exact: bool,
-    **how: Any,
+    **options: Any,
 ) -> tuple[list[Part | MeshError], float | None]:
     """Return the part that each file is, or why it is none; and the mass of the whole if it is given."""
     whole = mass[0] if combine and len(mass) == 1 else None
@@ -110,12 +112,12 @@ def _measured(
         one_each(unit, files, "--unit"),
         strict=True,
     )
-    how["exact"] = exact or (accuracy is not None and needs_rationals(accuracy))
+    options["exact"] = exact or (accuracy is not None and needs_rationals(accuracy))
     outcomes: list[Part | MeshError] = []
     with metered(files) as (on_progress, done):
         for name, rho, m, units in each:
             try:
-                part = mass_properties(name, density=rho, mass=m, unit=units, heard=on_progress, **how)
+                part = mass_properties(name, density=rho, mass=m, unit=units, heard=on_progress, **options)
                 outcomes.append(part if accuracy is None else with_promise(part, accuracy))
             except MeshError as error:
                 outcomes.append(error)

@@ -26,14 +26,14 @@ MANY_ROBOTS = 10
 
 
 @contextmanager
-def _bar(what: str, total: float, *columns: str, files: str = "", **how: Any) -> Iterator[tuple[Progress, TaskID]]:
-    """Yield a bar of these columns of `rich.progress`, or texts with braces, and its task; `how` is for `Progress`."""
+def _bar(what: str, total: float, *columns: str, files: str = "", **options: Any) -> Iterator[tuple[Progress, TaskID]]:
+    """Yield a bar of these columns of `rich.progress`, or texts with braces, and its task; options: of `Progress`."""
     from rich import progress
     from rich.console import Console
 
     shown = [progress.TextColumn(name) if "{" in name else getattr(progress, name)() for name in columns]
     ends = progress.TextColumn(what), progress.BarColumn(), *shown, progress.TimeRemainingColumn()
-    with progress.Progress(*ends, console=Console(stderr=True), transient=True, **how) as bar:
+    with progress.Progress(*ends, console=Console(stderr=True), transient=True, **options) as bar:
         yield bar, bar.add_task(what, total=total, files=files)
 
 

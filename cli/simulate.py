@@ -81,8 +81,8 @@ def command(
     check_table(table, scene, scene_file)
     if table is None and given():
         raise click.UsageError(f"{given()} goes with --traj", click.get_current_context())
-    how = {name: reading()[name] for name in ("columns", "time_unit")}
-    rows = None if table is None else read_table(table, scene, **how)
+    options = {name: reading()[name] for name in ("columns", "time_unit")}
+    rows = None if table is None else read_table(table, scene, **options)
     if accuracy is None:
         result = simulate(model, scene, duration, table=rows, step=step, rtol=rtol, method=method, executor=executor)
     else:

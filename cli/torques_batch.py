@@ -105,14 +105,14 @@ def _gathered(
 ) -> list[Outcome]:
     """Return all outcomes; a line for each is written as soon as all before it are there, errors on standard error."""
     found: dict[int, Outcome] = {}
-    said = 0
+    printed = 0
     for number, outcome in work:
         found[number] = outcome
         tick(number)
-        while (last := found.get(said)) is not None:
+        while (last := found.get(printed)) is not None:
             if last.status == "failed":
                 complain(last.error)
             elif lines:
                 print(outcome_line(last), flush=True)
-            said += 1
+            printed += 1
     return [found[number] for number in range(len(jobs))]

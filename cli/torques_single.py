@@ -52,10 +52,10 @@ def run_single(
         format_of(out)
     get_ready(report)
     model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
-    said = ""
+    lines = ""
     if example:
         write_example(trajectory, model, scene)
-        said = f"\nwritten: {trajectory}, an example motion to begin with\n"
+        lines = f"\nwritten: {trajectory}, an example motion to begin with\n"
     way = None
     if accuracy is not None:
         way = arithmetic_for(accuracy, trajectory, model, scene)
@@ -66,11 +66,11 @@ def run_single(
         result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
     result = way.fulfilled(result) if way else result
     if out:
-        said += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
+        lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
     if report:
         from robodyn.report.torques_page import torques_page
 
-        said += reported(report, lambda pictures: torques_page(result, model, scene, pictures))
+        lines += reported(report, lambda pictures: torques_page(result, model, scene, pictures))
     if form == "json":
         from robodyn.report.json.loads import torques_json
 
@@ -79,7 +79,7 @@ def run_single(
         from robodyn.report.text import text
         from robodyn.report.torques import torques_sections
 
-        show(text(torques_sections(result, options["explain"]), page()) + said)
+        show(text(torques_sections(result, options["explain"]), page()) + lines)
     return result
 
 

@@ -130,7 +130,7 @@ class AdaptiveSteps:
         self.nq, self.n, self.signal, self.asked = plan.model.nq, plan.model.n, signal, executor
         self.runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
         self.name, self.solver = method.name, getattr(integrate, method.scipy)
-        self.how = {"rtol": rtol, "atol": rtol, "vectorized": True}
+        self.options = {"rtol": rtol, "atol": rtol, "vectorized": True}
         self.executor, self.evaluations = "", 0
         self._count, self._most, self._expected = 0, most, EXPECTED if most == inf else int(most)
 
@@ -160,7 +160,9 @@ class AdaptiveSteps:
             InputError: the method gives up.
         """
         with np.errstate(all="ignore"):
-            solver = self.solver(partial(self.rates, 0.5 * (begin + end)), begin, y, end, first_step=first, **self.how)
+            solver = self.solver(
+                partial(self.rates, 0.5 * (begin + end)), begin, y, end, first_step=first, **self.options
+            )
         try:
             while solver.status == "running":
                 with np.errstate(all="ignore"):

@@ -118,7 +118,7 @@ def simulate(
         shaky=(*unsure, *doubts),
         notes=(
             *model.notes,
-            *signal.said,
+            *signal.assumptions,
             *notes,
             *assumed(model, scene),
             *limits_at_start(model, scene),

@@ -229,7 +229,7 @@ class Signal:
         return np.hstack([*curves, length[:, None]])
 
     @property
-    def said(self) -> list[str]:
+    def assumptions(self) -> list[str]:
         """How the curves run between rows, for the report."""
         table = self.table
         if table is None:

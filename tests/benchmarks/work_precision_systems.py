@@ -27,8 +27,8 @@ from robodyn.measure.speed.peers import bare_description
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Friction, Scene
-from robodyn.simulation.methods import METHODS
-from robodyn.simulation.run import How, integrated
+from robodyn.simulation.methods import METHODS, MethodOptions
+from robodyn.simulation.run import integrated
 
 Run = Callable[[], Any]
 COARSEST = 8
@@ -106,7 +106,7 @@ def ours(system: System, method: str) -> Iterator[tuple[str, Run]]:
     a_plan, (q, qd) = plan(system.model, system.scene), system.start
     if chosen.adaptive:
         for digits in range(3, 14):
-            how = How(chosen, 0.0, 10.0**-digits)
+            how = MethodOptions(chosen, 0.0, 10.0**-digits)
             yield f"rtol 1e-{digits}", partial(_ending, system, integrated, a_plan, how, system.duration, "compiled")
     for k in count(0) if not chosen.adaptive else ():
         steps = max(round(system.duration * COARSEST * 2**k), 1)

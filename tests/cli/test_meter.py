@@ -14,7 +14,7 @@ from helpers.processes import environment
 from helpers.terminals import on_terminal
 
 from robodyn.cli.progress import Meter
-from robodyn.solids.mesh.closed.fingerprint import one_shell
+from robodyn.solids.mesh.closed import one_shell
 from robodyn.solids.mesh.read.load import load_triangles
 from robodyn.solids.mesh_mass import mass_properties
 

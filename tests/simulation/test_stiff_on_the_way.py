@@ -85,13 +85,13 @@ def test_long_motions_that_are_not_stiff_stay_with_their_method(monkeypatch):
 
 def test_a_bound_on_evaluations_tells_how_far_they_came():
     from robodyn.dynamics.plan import plan
-    from robodyn.simulation.methods import How, method_named
+    from robodyn.simulation.methods import MethodOptions, method_named
     from robodyn.simulation.run import integrated, start_of
     from robodyn.simulation.table import Signal
 
     scene = robodyn.Scene(initial_q={"j1": 1.0})
     a_plan = plan(pendulum(), scene)
-    how = How(method_named("dop853"), 0.0, 1e-9, most=200)
+    how = MethodOptions(method_named("dop853"), 0.0, 1e-9, most=200)
     with pytest.raises(TooMuchError, match="dop853 has taken 200 evaluations and is at ") as caught:
         integrated(a_plan, how, 10.0, "numpy", Signal(scene, pendulum(), None), start_of(a_plan))
     assert 0.1 < caught.value.time < 5.0

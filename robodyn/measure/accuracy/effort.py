@@ -95,7 +95,7 @@ class Effort:
         """Give another way so many seconds of work, or what is left."""
         self.floor = max(self.left - share, 0.0)
 
-    def run(self, name: str, **how: Any) -> Simulation:
+    def run(self, name: str, **options: Any) -> Simulation:
         """Return the motion by a method, with this step or tolerance.
 
         Raises:
@@ -105,7 +105,7 @@ class Effort:
         cost = self.cost(method_named(name))
         most = int(max(self.left - self.floor, 0.0) / cost)
         try:
-            return self._counted(self._run(method=name, most=most, **how))
+            return self._counted(self._run(method=name, most=most, **options))
         except TooMuchError as error:
             self.left -= cost * most if error.time else 0.0
             raise

@@ -56,15 +56,17 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
     effort.next_way(effort.share)
     finer: dict[str, float] | None = {"rtol": 0.2 * target} if method_named(name).adaptive else {"step": FIRST_STEP}
     while finer:
-        how, motion = finer, None
+        options, motion = finer, None
         try:
-            motion = effort.run(name, also=seen(before), **how)
+            motion = effort.run(name, also=seen(before), **options)
         except TooMuchError:
             left = f"finer steps change it by {change:.0e} yet" if change < inf else problem
-            raise UnsettledError(f"{left}, and going to {shown(how)} is more work than is allowed", change) from None
+            raise UnsettledError(
+                f"{left}, and going to {shown(options)} is more work than is allowed", change
+            ) from None
         except InputError as error:
             problem = error.what
-        finer = _finer(how, motion)
+        finer = _finer(options, motion)
         if motion is not None and before is not None:
             if not _is_finer(motion, before):
                 continue
@@ -73,10 +75,10 @@ def refined(effort: Effort, name: str, target: float) -> Settled:
             if expected <= 2.0 * target:
                 return Settled(motion, expected)
             if change * SLOWEST > last and last < 1e-6:
-                raise UnsettledError(f"going to {shown(how)} changes the motion by {change:.0e} yet", change)
+                raise UnsettledError(f"going to {shown(options)} changes the motion by {change:.0e} yet", change)
         before = motion or before
     raise UnsettledError(
-        f"going to {shown(how)} changes the motion by {change:.0e} yet" if change < inf else problem, change
+        f"going to {shown(options)} changes the motion by {change:.0e} yet" if change < inf else problem, change
     )
 
 
@@ -85,11 +87,11 @@ def _is_finer(motion: Simulation, before: Simulation) -> bool:
     return motion.step is None or motion.steps >= GROWN * before.steps
 
 
-def _finer(how: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:
+def _finer(options: dict[str, float], motion: Simulation | None) -> dict[str, float] | None:
     """Half the step that a motion had, whose records these are too, or a smaller tolerance; None at the end."""
-    if "rtol" in how:
-        return {"rtol": max(how["rtol"] / 100.0, LEAST_RTOL)} if how["rtol"] > LEAST_RTOL else None
-    step = 0.5 * (how["step"] if motion is None or motion.step is None else motion.step)
+    if "rtol" in options:
+        return {"rtol": max(options["rtol"] / 100.0, LEAST_RTOL)} if options["rtol"] > LEAST_RTOL else None
+    step = 0.5 * (options["step"] if motion is None or motion.step is None else motion.step)
     return {"step": step} if step >= LAST_STEP else None
 
 
@@ -103,8 +105,8 @@ def _expected(name: str, last: float, change: float, target: float) -> float:
     return rest if last < inf and rest <= target else inf
 
 
-def shown(how: Mapping[str, float | None]) -> str:
-    return f"steps of {how['step']:.3g} s" if "step" in how else f"rtol {how['rtol']:.1g}"
+def shown(options: Mapping[str, float | None]) -> str:
+    return f"steps of {options['step']:.3g} s" if "step" in options else f"rtol {options['rtol']:.1g}"
 
 
 NEAREST = 16
@@ -128,9 +130,9 @@ class Graze(NamedTuple):
     def __str__(self) -> str:
         unit = "m" if self.stop.joint.kind == "prismatic" else "rad"
         side = "upper" if self.stop.side > 0 else "lower"
-        how = "passes" if self.depth > 0.0 else "misses"
+        verb = "passes" if self.depth > 0.0 else "misses"
         where = f"its {side} limit of {self.stop.value:g} {unit} by {abs(self.depth):.1g} {unit}"
-        return f'"{self.stop.joint.name}" {how} {where}, at {self.time:.6g} s'
+        return f'"{self.stop.joint.name}" {verb} {where}, at {self.time:.6g} s'
 
 
 def graze(motion: Simulation) -> Graze | None:

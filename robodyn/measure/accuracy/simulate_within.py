@@ -27,7 +27,7 @@ ROUNDING = 2.0**-51
 APART = 'move the limit or the start, or write joint_limits = "spring" or "ignore" in the scene'
 
 
-def simulate_within(model: Model, scene: Scene, duration: float | None, target: float, **how: Any) -> Simulation:
+def simulate_within(model: Model, scene: Scene, duration: float | None, target: float, **options: Any) -> Simulation:
     """Return the motion by the quickest method whose error is expected to be within the target, and which one that is.
 
     The steps of a method are halved, or its tolerance is tightened, until that changes the motion by less than the
@@ -37,14 +37,14 @@ def simulate_within(model: Model, scene: Scene, duration: float | None, target: 
     Args:
         target: of positions and speeds along the way, relative to the largest angle, length, rate or speed, and of the
             time at which a limit ends the motion, relative to that.
-        how: as for `simulate`, without method, step and tolerance.
+        options: as for `simulate`, without method, step and tolerance.
 
     Raises:
         InputError: no method gets there, or no two agree; it tells what was reached by how many steps.
 
     Accuracy: `expected_error` covers the true error in 95 of 100 random motions.
     """
-    effort = Effort(model, scene, duration, how)
+    effort = Effort(model, scene, duration, options)
     settled, checked, error = _agreed(effort, target, effort.is_stiff())
     quicker, other = sorted((settled.motion, checked.motion), key=effort.work)
     said = (
@@ -129,17 +129,17 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
     for name in CONFIRMING[motion.method.name]:
         effort.next_way(0.5 * effort.left)
         fixed = {"step": 0.5 * (motion.step or FIRST_STEP)}
-        how: dict[str, float] | None = {"rtol": target / 10.0} if method_named(name).adaptive else fixed
-        while how:
+        options: dict[str, float] | None = {"rtol": target / 10.0} if method_named(name).adaptive else fixed
+        while options:
             try:
-                other = effort.run(name, also=seen(motion), **how)
+                other = effort.run(name, also=seen(motion), **options)
             except InputError as error:
                 problem = error.what
                 break
             off = apart(motion, other)
             best = min(best, Settled(other, off), key=lambda each: each.error)
-            how = _closer(how, motion, off / target)
-            if off + settled.error <= target and (off <= settled.error or off <= 0.1 * target or how is None):
+            options = _closer(options, motion, off / target)
+            if off + settled.error <= target and (off <= settled.error or off <= 0.1 * target or options is None):
                 return best
         if best.error + settled.error <= target:
             return best
@@ -149,12 +149,12 @@ def _confirmed(effort: Effort, settled: Settled, target: float) -> Settled:
     return best
 
 
-def _closer(how: dict[str, float], motion: Simulation, off: float) -> dict[str, float] | None:
+def _closer(options: dict[str, float], motion: Simulation, off: float) -> dict[str, float] | None:
     """Return a smaller tolerance or step, of a method that is so many targets off from a motion; None at the end."""
-    if "rtol" in how:
-        rtol = max(how["rtol"] * min(0.01, 0.1 / max(off, TINY)), LEAST_RTOL)
-        return {"rtol": rtol} if how["rtol"] > LEAST_RTOL else None
-    step = 0.5 * how["step"]
+    if "rtol" in options:
+        rtol = max(options["rtol"] * min(0.01, 0.1 / max(off, TINY)), LEAST_RTOL)
+        return {"rtol": rtol} if options["rtol"] > LEAST_RTOL else None
+    step = 0.5 * options["step"]
     return {"step": step} if step > 0.2 * (motion.step or FIRST_STEP) else None
 
 

@@ -64,7 +64,7 @@ def simulation_accuracy(
     """
     check_moves(model)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
-    scene, said = with_friction(model, signal.scene)
+    scene, assumed = with_friction(model, signal.scene)
     if duration is None:
         duration = DURATION if signal.table is None else min(DURATION, signal.table.duration)
     followed = partial(simulate, model, table=signal.source)
@@ -84,7 +84,7 @@ def simulation_accuracy(
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
     name = f"{model.name}, {duration:g} s"
-    return Accuracy(name, (ladder,), _prices(a_plan), notes=(*said, *notes))
+    return Accuracy(name, (ladder,), _prices(a_plan), notes=(*assumed, *notes))
 
 
 @dataclass(frozen=True, eq=False)
