@@ -13,11 +13,12 @@ from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
-from robodyn.report.dae import dae_text
-from robodyn.report.equations import closed_text, ode_text
+from robodyn.report.dae import dae_sections
+from robodyn.report.equations import closed_text, ode_sections
 from robodyn.report.json.equations import closed_json, dae_json, ode_json
 from robodyn.report.renderers.latex_closed import closed_latex
 from robodyn.report.renderers.latex_dae import dae_latex
+from robodyn.report.text import text
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 
@@ -55,7 +56,7 @@ def dae_report(model: Model, scene: Scene, at: Any, qd: Any, tau: Any, output: s
     """Return the report in the form that is asked for."""
     found = dae(model, scene, at, qd or (), tau or ())
     if output == "text":
-        return dae_text(found, page())
+        return text(dae_sections(found), page())
     return {"json": dae_json, "latex": dae_latex}[output](found)
 
 
@@ -90,4 +91,4 @@ def command(
         show(written(closed(model, scene)))
     else:
         found = ode(model, scene, at or (), qd or ())
-        show(ode_json(found) if output == "json" else ode_text(found, page()))
+        show(ode_json(found) if output == "json" else text(ode_sections(found), page()))

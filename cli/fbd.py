@@ -15,8 +15,9 @@ from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.screen import page, show
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
-from robodyn.report.free_body import free_bodies_text
+from robodyn.report.free_body import free_body_sections
 from robodyn.report.json.equations import free_bodies_json
+from robodyn.report.text import text
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -91,7 +92,7 @@ def command(
         from robodyn.report.pictures.free_body import drawings
 
         written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
-    show(free_bodies_json(found, words) if form == "json" else free_bodies_text(found, words, page()) + written)
+    show(free_bodies_json(found, words) if form == "json" else text(free_body_sections(found, words), page()) + written)
 
 
 def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:
@@ -107,6 +108,6 @@ def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:
         why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
         raise InputError(f"cannot be written: {why}", remedy=remedy, file=folder) from None
     drawings = list(files)
-    for name, text in drawings:
-        write_whole(os.path.join(folder, name), text.encode(), remedy)
+    for name, content in drawings:
+        write_whole(os.path.join(folder, name), content.encode(), remedy)
     return len(drawings)

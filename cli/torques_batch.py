@@ -21,9 +21,10 @@ from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.programs.run.llvm.machine import compiler
-from robodyn.report.batch import batch_text, outcome_line
+from robodyn.report.batch import batch_sections, outcome_line
 from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
+from robodyn.report.text import text
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import processes
@@ -59,7 +60,7 @@ def run_batch(
     with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
         outcomes = _gathered(work, jobs, tick, form == "text")
     batch = Batch(robot, tuple(outcomes))
-    show(batch_json(batch) if form == "json" else f"\n{batch_text(batch, page())}")
+    show(batch_json(batch) if form == "json" else f"\n{text(batch_sections(batch), page())}")
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 

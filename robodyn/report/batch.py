@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from robodyn.loads.many import Batch, Outcome, Status, Worst
+from robodyn.report.document import Paragraph, Section, Table, paragraphs
 from robodyn.report.limits import unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import speed_unit
-from robodyn.report.table import PLAIN, Content, Page, moment, number, printable
+from robodyn.report.table import Content, moment, number, printable
 from robodyn.support.wording import count
 
 _LISTED = 3
@@ -26,17 +27,19 @@ def outcome_line(outcome: Outcome) -> str:
     return f"{name}: {before}{samples}{limits} -> {printable(outcome.table)}"
 
 
-def batch_text(batch: Batch, page: Page = PLAIN) -> str:
-    """The summary: how many there are of each kind, and the worst of each joint."""
+def batch_sections(batch: Batch) -> Iterator[Section]:
+    """Yield the summary: how many there are of each kind, and the worst of each joint."""
     kinds: tuple[Status, ...] = ("computed", "finished before", "failed")
     found = [f"{amount} {kind}" for kind in kinds if (amount := batch.count(kind))]
-    head = f"{printable(batch.robot)}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}\n"
     done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
-    worst = f"The worst of each joint\n{page.table(worst_table(batch.worst))}\n" if batch.worst else ""
-    return f"{head}\n{worst}{_limits(done)}" if done else head
+    yield [Paragraph(f"{batch.robot}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}")]
+    if batch.worst:
+        yield [Table("The worst of each joint", *worst_table(batch.worst))]
+    if done:
+        yield paragraphs(_limits(done))
 
 
-def _limits(done: Sequence[Outcome]) -> str:
+def _limits(done: Sequence[Outcome]) -> list[str]:
     """Return the verdict on the limits of all motions, and what is in doubt, each with the files that it is about."""
     doubts = {doubt.clause: doubt for outcome in done for doubt in reversed(outcome.doubts)}
     limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
@@ -46,8 +49,8 @@ def _limits(done: Sequence[Outcome]) -> str:
     for clause in doubts:
         about = [(x.trajectory, doubt.said) for x in done for doubt in x.doubts if doubt.clause == clause]
         others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
-        lines.append(f"warning: {printable(about[0][0])}{others}: {printable(about[0][1])}")
-    return "".join(f"{line}\n" for line in lines)
+        lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
+    return lines
 
 
 def worst_table(worst: tuple[Worst, ...]) -> Content:

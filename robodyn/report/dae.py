@@ -1,15 +1,16 @@
-"""The DAE form as text for a person: what is unknown, what holds, the numbers, and how the reactions go."""
+"""The DAE form: what is unknown, what holds, the numbers, and how the reactions go."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.counts import Counts
 from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae_actions import acting
-from robodyn.report.dae_numbers import MOST, both_text, cut, elimination_text, numbers_text
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.dae_numbers import MOST, both_lines, elimination_lines, numbers_sections, shortened
+from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.table import Content, number, printable
 
 ALONG = """\
   force along n     n . (x - y) = 0
@@ -39,24 +40,21 @@ FEW = 5
 """Joints whose forces on a body are written out."""
 
 
-def dae_text(found: Dae, page: Page = PLAIN) -> str:
-    """The report; long tables are cut after `MOST` rows, and say so."""
+def dae_sections(found: Dae) -> Iterator[Section]:
+    """Yield the report; long tables are cut after `MOST` rows, and say so."""
     robot, counts = found.robot, found.counts
     x, y, z = robot.scene.gravity
     several = f"{counts.bodies} bod{'y' if counts.bodies == 1 else 'ies'}"
-    head = f"{printable(robot.model.name)}: DAE form, {several}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
-    parts = [
-        f"{head}M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma\n",
-        f"Unknowns and equations\n{page.table(_unknowns(counts))}{_ranks(counts)}",
-        _bodies(found, page),
-        _connections(found, page),
-        _levels(found),
-        numbers_text(found, page),
-        elimination_text(found),
-        both_text(found),
-        "".join(f"warning: {printable(line)}\n" for line in found.warnings),
-    ]
-    return "\n".join(part for part in parts if part)
+    head = f"{robot.model.name}: DAE form, {several}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
+    yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]
+    yield _bodies(found)
+    yield _connections(found)
+    yield paragraphs(_levels(found))
+    yield from numbers_sections(found)
+    yield paragraphs(elimination_lines(found))
+    yield paragraphs(both_lines(found))
+    yield remarks("warning", found.warnings)
 
 
 def _unknowns(counts: Counts) -> Content:
@@ -70,9 +68,9 @@ def _unknowns(counts: Counts) -> Content:
     return ("", "unknowns", "", "equations", ""), rows
 
 
-def _ranks(counts: Counts) -> str:
+def _ranks(counts: Counts) -> list[str]:
     six, rank, m = 6 * counts.bodies, counts.rank, counts.reactions
-    lines = [f"rank of G: {rank} of {m}, {_redundant(counts)}"]
+    lines = f"rank of G: {rank} of {m}, {_redundant(counts)}".split("\n")
     lines.append(f"degrees of freedom: 6 x {counts.bodies} - {rank} = {six - rank}")
     if counts.index is None:
         lines.append("index: not defined, as accelerations and reactions do not follow from the equations")
@@ -83,7 +81,7 @@ def _ranks(counts: Counts) -> str:
         ranks = ", ".join(map(str, counts.coefficients))
         lines.append(f"index: {p}; {v} with constraints differentiated once, {a} twice")
         lines.append(f"  coefficients of (a, lambda) then have rank {ranks} of {counts.size}")
-    return "".join(f"{line}\n" for line in lines)
+    return lines
 
 
 def _redundant(counts: Counts) -> str:
@@ -99,7 +97,7 @@ def _redundant(counts: Counts) -> str:
     )
 
 
-def _bodies(found: Dae, page: Page) -> str:
+def _bodies(found: Dae) -> Section:
     model, system = found.robot.model, found.robot.system
     pushed = {i for i, _ in found.robot.terms.wrenches}
     rows = []
@@ -110,11 +108,9 @@ def _bodies(found: Dae, page: Page) -> str:
         newton, euler = _sum(weight + forces + outside), _sum(moments + outside)
         rows.append((f"{i} {body.name}", f"{number(float(inertia.m))} kg", newton, euler))
     head = ("body", "mass", "m dv/dt =", "I_c wd + w x I_c w =")
-    return (
-        "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c\n"
-        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'bodies')}"
-        "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c\n"
-    )
+    title = "Bodies: six coordinates each, Newton's and Euler's laws about the mass centre c"
+    legend = "F_i and M_i, drives included, act through joint i on body i and, opposite, on its parent, r and s from c"
+    return [*shortened(title, (head, rows), "bodies"), Paragraph(legend)]
 
 
 def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
@@ -132,7 +128,7 @@ def _sum(terms: Sequence[str]) -> str:
     return " + ".join(terms).replace("+ -", "- ") or "0"
 
 
-def _connections(found: Dae, page: Page) -> str:
+def _connections(found: Dae) -> Section:
     model, system = found.robot.model, found.robot.system
     names = [body.name for body in model.bodies] + ["ground"]
     numbered = [(str(i), joint) for i, joint in enumerate(system.joints)]
@@ -156,14 +152,12 @@ def _connections(found: Dae, page: Page) -> str:
     head = ("joint", "between", "type", "axis", "f", "6 - f", "held", "reactions lambda")
     order = sorted(range(len(rows)), key=lambda k: numbered[k][0].isdigit())
     rows = [rows[k] for k in order] if len(rows) > MOST and system.loops else rows
-    return (
-        f"Joints: a constraint equation and a reaction for each direction in which it holds\n"
-        f"{page.table((head, rows[:MOST]))}{cut(len(rows), 'joints')}{_along(found)}"
-    )
+    title = "Joints: a constraint equation and a reaction for each direction in which it holds"
+    return [*shortened(title, (head, rows), "joints"), *paragraphs(_along(found))]
 
 
-def _along(found: Dae) -> str:
-    """What the letters of directions mean, and what acts where a joint does not hold."""
+def _along(found: Dae) -> list[str]:
+    """Return what the letters of directions mean, and what acts where a joint does not hold."""
     system = found.robot.system
     oblique = any(name.endswith("a") for connection in system.connections for name in connection.reactions)
     lines = ["1, 2 and a are perpendicular, a along an oblique axis"] * oblique
@@ -173,7 +167,7 @@ def _along(found: Dae) -> str:
         lines.append(
             f"along its own coordinates, whose velocity is S v, a joint passes on tau{taken}: S^T tau in f{rotors}"
         )
-    return "".join(f"{line}\n" for line in lines)
+    return lines
 
 
 def _axis(found: Dae, connection: Connection, label: str) -> str:
@@ -186,13 +180,13 @@ def _axis(found: Dae, connection: Connection, label: str) -> str:
     return "a = ({})".format(", ".join(f"{x:.4g}" for x in axis))
 
 
-def _levels(found: Dae) -> str:
+def _levels(found: Dae) -> list[str]:
     equations = found.robot.system.equations
     kinds = {type(equation).__name__ for equation in equations}
     text = (
         (ALONG if "Along" in kinds else "") + (ACROSS if "Across" in kinds else "") + (MIMIC if "Sum" in kinds else "")
     )
     if not text:
-        return ""
+        return []
     where = "x is the joint's point of a body, y that of its parent p; r = x - c, s = x - c_p; n moves with p"
-    return f"Constraints: {where}\n{text}"
+    return [f"Constraints: {where}", *text.splitlines()]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from robodyn.equations.dae.dae import Dae
 from robodyn.equations.dae.equations import Across
+from robodyn.report.document import Section, Table, paragraphs
 from robodyn.report.sizes import sizes
-from robodyn.report.table import Content, Page, number, printable, relative_text
+from robodyn.report.table import Content, number, printable, relative_text
 from robodyn.solids.inertia.eigen import eigen
 from robodyn.support.floats import first_largest
 
@@ -15,27 +18,22 @@ MOST = 16
 """Rows of a table."""
 
 
-def cut(rows: int, what: str) -> str:
-    """What is said below a table that has been cut."""
-    return f"... and {rows - MOST} more {what}; --format json has them all\n" if rows > MOST else ""
+def shortened(title: str, content: Content, what: str) -> Section:
+    """Return a table of at most `MOST` rows, and how many more there are."""
+    head, rows = content
+    more = f"... and {len(rows) - MOST} more {what}; --format json has them all"
+    return [Table(title, head, rows[:MOST]), *paragraphs([more] if len(rows) > MOST else [])]
 
 
-def numbers_text(found: Dae, page: Page) -> str:
-    """The tables of numbers, one below the other."""
-    parts = [f"State\n{page.table(_state(found))}{cut(found.robot.model.n, 'coordinates')}{_consistent(found)}"]
+def numbers_sections(found: Dae) -> Iterator[Section]:
+    """Yield the tables of numbers."""
+    yield [*shortened("State", _state(found), "coordinates"), *paragraphs(_consistent(found))]
     if found.solution is not None:
-        bodies = len(found.robot.model.bodies)
-        joints = sum(bool(connection.equations) for connection in found.robot.system.connections)
-        parts.append(
-            "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's\n"
-            f"{page.table(_accelerations(found))}{cut(bodies, 'bodies')}"
-        )
+        title = "Accelerations of the bodies: wd in the body's axes, dv/dt of the mass centre in the ground's"
+        yield shortened(title, _accelerations(found), "bodies")
         if found.counts.reactions:
-            parts.append(
-                "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent\n"
-                f"{page.table(_reactions(found))}{cut(joints, 'joints')}"
-            )
-    return "\n".join(parts)
+            title = "Reactions lambda on the body that a joint carries, along its axes at q = 0, fixed in the parent"
+            yield shortened(title, _reactions(found), "joints")
 
 
 def _state(found: Dae) -> Content:
@@ -46,7 +44,7 @@ def _state(found: Dae) -> Content:
         given = [number(float(x)) if x else "0" for x in (found.qd[k], found.tau[k])]
         falling = [] if qdd is None else [number(float(qdd[k]), _fastest(found))]
         rows.append((name, f"{at[name]:.6g}" if name in at else "-", *given, *falling))
-    return ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows[:MOST]
+    return ("coordinate", "q", "qd", "tau", *(["qdd"] if qdd is not None else [])), rows
 
 
 def _fastest(found: Dae) -> float:
@@ -55,16 +53,16 @@ def _fastest(found: Dae) -> float:
     return float(np.abs([*found.solution.a, *found.robot.scene.gravity]).max())
 
 
-def _consistent(found: Dae) -> str:
+def _consistent(found: Dae) -> Iterator[str]:
     off, rate = found.residuals
     if not len(off):
-        return ""
+        return
     turns = np.array([isinstance(equation, Across) for equation in found.robot.system.equations])
     points = float(np.abs(off[~turns]).max(initial=0.0))
     angles = float(np.abs(off[turns]).max(initial=0.0))
-    return (
+    yield (
         f"consistent: g = 0 within {relative_text(points)} m and {relative_text(angles)} rad, "
-        f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s\n"
+        f"G v = 0 within {relative_text(float(np.abs(rate).max()))} per s"
     )
 
 
@@ -76,7 +74,7 @@ def _accelerations(found: Dae) -> Content:
         (f"{i} {body.name}", *(number(x, scale) for x in row))
         for i, (body, row) in enumerate(zip(found.robot.model.bodies, each.tolist(), strict=True))
     ]
-    return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows[:MOST]
+    return ("body", "wd x [rad/s^2]", "y", "z", "dv/dt x [m/s^2]", "y", "z"), rows
 
 
 def _reactions(found: Dae) -> Content:
@@ -95,7 +93,7 @@ def _reactions(found: Dae) -> Content:
         for connection, part in own
         if part
     ]
-    return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows[:MOST]
+    return ("joint", *(f"{name} [{'N' if name[0] == 'F' else 'N m'}]" for name in names)), rows
 
 
 def _place(name: str) -> tuple[str, int]:
@@ -103,26 +101,25 @@ def _place(name: str) -> tuple[str, int]:
     return name[0], ("x", "y", "z", "1", "2", "a", "3", "").index(name[1:])
 
 
-def elimination_text(found: Dae) -> str:
-    """Every step with its identity and its residual."""
+def elimination_lines(found: Dae) -> Iterator[str]:
+    """Yield every step with its identity and its residual."""
     n = found.robot.model.n
-    lines = [f"Elimination of the reactions, to the ODE form with {n} velocities qd\n"]
+    yield f"Elimination of the reactions, to the ODE form with {n} velocities qd"
     for k, step in enumerate(found.steps, 1):
-        lines.append(f"{k}  {step.title}\n   {step.formula}\n   {step.checks}: within {relative_text(step.error)}\n")
-    lines.append("errors are parts of the sum of magnitudes that add up to the largest number\n")
-    return "".join(lines)
+        yield from (f"{k}  {step.title}", f"   {step.formula}", f"   {step.checks}: within {relative_text(step.error)}")
+    yield "errors are parts of the sum of magnitudes that add up to the largest number"
 
 
-def both_text(found: Dae) -> str:
-    """How far the DAE and the ODE form are apart."""
+def both_lines(found: Dae) -> tuple[str, ...]:
+    """Return how far the DAE and the ODE form are apart."""
     both = found.comparison
     if both is None:
-        return f'hardly anything resists "{_weakest(found)}": accelerations and reactions are not defined\n'
+        return (f'hardly anything resists "{_weakest(found)}": accelerations and reactions are not defined',)
     loops = bool(found.robot.scene.loops)
     other = "the closed chain in joint coordinates" if loops else "the ODE form's recursions"
     return (
-        f"Both forms: against {other} accelerations qdd differ by {relative_text(both.accelerations)} of the largest,\n"
-        f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}\n"
+        f"Both forms: against {other} accelerations qdd differ by {relative_text(both.accelerations)} of the largest,",
+        f"forces at joints by {relative_text(both.forces)} and moments by {relative_text(both.moments)}",
     )
 
 

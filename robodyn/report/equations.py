@@ -1,29 +1,28 @@
-"""The equations of motion as text for a person."""
+"""The equations of motion: the ODE form in numbers, and the closed form."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from robodyn.equations.closed import STATES, Closed, decimal
 from robodyn.equations.ode import Ode
-from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
+from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
+from robodyn.report.table import Content, number, printable, relative_text
 
 DIGITS = 15
 
 
-def ode_text(ode: Ode, page: Page = PLAIN) -> str:
-    """Configuration, mass matrix and the parts of the bias."""
+def ode_sections(ode: Ode) -> Iterator[Section]:
+    """Yield configuration, mass matrix and the parts of the bias."""
     largest = float(abs(ode.M).max())
     rows = [(name, *(number(x, largest) for x in row)) for name, row in zip(ode.rates, ode.M.tolist(), strict=True)]
-    parts = [
-        _head(ode.robot, len(ode.rates), ode.gravity) + f"{_equation(ode.shares)}\n",
-        f"Configuration\n{page.table(_configuration(ode))}",
-        f"Mass matrix M(q) [kg m^2, kg m or kg]\n{page.table((('', *ode.rates), rows))}" + _condition(ode.cond),
-        f"What tau must supply where nothing accelerates\n{page.table(_bias(ode))}",
-        "".join(f"warning: {printable(line)}\n" for line in ode.warnings),
-    ]
-    return "\n".join(part for part in parts if part)
+    yield paragraphs([_head(ode.robot, len(ode.rates), ode.gravity), _equation(ode.shares)])
+    yield [Table("Configuration", *_configuration(ode))]
+    mass = Table("Mass matrix M(q) [kg m^2, kg m or kg]", ("", *ode.rates), rows)
+    yield [mass, Paragraph(_condition(ode.cond))]
+    yield [Table("What tau must supply where nothing accelerates", *_bias(ode))]
+    yield remarks("warning", ode.warnings)
 
 
 def closed_text(closed: Closed) -> str:
@@ -35,7 +34,7 @@ def closed_text(closed: Closed) -> str:
         for i, (name, kind, q, qd) in enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True))
     )
     parts = [
-        _head(closed.robot, n, closed.gravity) + f"{_equation(closed.bias)}\n",
+        f"{_head(closed.robot, n, closed.gravity)}\n{_equation(closed.bias)}\n",
         f"Coordinates\n{names}",
         f"Mass matrix, symmetric\n{''.join(mass)}",
     ]
@@ -58,7 +57,7 @@ def checked(closed: Closed) -> str:
 def _head(robot: str, n: int, gravity: tuple[float, float, float]) -> str:
     x, y, z = gravity
     coordinates = f"{n} coordinate{'' if n == 1 else 's'}"
-    return f"{printable(robot)}: {coordinates}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
+    return f"{printable(robot)}: {coordinates}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
 
 
 def _equation(effects: Any) -> str:
@@ -76,8 +75,8 @@ def _configuration(ode: Ode) -> Content:
 
 def _condition(cond: float) -> str:
     if cond == float("inf"):
-        return "M is singular to working precision: nothing resists some motion\n"
-    return f"Condition number {cond:.4g}\n"
+        return "M is singular to working precision: nothing resists some motion"
+    return f"Condition number {cond:.4g}"
 
 
 def _bias(ode: Ode) -> Content:

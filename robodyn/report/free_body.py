@@ -1,31 +1,32 @@
-"""Free bodies as text for a person: the joint table, and a table of forces and moments for each body."""
+"""Free bodies: the joint table, and a table of forces and moments for each body."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
 from robodyn.report.bodies import point_text
+from robodyn.report.document import Paragraph, Section, Table, remarks
 from robodyn.report.sizes import Sizes, free_body_sizes
-from robodyn.report.table import PLAIN, Content, Page, number, printable, relative_text
+from robodyn.report.table import Content, number, printable, relative_text
 from robodyn.support.floats import Floats
 
 AXES = ("x", "y", "z")
 
 
-def free_bodies_text(found: FreeBodies, state: str, page: Page = PLAIN) -> str:
-    """The report of one state."""
-    x, y, z = found.gravity
-    head = f"{printable(found.robot)}: {len(found.bodies)} bodies, {state}, gravity ({x:g}, {y:g}, {z:g}) m/s^2\n"
-    size = free_body_sizes(found)
-    parts = [head, f"Joints\n{page.table(_joints(found, size))}{_count(found.joints)}"]
-    parts += [_body(body, size, page) for body in found.bodies]
-    parts.append(
-        "Balance: forces, and moments about each body's origin, add up to zero within "
-        f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest\n"
-    )
-    parts.append("".join(f"warning: {printable(line)}\n" for line in found.warnings))
-    return "\n".join(part for part in parts if part)
+def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
+    """Yield the report of one state."""
+    (x, y, z), size = found.gravity, free_body_sizes(found)
+    yield [Paragraph(f"{found.robot}: {len(found.bodies)} bodies, {state}, gravity ({x:g}, {y:g}, {z:g}) m/s^2")]
+    yield [Table("Joints", *_joints(found, size)), Paragraph(_count(found.joints))]
+    yield from (_body(body, size) for body in found.bodies)
+    yield [
+        Paragraph(
+            "Balance: forces, and moments about each body's origin, add up to zero within "
+            f"{relative_text(found.residual_force)} and {relative_text(found.residual_moment)} of the largest"
+        )
+    ]
+    yield remarks("warning", found.warnings)
 
 
 def _joints(found: FreeBodies, size: Sizes) -> Content:
@@ -77,17 +78,17 @@ def _count(joints: Sequence[JointRow]) -> str:
     freedom, reactions = sum(row.freedom for row in joints), sum(row.reactions for row in joints)
     return (
         f"in the axes of the body that the joint carries; {len(joints)} bodies x 6 equations = {6 * len(joints)} "
-        f"= {reactions} reactions + {freedom} along the degrees of freedom\n"
+        f"= {reactions} reactions + {freedom} along the degrees of freedom"
     )
 
 
-def _body(body: FreeBody, size: Sizes, page: Page) -> str:
+def _body(body: FreeBody, size: Sizes) -> Section:
     others = [name for name in body.links if name != body.name]
     fixed = f" with {', '.join(map(printable, others))}" if others else ""
     mass = f"{number(body.mass)} kg, mass centre {point_text(body.com, 1.0)} m" if body.mass else "no mass"
     title = f"Body {body.number}, {printable(body.name)}{fixed}: {mass}"
     where = f"its origin at {point_text(body.pose.p, 1.0)} m in the ground's frame; components in its own axes"
-    return f"{title}\n{where}\n{page.table(action_table(body, size))}"
+    return [Paragraph(title), Table(where, *action_table(body, size))]
 
 
 def action_table(body: FreeBody, size: Sizes) -> Content:
@@ -98,14 +99,8 @@ def action_table(body: FreeBody, size: Sizes) -> Content:
 
 
 def _row(action: Action, size: Sizes) -> tuple[str, ...]:
-    moment = action.moment
-    return (
-        action.what,
-        action.by,
-        point_text(action.point, 1.0),
-        *_vector(action.force, size["N"]),
-        *_vector(moment, size["N m"]),
-    )
+    vectors = (*_vector(action.force, size["N"]), *_vector(action.moment, size["N m"]))
+    return (action.what, action.by, point_text(action.point, 1.0), *vectors)
 
 
 def _vector(vector: Floats, scale: float) -> list[str]:

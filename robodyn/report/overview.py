@@ -1,8 +1,8 @@
-"""A description at a glance as text for a person."""
+"""A description at a glance: counts and mass, the tree, meshes, findings, and what to run next."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from robodyn.checks.overview import Branch, Meshes, Overview
 from robodyn.programs.vectors import product
 from robodyn.report.bodies import point_text
 from robodyn.report.check_words import check_line
-from robodyn.report.table import PLAIN, Content, Page, number, printable
+from robodyn.report.document import Section, Table, paragraphs
+from robodyn.report.table import Content, number
 from robodyn.robot.urdf.description import Joint, Limit
 from robodyn.support.wording import shown
 
@@ -21,23 +22,16 @@ _DEEPEST = 40
 _NAMED = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
 
-def overview_text(found: Overview, page: Page = PLAIN) -> str:
-    """Counts and mass, the tree as a table, then meshes, findings and what to run next."""
-    return "\n".join(
-        (
-            _head(found),
-            page.table(_tree(found.branches)),
-            _meshes(found.meshes) + f"check: {check_line(found.checked)}\n",
-            *((_lines(["next:", *(f"  {command}" for command in found.next)]),) if found.next else ()),
-        )
-    )
+def overview_sections(found: Overview) -> Iterator[Section]:
+    """Yield counts and mass, the tree as a table, then meshes, findings and what to run next."""
+    yield paragraphs(_head(found))
+    yield [Table("", *_tree(found.branches))]
+    yield paragraphs([*_meshes(found.meshes), f"check: {check_line(found.checked)}"])
+    if found.next:
+        yield paragraphs(["next:", *(f"  {command}" for command in found.next)])
 
 
-def _lines(lines: Sequence[str]) -> str:
-    return "".join(f"{printable(line)}\n" for line in lines)
-
-
-def _head(found: Overview) -> str:
+def _head(found: Overview) -> list[str]:
     joints = ", ".join(f"{count} {kind}" for kind, count in found.types.items())
     merged = found.types.get("fixed", 0)
     freedoms = f"degrees of freedom: {found.freedoms}"
@@ -47,7 +41,7 @@ def _head(found: Overview) -> str:
         freedoms += f"; {merged} fixed joint{' is' if merged == 1 else 's are'} merged"
     if found.mimics:
         freedoms += f"; {found.mimics} joint{' mimics another' if found.mimics == 1 else 's mimic others'}"
-    lines = [
+    return [
         f"{found.file}: robot {shown(found.name)}",
         f"links: {len(found.branches)}, {found.massive} with mass",
         f"joints: {sum(found.types.values())}{joints and f' ({joints})'}",
@@ -55,7 +49,6 @@ def _head(found: Overview) -> str:
         f"mass: {number(found.mass)} kg{_centre(found)}",
         *(f"note: {note}" for note in found.notes),
     ]
-    return _lines(lines)
 
 
 def _centre(found: Overview) -> str:
@@ -125,16 +118,16 @@ def _mimic(joint: Joint) -> str:
     return f"{joint.mimic.joint}{factor}{offset}"
 
 
-def _meshes(meshes: Meshes) -> str:
+def _meshes(meshes: Meshes) -> list[str]:
     if not meshes.references:
-        return "meshes: none\n"
+        return ["meshes: none"]
     count = f"meshes: {meshes.references} in {meshes.names} file{'' if meshes.names == 1 else 's'}"
     if not meshes.missing:
-        return f"{count}, all found\n"
+        return [f"{count}, all found"]
     lines = [
         f"  {geometry.filename} (link {shown(link)}, line {geometry.line})"
         for link, geometry in meshes.missing[:_MOST_MISSING]
     ]
     rest = len(meshes.missing) - len(lines)
     lines += [f"  and {rest} more"] if rest else []
-    return _lines([f"{count}, {len(meshes.missing)} not found:", *lines])
+    return [f"{count}, {len(meshes.missing)} not found:", *lines]

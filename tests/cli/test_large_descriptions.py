@@ -11,7 +11,8 @@ import pytest
 
 from robodyn.checks.overview import overview
 from robodyn.checks.run import check_one
-from robodyn.report.overview import overview_text
+from robodyn.report.overview import overview_sections
+from robodyn.report.text import text
 
 LINK = (
     '<link name="link_{i}"><inertial><mass value="{m}"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0"'
@@ -65,4 +66,4 @@ def test_check_is_linear_in_the_links(shape: str, kind: str) -> None:
 
 
 def test_info_is_linear_in_the_links() -> None:
-    grows_with_links(lambda data: overview_text(overview(data)), "chain", "revolute")
+    grows_with_links(lambda data: text(overview_sections(overview(data))), "chain", "revolute")

@@ -17,12 +17,13 @@ import robodyn
 from robodyn.loads.many import Worst
 from robodyn.loads.result import JointLoad, Result
 from robodyn.report.batch import worst_table
-from robodyn.report.free_body import free_bodies_text
+from robodyn.report.free_body import free_body_sections
 from robodyn.report.json.loads import torques_json
 from robodyn.report.pictures.free_body import drawings
 from robodyn.report.renderers.markdown import markdown
 from robodyn.report.sizes import free_body_sizes, result_sizes
 from robodyn.report.table import NOISE, number, relative_text
+from robodyn.report.text import text
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene
 from robodyn.simulation.run import simulate
@@ -74,7 +75,7 @@ def test_noise_is_no_arrow_of_a_drawing() -> None:
     assert any(0.0 < x < 1e-11 for x in moments), "rounding leaves something, or this tests nothing"
     for _, svg in drawings(found, "at rest"):
         assert not TINY.search(svg)
-    assert not TINY.search(free_bodies_text(found, "at rest").replace("<1e-12", ""))
+    assert not TINY.search(text(free_body_sections(found, "at rest")).replace("<1e-12", ""))
 
 
 def test_a_moment_is_told_beside_the_largest_force_at_the_reach() -> None:
