@@ -22,7 +22,7 @@ from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
-from robodyn.report.fixes import check_diff, fix_lines
+from robodyn.report.check import check_diff, fix_lines
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 

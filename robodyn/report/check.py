@@ -1,11 +1,14 @@
-"""The findings of `check`: place, message, the line of the source with a caret, and what to do."""
+"""The findings of `check`: place, message, the line of the source with a caret, what to do, and what fixing did."""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import PurePath
 
+from robodyn.checks.fixes.fix import Fixed, Made
 from robodyn.checks.rule import Excerpt, Finding
 from robodyn.checks.run import Checked
 from robodyn.report.check_words import LEVELS, check_line, check_verdict, counted
@@ -28,10 +31,10 @@ from robodyn.report.table import printable
 def check_text(checked: Checked) -> str:
     """Return every finding, and at the end how many there are in how many files."""
     summary = f"{counted(len(checked.files), 'file')} checked: {check_line(checked)}\n"
-    return "".join(f"{_lines(finding)}\n" for finding in checked.findings) + summary
+    return "".join(f"{_finding(finding)}\n" for finding in checked.findings) + summary
 
 
-def _lines(finding: Finding) -> str:
+def _finding(finding: Finding) -> str:
     place = f"{finding.file}:{finding.line}:{finding.column}"
     lines = [
         f"{place}: {finding.severity.value} {finding.code} {finding.name}: {finding.message}",
@@ -108,3 +111,39 @@ def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
     if finding.fix is not None:
         lines.append((f"Fix ({'safe' if finding.fix.safe else 'unsafe'}): {finding.fix.what}.", False))
     return LEVELS[finding.severity], title, tuple(lines)
+
+
+def check_diff(fixed: Fixed) -> str:
+    """The unified diff of one file, empty where nothing changes. Lines end with LF alone; a CR is part of its line."""
+    from difflib import unified_diff
+
+    before, after = _lines(fixed.before), _lines(fixed.after)
+    name = printable(fixed.file)
+    lines = unified_diff(before, after, name, name)
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
+
+
+def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
+    """A line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
+    lines = []
+    for fixed in files:
+        lines += [f"{did}: {_place(one.finding)}: {one.fix.what} ({_kind(one)})" for one in fixed.made]
+        lines += [f"not fixed: {_place(one.finding)}: {one.fix.what} ({one.why})" for one in fixed.refused]
+    return [printable(line) for line in lines]
+
+
+def _lines(data: bytes) -> list[str]:
+    return re.findall(r"[^\n]*\n|[^\n]+", data.decode("utf-8", "surrogateescape"))
+
+
+def _place(finding: Finding) -> str:
+    subject = f", {finding.subject.kind} {finding.subject.name}" if finding.subject else ""
+    return f"{finding.file}:{finding.line}: {finding.code}{subject}"
+
+
+def _kind(made: Made) -> str:
+    if made.fix.safe:
+        return "safe: the dynamics stay as they are"
+    if made.change is None:
+        return "unsafe: by how much the torques change cannot be computed"
+    return f"unsafe: torques change by up to {100 * made.change:.3g} % of the largest"

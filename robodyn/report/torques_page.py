@@ -34,9 +34,8 @@ from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import number, printable
 from robodyn.report.torques import input_words
+from robodyn.report.torques_parts import heaviest_load, trust
 from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
-from robodyn.report.torques_trust import trust
-from robodyn.report.torques_worst import heaviest_load
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import ranked

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from robodyn.checks.fixes.fix import Fixed, fixed
 from robodyn.checks.run import check_one
-from robodyn.report.fixes import check_diff, fix_lines
+from robodyn.report.check import check_diff, fix_lines
 from robodyn.report.rules import check_statistics
 
 PLANTED = arm(upper=IDENTITY, shoulder="0 2 0", elbow="0 2 0")

@@ -13,7 +13,7 @@ from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
 from robodyn.measure.timing import Spread
 from robodyn.report.accuracy import accuracy_page
 from robodyn.report.pictures.accuracy import accuracy_figure
-from robodyn.report.pictures.ticks import log_ticks, tick_labels
+from robodyn.report.pictures.figures import log_ticks, tick_labels
 from robodyn.report.renderers.html import html
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
-from robodyn.report.pictures.ticks import log_axis
+from robodyn.report.pictures.figures import log_axis
 from robodyn.report.table import printable
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives

@@ -10,8 +10,7 @@ import numpy as np
 
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.programs.vectors import product
-from robodyn.report.pictures.arrows import Arrow, arrows, on_paper
-from robodyn.report.pictures.labels import Box, Point, Segment, place, text_width
+from robodyn.report.pictures.arrows import Arrow, Box, Point, Segment, arrows, on_paper, place, text_width
 from robodyn.report.pictures.svg import COLOURS, component_table, short, signed, svg_text, table_height
 from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.table import number
