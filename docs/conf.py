@@ -21,6 +21,7 @@ html_theme = "furo"
 html_show_copyright = False
 smartquotes = False
 html_title = f"robodyn {release}"
-html_static_path = ["pictures"]
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 
 write_pages(HERE)
