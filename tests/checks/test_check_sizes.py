@@ -33,6 +33,7 @@ def codes(findings: tuple[Finding, ...]) -> dict[str, int]:
     return {code: names.count(code) for code in set(names) if code != "RD110"}
 
 
+@pytest.mark.slow
 def test_one_long_cycle() -> None:
     findings = found(links(MANY) + joints([(k, (k + 1) % MANY) for k in range(MANY)]))
     assert codes(findings) == {"RD103": 1}
@@ -44,17 +45,20 @@ def test_many_short_cycles() -> None:
     assert codes(found(links(MANY) + joints(pairs))) == {"RD103": MANY // 2}
 
 
+@pytest.mark.slow
 def test_a_long_tail_into_a_cycle() -> None:
     pairs = [(max(k - 1, 0), k) for k in range(MANY)]
     assert codes(found(links(MANY) + joints(pairs))) == {"RD103": 1}
 
 
 @pytest.mark.parametrize("kind", ["fixed", "floating"])
+@pytest.mark.slow
 def test_a_long_chain(kind: str) -> None:
     expected = {} if kind == "fixed" else {"RD202": MANY - 1}
     assert codes(found(links(MANY) + joints([(k, k + 1) for k in range(MANY - 1)], kind))) == expected
 
 
+@pytest.mark.slow
 def test_many_links_apart_are_one_finding() -> None:
     assert codes(found(links(MANY))) == {"RD104": 1}
 
@@ -63,6 +67,7 @@ def test_many_of_one_name() -> None:
     assert codes(found('<link name="a"/>' * MANY)) == {"RD105": MANY - 1}
 
 
+@pytest.mark.slow
 def test_many_dangling_joints() -> None:
     assert codes(found('<link name="a"/>' + joints([(k, k + 1) for k in range(MANY)]))) == {"RD101": 2 * MANY}
 

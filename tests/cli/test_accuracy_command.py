@@ -56,6 +56,7 @@ def test_robot() -> None:
     assert "\nEffects\nwithout" in outcome.out
 
 
+@pytest.mark.slow
 def test_a_scene_may_be_named_as_for_simulate() -> None:
     calls = ((*PLANAR, "--duration", "0.05"), (PLANAR[0], "--scene", PLANAR[1], "--duration", "0.05"))
     found = [json.loads(run("accuracy", *call, "--format", "json").out) for call in calls]

@@ -69,6 +69,7 @@ def test_json() -> None:
     assert found["problem"] is None
 
 
+@pytest.mark.slow
 def test_scene_and_gravity_count() -> None:
     puma = str(ROBOTS / "puma560.urdf")
     scene = ("--scene", str(ROBOTS / "puma560_motors.toml"))

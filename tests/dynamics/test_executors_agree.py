@@ -9,6 +9,7 @@ from helpers.compiled_programs import bits, needs_compiler
 from helpers.example_robots import cases
 from helpers.oracles import EPS, golden_model, random_state, reference, robot, worst
 from helpers.robot_catalogue import names
+from helpers.sampled import sampled
 
 from robodyn.dynamics.balance import energy, laws, losses
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
@@ -41,7 +42,7 @@ def both(program, arrays, dtype=np.float64):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", list(cases()))
+@pytest.mark.parametrize("path", sampled(cases(), 3))
 def test_torques_of_real_robots(path, moving_base):
     model = load(path, moving_base=moving_base)
     compiled, plain = both(Plan(model, Scene()).torques(), sources(model, Scene()))

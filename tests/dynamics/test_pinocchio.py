@@ -7,6 +7,7 @@ import pytest
 from helpers.example_robots import PATHS, REFUSED, all_paths, cases, path_of
 from helpers.oracles import frictionless, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
+from helpers.sampled import sampled
 
 from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
@@ -21,7 +22,7 @@ def test_there_are_as_many_as_expected():
     assert {path.name for path in all_paths()} - {path.name for path in PATHS} == set(REFUSED)
 
 
-@pytest.fixture(scope="module", params=list(cases()))
+@pytest.fixture(scope="module", params=sampled(cases(), 3))
 def path(request):
     return request.param
 

@@ -190,6 +190,7 @@ def test_uncertainty_of_noisy_positions():
         assert load.uncertainty == pytest.approx(np.linalg.norm(M[k] * std), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_uncertainty_is_the_scatter_of_torques():
     """Forty times the same motion with other noise, by central differences, which smooth nothing."""
     model = robot("puma")

@@ -94,6 +94,7 @@ def test_in_plain_floats(tree, inputs):
     assert evaluated(program, {"x": inputs}) == [expected]
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=1000)
 @given(expressions, st.lists(values, min_size=1, max_size=5))
 def test_in_numpy_blocks(tree, samples):

@@ -128,6 +128,7 @@ def test_right_angles_are_exact():
         assert set(np.abs(body.joint.R).ravel()) <= {0.0, 1.0}
 
 
+@pytest.mark.slow
 def test_ten_thousand_links():
     """Neither recursion nor quadratic time: counted by the calls that Python makes."""
     assert sys.getrecursionlimit() < 10_000
@@ -156,6 +157,7 @@ def _calls(n):
     return count
 
 
+@pytest.mark.slow
 def test_ten_thousand_fixed_links_are_one_body():
     parts = [link("l0", 1)]
     for i in range(1, 10_001):

@@ -162,6 +162,7 @@ def test_runners_outlive_plans():
     assert (torque_runner(again), acceleration_runner(again)) == runners
 
 
+@pytest.mark.slow
 def test_orders_of_drives_give_the_same_motion():
     """A program that was made for one order finds its columns in a table that was read for another."""
     model = busy_robot()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -70,6 +71,7 @@ def clean(data):
 
 @settings(deadline=None, max_examples=200)
 @given(tables(values))
+@pytest.mark.slow
 def test_any_tables(table):
     clean("\n".join(f"{json.dumps(key)} = {written(value)}" for key, value in table.items()).encode())
 

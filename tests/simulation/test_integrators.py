@@ -38,6 +38,7 @@ def test_order(method, settled):
     assert errors[1] <= 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [method for method in FIXED if method.implicit], ids=lambda method: method.name)
 def test_sweeps_are_counted(method):
     """One of each step where nothing pushes; else some, as many in machine code as by NumPy but for rounding."""

@@ -34,6 +34,7 @@ def test_no_pulse_is_passed_over(between, table, impulse, how):
 
 
 @pytest.mark.parametrize(("between", "table", "impulse"), CASES)
+@pytest.mark.slow
 def test_an_accuracy_that_is_asked_for_holds_for_pulses(between, table, impulse):
     found = simulate_within(slide(1.0), replace(PUSHED, between_rows=between), None, 1e-3, table=table)
     assert abs(found.qd[-1, 0] - impulse) <= 1e-3 * impulse

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.sampled import sampled
 from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
@@ -46,7 +47,7 @@ def write(path: Path, columns: dict[str, Array]) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", ["csv", "parquet", "npz"])
+@pytest.mark.parametrize("suffix", sampled(["csv", "parquet", "npz"]))
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize(("jitter", "noise"), [(0.0, 0.0), (0.2, 0.0), (0.0, 1e-5), (0.2, 1e-5)])
 def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: float, noise: float) -> None:

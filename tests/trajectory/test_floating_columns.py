@@ -76,6 +76,7 @@ def test_noisy_rotation_is_smoothed() -> None:
     assert np.sqrt((rough[100:-100] ** 2).mean()) > 5.0
 
 
+@pytest.mark.slow
 def test_implied_deviation_of_body_rates() -> None:
     time = np.arange(1500) / 500
     Q, _, _ = turn(time)

@@ -187,6 +187,7 @@ def test_rest_says_nothing_about_noise(rest: float) -> None:
     assert joint.acceleration.startswith("local polynomials" if rest else "Savitzky-Golay")
 
 
+@pytest.mark.slow
 def test_implied_deviation_agrees_with_monte_carlo() -> None:
     """40 noisy copies of one motion: the spread of qdd is what was implied, within a factor of 1.25."""
     time = np.arange(1500) / 500

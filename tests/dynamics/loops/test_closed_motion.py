@@ -220,6 +220,7 @@ def test_rollouts_of_states_on_the_loops():
         robodyn.rollouts(model, q, qd, 100, 1e-3, scene=scene)
 
 
+@pytest.mark.slow
 def test_redundancy_is_judged_where_a_column_of_the_table_begins():
     """Two rods in line, as they are at zero, cannot bend to close their loop, so that nothing can be judged there."""
     rod = 1.0, (0.25, 0, 0), (0.01, 0, 0, 0.02, 0, 0.02)

@@ -80,6 +80,7 @@ def test_the_command_says_so_in_one_line(tmp_path) -> None:
     assert done.err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_doctor_shows_it(tmp_path) -> None:
     if not machine.host().triple.startswith("x86_64"):
         pytest.skip("levels are of x86-64")

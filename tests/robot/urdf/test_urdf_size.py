@@ -46,6 +46,7 @@ def test_a_chain_of_10000_links_loads_in_any_order() -> None:
         assert (len(robot.links), len(robot.joints), robot.root) == (10_000, 9_999, "l0")
 
 
+@pytest.mark.slow
 def test_cycles_of_10000_are_refused() -> None:
     message = refused(cycle(10_000))
     assert "10002: links hang on each other in a cycle: 'l0' -> 'l1' ->" in message

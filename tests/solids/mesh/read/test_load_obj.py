@@ -36,6 +36,7 @@ def test_negative_indices_count_from_the_vertices_before_the_face():
     np.testing.assert_array_equal(read(text).array(), corners(points, [(0, 1, 2), (3, 2, 0)]))
 
 
+@pytest.mark.slow
 def test_negative_indices_across_chunks_of_the_text():
     """Each facet stands after its own three vertices: 3 MB of text."""
     ring = torus(rings=150, sectors=100)

@@ -1,6 +1,8 @@
+import pytest
 from helpers.symmetry_cases import bodies
 
 
+@pytest.mark.slow
 def test_fewer_than_one_verdict_in_a_hundred_is_false():
     wrong, told = (sum(part) for part in zip(*(body.false_verdicts() for body in bodies(100)), strict=True))
     assert told == 300
