@@ -65,7 +65,7 @@ def page() -> tuple[str, float]:
 _TEXT = """# How far facets leave a mesh from the round body it stands for
 
 `robodyn inertia` prints, beside the numbers of the mesh as it is, those of the smooth body that its facets may stand
-for, and how far either may be off (`tessellation_lines.py` says how that is estimated). Nothing in a
+for, and how far either may be off. Nothing in a
 mesh tells whether an eight-sided prism is one or a coarse cylinder, so both readings are given. Bars of the mesh and of
 the corrected numbers hold wherever the corners are: on the surface, as CAD programs put them, outside of it so that
 facets touch it, or between; the narrower bars of the corrected numbers hold if the corners are on it. Edges of more

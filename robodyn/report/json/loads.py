@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def torques_json(result: Result) -> str:
-    """Return the document of `torques`; see README for its keys. Units are SI: N m or N, W, J, s, rad or m."""
+    """Return the document of `torques`, with the keys of docs/reference/schemas; units are SI."""
     document = select(
         result,
         "robot samples duration gravity joints base_wrench effects checks plan derivatives time_origin:origin held "
@@ -61,7 +61,7 @@ def limits_data(limits: Sequence[Coverage]) -> dict[str, Any]:
 
 
 def sizing_data(sizing: Sizing) -> dict[str, Any]:
-    """Return `joints`, `bearings` and `foundation`; see README."""
+    """Return `joints`, `bearings` and `foundation`, as docs/reference/schemas has them."""
     return {
         "joints": list(map(_sized, sizing.joints)),
         "bearings": list(map(_bearing, sizing.bearings)),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def simulation_json(result: Simulation) -> str:
-    """Return the document of `simulate`; see README for its keys."""
+    """Return the document of `simulate`; docs/reference/schemas has its keys."""
     from robodyn.simulation.joint_use import held
 
     energy, accuracy = result.figures.energy, select(result, "target expected:expected_error")
