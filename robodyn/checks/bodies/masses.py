@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import fsum, sqrt
 
 import numpy as np
@@ -12,7 +12,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Severity
 from robodyn.programs.vectors import product
-from robodyn.robot.urdf.view import LinkView
+from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
 
@@ -63,6 +63,13 @@ def is_a_point(link: LinkView) -> bool:
     if link.tensor is None or link.mass is None:
         return False
     return max(map(abs, link.tensor)) <= POINT * POINT * max(link.mass, 0.0)
+
+
+def tensors(context: Context) -> Iterator[tuple[LinkView, InertialView, Tensor]]:
+    """Yield the links whose tensor can be read and is not that of a point."""
+    for link in context.view.links:
+        if link.inertial is not None and link.tensor is not None and not is_a_point(link):
+            yield link, link.inertial, link.tensor
 
 
 def trace(tensor: Tensor) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import exp, isfinite
 
@@ -56,6 +56,14 @@ def slips(context: Context) -> Mapping[str, Slip]:
         if slip is not None:
             found[name] = slip
     return found
+
+
+def judged(context: Context) -> Iterator[Body]:
+    """Yield the bodies whose mass matters in their group and that no slip of units explains."""
+    explained = context.once(slips)
+    for name, body in context.once(bodies).items():
+        if name not in explained and share(context, body) is not None:
+            yield body
 
 
 def _slip(context: Context, body: Body) -> Slip | None:

@@ -1,1 +1,1 @@
-"""What a description says, as far as it can be read: links, joints, numbers, the tree, the names in an SRDF."""
+"""What rules ask of a description beyond `robodyn.robot.urdf.view`: URDF's grammar, the tree of links, the SRDF."""

@@ -7,7 +7,7 @@ Where no cause explains the tensor, the unsafe fix is the nearest that a body ca
 Nori, Identification of fully physical consistent inertial parameters (IROS 2016).
 """
 
-from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
+from robodyn.checks.bodies.masses import principal_moments, tensors, widest
 from robodyn.checks.causes.causes import explained
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -21,14 +21,12 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 )
 def check(context: Context) -> Faults:
     bound = context.thresholds.positive_definite
-    for link in context.view.links:
-        if link.inertial is None or link.tensor is None or is_a_point(link):
-            continue
-        small, middle, large = principal_moments(link.tensor)
+    for link, inertial, tensor in tensors(context):
+        small, middle, large = principal_moments(tensor)
         if small > bound * large:
             continue
         fault = Fault(
-            at=link.inertial.entries[widest(link.tensor)].span,
+            at=inertial.entries[widest(tensor)].span,
             subject=link.subject,
             what="the inertia matrix is not positive definite: its principal moments are "
             f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2",

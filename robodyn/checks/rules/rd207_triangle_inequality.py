@@ -6,7 +6,7 @@ moments, in every axes. Where no cause explains the tensor, the unsafe fix is th
 Kim, Slotine, Linear matrix inequalities for physically consistent inertial parameter identification (RA-L 2018).
 """
 
-from robodyn.checks.bodies.masses import is_a_point, principal_moments
+from robodyn.checks.bodies.masses import principal_moments, tensors
 from robodyn.checks.causes.causes import explained
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -23,17 +23,15 @@ from robodyn.support.wording import figure
 )
 def check(context: Context) -> Faults:
     limits = context.thresholds
-    for link in context.view.links:
-        if link.inertial is None or link.tensor is None or is_a_point(link):
-            continue
-        small, middle, large = principal_moments(link.tensor)
+    for link, inertial, tensor in tensors(context):
+        small, middle, large = principal_moments(tensor)
         if small <= limits.positive_definite * large or small + middle >= (1 - limits.triangle) * large:
             continue
-        diagonal = {k: link.tensor[k] for k in (0, 3, 5)}
+        diagonal = {k: tensor[k] for k in (0, 3, 5)}
         largest = max(diagonal, key=lambda k: diagonal[k])
         lack = figure(100 - 100 * (small + middle) / large, 2)
         fault = Fault(
-            at=link.inertial.entries[largest].span,
+            at=inertial.entries[largest].span,
             subject=link.subject,
             what=f"no body has the principal moments {small:.6g}, {middle:.6g}, {large:.6g} kg m^2: the two smaller "
             f"add up to {small + middle:.6g}, {lack} % less than the largest",

@@ -6,7 +6,7 @@ another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 
 
 from math import isclose, log10
 
-from robodyn.checks.bodies.masses import is_a_point
+from robodyn.checks.bodies.masses import tensors
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.view import LinkView
@@ -23,22 +23,22 @@ _FRACTION = 0.01
 )
 def check(context: Context) -> Faults:
     first_with: dict[tuple[float, ...], LinkView] = {}
-    for link in context.view.links:
-        if link.inertial is None or link.tensor is None or is_a_point(link) or not link.mass:
+    for link, inertial, tensor in tensors(context):
+        if not link.mass:
             continue
-        twin = first_with.setdefault(link.tensor, link)
-        pattern = _pattern(link.tensor)
+        twin = first_with.setdefault(tensor, link)
+        pattern = _pattern(tensor)
         if pattern is None and twin.mass and not isclose(twin.mass, link.mass, rel_tol=0.1):
             pattern = (
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )
         if pattern is not None:
             yield Fault(
-                at=link.inertial.entries[0].span,
+                at=inertial.entries[0].span,
                 subject=link.subject,
                 what=f"the inertia looks like a placeholder: {pattern}",
                 remedy="write the inertia of the part; robodyn inertia computes it from its mesh",
-                measured=link.tensor[0],
+                measured=tensor[0],
                 severity=_severity(context, link),
             )
 

@@ -10,9 +10,9 @@ of the mass that they are fixed to are passed over. The wrists of the UR5 exceed
 
 import numpy as np
 
-from robodyn.checks.bodies.bodies import Body, bodies, share
+from robodyn.checks.bodies.bodies import Body
 from robodyn.checks.bodies.masses import widest
-from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.solids.inertia.boxes import Box
@@ -35,10 +35,7 @@ _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the ine
     good=a_shaped_link(),
 )
 def check(context: Context) -> Faults:
-    explained = context.once(slips)
-    for name, body in context.once(bodies).items():
-        if name in explained or share(context, body) is None:
-            continue
+    for body in judged(context):
         fault = _beyond_reach(body) or _beyond_box(body)
         if fault is not None:
             yield fault

@@ -7,9 +7,8 @@ drawn; beyond one diagonal it is an error, unless the group is the root's, whose
 fixed. Where the mesh of a shape is not known the group is not judged.
 """
 
-from robodyn.checks.bodies.bodies import bodies, share
 from robodyn.checks.bodies.shapes import outside, size_of
-from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
@@ -19,14 +18,13 @@ _OFF = 0.05
 
 @rule(Severity.WARNING, Stage.TREE, bad=a_shaped_link(centre="0 0 0.5"), good=a_shaped_link())
 def check(context: Context) -> Faults:
-    explained = context.once(slips)
-    for name, body in context.once(bodies).items():
-        if body.group is None or name in explained or share(context, body) is None:
+    for body in judged(context):
+        if body.group is None:
             continue
         away, size = outside(body.group, body.in_group[0]), size_of(body.group)
         if away <= _OFF * size:
             continue
-        moves = context.tree.group[name].joint is not None
+        moves = context.tree.group[body.link.name].joint is not None
         origin = body.inertial.origin
         yield Fault(
             at=body.inertial.element.span if origin.element is None else origin.xyz.span,

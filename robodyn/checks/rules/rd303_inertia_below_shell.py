@@ -5,9 +5,8 @@ moment of inertia of 2/3 m r^2; parts of that size have more, for they are longe
 nearly all mass is in one spot. That of a point is RD204's.
 """
 
-from robodyn.checks.bodies.bodies import bodies, share
 from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
-from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
@@ -21,12 +20,9 @@ _LEAST = 0.1
     good=a_shaped_link(),
 )
 def check(context: Context) -> Faults:
-    explained = context.once(slips)
-    for name, body in context.once(bodies).items():
+    for body in judged(context):
         tensor, box = body.link.tensor, body.box
-        if tensor is None or body.S is None or box is None or name in explained or is_a_point(body.link):
-            continue
-        if share(context, body) is None:
+        if tensor is None or body.S is None or box is None or is_a_point(body.link):
             continue
         radius = float((box.hi - box.lo).min()) / 2
         shell = 2 / 3 * body.mass * radius**2
