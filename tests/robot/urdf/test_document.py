@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import Document, Element, Span, read_document
+from robodyn.robot.urdf.document import Document, Element, Span, read, read_document
 from robodyn.robot.urdf.xml_reader import MAX_DEPTH
 
 GAP = st.text(" \t\r\n", min_size=1, max_size=3)
@@ -184,3 +184,27 @@ def test_nesting_up_to_the_limit() -> None:
         with pytest.raises(DescriptionError, match=f"more than {MAX_DEPTH} deep") as caught:
             read_document(nested(depth))
         assert caught.value.line == MAX_DEPTH + 1
+
+
+@pytest.mark.parametrize(
+    ("text", "codes"),
+    [
+        ("<!DOCTYPE robot><robot><p:x/><link name='${a}'/></robot>", ["RD002", "RD003", "RD004"]),
+        ("<robot>\n<link name='${a}'>\n</robot>", ["RD004", "RD001"]),
+        ("<robot xacro:a='1'>\n&b;</robot>", ["RD004", "RD002"]),
+        ("<sdf/>", ["RD001"]),
+        ("", ["RD001"]),
+    ],
+)
+def test_one_parse_finds_every_fault_and_strict_reading_raises_the_first(text: str, codes: list[str]) -> None:
+    faults = read(text.encode()).faults
+    assert [fault.code for fault in faults] == codes
+    with pytest.raises(DescriptionError) as caught:
+        read_document(text.encode())
+    assert str(caught.value) == str(faults[0].error)
+
+
+def test_a_file_without_faults_has_a_document_in_both_readings() -> None:
+    text = b"<robot><link name='a'/></robot>"
+    assert not read(text).faults
+    assert read(text).root.children[0].values == read_document(text).root.children[0].values == {"name": "a"}
