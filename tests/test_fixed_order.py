@@ -25,6 +25,7 @@ NO_DIGITS = {
     "dynamics.forward": "the name of a joint; and products of objects",
     "equations.dae.counts": "ranks; the comparison has no matrix product of its own",
     "solids.mesh.integrate.kernel": "bounds, which are rounded",
+    "solids.mesh.integrate.residues": "integers",
     "solids.mesh.read.scenes": "a sign",
     "simulation.loop_figures": "a rank",
     "dynamics.loops.necessary": "a rank",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -38,6 +38,31 @@ class Program:
     def inputs(self) -> set[tuple[str, int]]:
         """The (source, column) pairs that the outputs depend on."""
         return {(a, b) for op, a, b in self.operations if op is INPUT}
+
+    def evaluated(
+        self,
+        column: Callable[[str, int], Any],
+        number: Callable[[float], Any],
+        functions: Mapping[str, Callable[..., Any]],
+    ) -> list[Any]:
+        """Return the outputs in any arithmetic, one operation after another.
+
+        Args:
+            column: what an input is, by its source and column.
+            number: what a constant is.
+            functions: each operation.
+        """
+        values: list[Any] = []
+        for op, a, b in self.operations:
+            if op is INPUT:
+                values.append(column(a, b))
+            elif op is CONSTANT:
+                values.append(number(a))
+            elif b is None:
+                values.append(functions[op](values[a]))
+            else:
+                values.append(functions[op](values[a], values[b]))
+        return [values[k] for k in self.outputs]
 
 
 def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) -> Program:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import ADD, COS, DIV, EXP, MUL, NEG, SIGN, SIN, SQRT, SUB
 
 Floats = NDArray[np.float64]
 BLOCK = 1024
@@ -60,18 +60,11 @@ class DoubleDouble:
 
     def _block(self, sources: Mapping[str, Floats], block: slice) -> Pair:
         count = block.stop - block.start
-        values: list[Pair] = []
-        for op, a, b in self.program.operations:
-            if op is INPUT:
-                column = np.ascontiguousarray(sources[a][block, b])
-                values.append(Pair(column, np.zeros(count)))
-            elif op is CONSTANT:
-                values.append(Pair(a, 0.0))
-            elif b is None:
-                values.append(_UNARY[op](values[a]))
-            else:
-                values.append(_BINARY[op](values[a], values[b]))
-        outputs = [values[k] for k in self.program.outputs]
+
+        def column(source: str, index: int) -> Pair:
+            return Pair(np.ascontiguousarray(sources[source][block, index]), np.zeros(count))
+
+        outputs = self.program.evaluated(column, lambda value: Pair(value, 0.0), _FUNCTIONS)
         return Pair(*(np.column_stack([np.broadcast_to(x[i], count) for x in outputs]) for i in range(2)))
 
 
@@ -133,8 +126,11 @@ def sign(a: Pair) -> Pair:
     return Pair(np.sign(a.high), 0.0 * a.high)
 
 
-_BINARY: dict[str, Callable[[Pair, Pair], Pair]] = {ADD: added, SUB: subtracted, MUL: multiplied, DIV: divided}
-_UNARY: dict[str, Callable[[Pair], Pair]] = {
+_FUNCTIONS: dict[str, Callable[..., Pair]] = {
+    ADD: added,
+    SUB: subtracted,
+    MUL: multiplied,
+    DIV: divided,
     NEG: negated,
     SQRT: root,
     SIN: sine,

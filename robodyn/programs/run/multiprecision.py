@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import ADD, COS, DIV, EXP, MUL, NEG, SIGN, SIN, SQRT, SUB
 from robodyn.support.extras import need
 
 DOUBLE_BITS = 1024
@@ -54,20 +54,14 @@ class Multiprecision:
         Accuracy: each operation is right to 10^(1 - digits) of its result. These are working digits: a program that
         cancels loses some of them. The digits that two runs with different `digits` share are those to be trusted.
         """
-        convert, functions = self.context.convert, self._functions
+        convert = self.context.convert
+
+        def of_sample(row: int) -> list[Any]:
+            return self.program.evaluated(lambda a, b: convert(sources[a][row][b]), convert, self._functions)
+
         result = np.empty((samples, len(self.program.outputs)), dtype=object)
         for row in range(samples):
-            values: list[Any] = []
-            for op, a, b in self.program.operations:
-                if op is INPUT:
-                    values.append(convert(sources[a][row][b]))
-                elif op is CONSTANT:
-                    values.append(convert(a))
-                elif b is None:
-                    values.append(functions[op](values[a]))
-                else:
-                    values.append(functions[op](values[a], values[b]))
-            result[row] = [values[k] for k in self.program.outputs]
+            result[row] = of_sample(row)
         return result
 
 

@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import Any
 
 from robodyn.programs.program import Program
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import ADD, COS, DIV, EXP, MUL, NEG, SIGN, SIN, SQRT, SUB
 from robodyn.support.extras import need
 
 DIGITS = 10
@@ -26,16 +26,7 @@ def expressions(program: Program, symbols: Mapping[tuple[str, int], Any]) -> lis
     Raises:
         InputError: SymPy is not installed.
     """
-    functions = operations()
-    values: list[Any] = []
-    for op, a, b in program.operations:
-        if op is INPUT:
-            values.append(symbols[a, b])
-        elif op is CONSTANT:
-            values.append(number(a))
-        else:
-            values.append(functions[op](*(values[k] for k in (a, b) if k is not None)))
-    return [values[k] for k in program.outputs]
+    return program.evaluated(lambda source, column: symbols[source, column], number, operations())
 
 
 def number(value: float) -> Any:

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.read.stl_binary import StlTriangles
-from robodyn.solids.mesh.triangles import Corners, MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import Corners, Triangles
 
 CHUNK = 256
 """Numbers that one dot product adds up: few, because the rounding errors of equal terms do not cancel."""
@@ -67,7 +66,8 @@ def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[A
 
 def _raw(triangles: Triangles, rows: int) -> Iterator[Corners]:
     """The blocks as they come fastest, perhaps with corners that are not finite."""
-    return triangles.records(rows) if isinstance(triangles, (StlTriangles, MemoryTriangles)) else triangles.blocks(rows)
+    blocks: Iterator[Corners] = getattr(triangles, "records", triangles.blocks)(rows)
+    return blocks
 
 
 def reference_in(X: Array) -> Array:

@@ -158,38 +158,19 @@ def box(triangles: Triangles) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class ScaledTriangles:
-    """The given triangles with each coordinate times its factor, and `common` times their scale; see `Triangles`.
+    """The given triangles with each coordinate times its factor; see `Triangles`.
 
     Of a mirror image the corners are read backwards, so that what was wound outwards still is.
     """
 
     given: Triangles
-    common: float
     factors: Floats
-
-    @property
-    def name(self) -> str:
-        return self.given.name
-
-    @property
-    def count(self) -> int:
-        return self.given.count
-
-    @property
-    def significand(self) -> int:
-        return self.given.significand
-
-    @property
-    def scale(self) -> float:
-        return self.given.scale * self.common
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return self.given.notes
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        return self.given.warnings
+    name: str
+    count: int
+    significand: int
+    scale: float
+    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
         for block in self.given.blocks(rows):
@@ -225,4 +206,6 @@ def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
     if (given == 1).all():
         return triangles
     common = float(abs(given[0]))
-    return ScaledTriangles(triangles, common, given / common)
+    kept = triangles.name, triangles.count, triangles.significand
+    size = triangles.scale * common
+    return ScaledTriangles(triangles, given / common, *kept, size, triangles.notes, triangles.warnings)

@@ -11,7 +11,7 @@ from helpers.mesh_samples import binary_stl, box, cylinder, flipped, moved, shee
 from robodyn.solids.mesh.integrate.integrals import measure
 from robodyn.solids.mesh.measured import is_sound
 from robodyn.solids.mesh.read.load import load_triangles
-from robodyn.solids.mesh.repair.repair import repair
+from robodyn.solids.mesh.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
 from robodyn.solids.mesh_mass import mass_properties
 

@@ -16,13 +16,12 @@ of more than 10 000 numbers are not made, because OpenBLAS would start threads f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.blocks import CHUNK, Step, workspace
+from robodyn.solids.mesh.blocks import Step, workspace
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 """The entries of a symmetric matrix in the order of its sums."""
@@ -50,7 +49,7 @@ def volume_kernel(space: Array) -> Kernel:
     sums = workspace(SUMS, n // 2, space.dtype)
     edges, terms = early[:6], early[6:9]
     steps: list[Step] = [
-        *_cross(X, early[:12], normal),
+        *cross_steps(X, early[:12], normal),
         (np.matmul, (edges[:, None, :], edges[..., None], result[SUMS:, None, None])),
         (np.multiply, (normal, X[0], terms)),
         *_row_sum(terms, weight[0]),
@@ -68,7 +67,7 @@ def surface_kernel(space: Array) -> Kernel:
     early, normal, weight = (workspace(rows, n, space.dtype) for rows in (18, 3, 1))
     sums = workspace(10, n // 2, space.dtype)
     steps: list[Step] = [
-        *_cross(space[:3], early[:12], normal),
+        *cross_steps(space[:3], early[:12], normal),
         *_lengths(normal),
         (np.copyto, (weight[0], normal[0])),
         *_moments(space, weight, early, sums),
@@ -90,24 +89,7 @@ def symmetric(entries: Array) -> Array:
     return matrix
 
 
-def dots(rows: Array, columns: Array, pairs: Sequence[tuple[int, int]]) -> tuple[list[Step], Array]:
-    """Dot products of pairs of rows and columns, a chunk at a time.
-
-    Args:
-        rows, columns: (k, parts, n); a pair has an index of each.
-
-    Returns:
-        The steps, and where they put their results, (pairs, parts n / CHUNK).
-    """
-    chunks = rows.shape[-1] // CHUNK
-    results = np.empty((len(pairs), rows.shape[1], chunks, 1, 1), rows.dtype)
-    across = rows.reshape(*rows.shape[:2], chunks, 1, CHUNK)
-    down = columns.reshape(*columns.shape[:2], chunks, CHUNK, 1)
-    steps: list[Step] = [(np.matmul, (across[i], down[j], out)) for (i, j), out in zip(pairs, results, strict=True)]
-    return steps, results.reshape(len(pairs), -1)
-
-
-def _cross(X: Array, space: Array, normal: Array) -> list[Step]:
+def cross_steps(X: Array, space: Array, normal: Array) -> list[Step]:
     """(b - a) x (c - a), and its products in the last six of twelve rows of space."""
     edges, (plus, minus) = space.reshape(2, 2, 3, -1)
     (ex, ey, ez), (fx, fy, fz) = edges

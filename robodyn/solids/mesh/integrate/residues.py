@@ -13,8 +13,8 @@ from math import gcd, prod
 import numpy as np
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.blocks import Step, workspace
-from robodyn.solids.mesh.integrate.kernel import PAIRS, dots
+from robodyn.solids.mesh.blocks import CHUNK, Step, workspace
+from robodyn.solids.mesh.integrate.kernel import PAIRS, cross_steps
 
 MODULUS_BITS = 20
 """Bits of the largest modulus: residues are at most half of it, and 2^14 products of a residue with the sum of two
@@ -86,16 +86,16 @@ def residue_kernel(parts: Array, field: Field) -> tuple[list[Step], Array]:
             times places.
     """
     n = parts.shape[-1]
-    corners, spare, weighted, normal, weights = (workspace(rows, n) for rows in (12, 9, 9, 3, 1))
+    corners, spare, weighted, normal, weights = (workspace(rows, n) for rows in (12, 12, 9, 3, 1))
     X, sums, third, D = corners[:9].reshape(3, 3, n), corners[3:].reshape(3, 3, n), corners[9:], weights[0]
     a, b, c = X
     products, result = weighted.reshape(3, 3, n), np.empty(10)
-    dots_first, first = dots(normal.reshape(3, 1, n), weights.reshape(1, 1, n), [(i, 0) for i in range(3)])
-    dots_second, second = dots(products.swapaxes(0, 1), sums.swapaxes(0, 1), PAIRS)
+    dots_first, first = _dots(normal.reshape(3, 1, n), weights.reshape(1, 1, n), [(i, 0) for i in range(3)])
+    dots_second, second = _dots(products.swapaxes(0, 1), sums.swapaxes(0, 1), PAIRS)
     return [
-        *_combined(parts, field, X, spare.reshape(3, 3, n)),
-        *field.reduce(corners[:9], spare),
-        *_cross(X, spare, normal),
+        *_combined(parts, field, X, spare[:9].reshape(3, 3, n)),
+        *field.reduce(corners[:9], spare[:9]),
+        *cross_steps(X, spare, normal),
         *field.reduce(normal, spare[:3]),
         (np.multiply, (normal, a, normal)),
         (np.add, (normal[0], normal[1], D)),
@@ -109,7 +109,7 @@ def residue_kernel(parts: Array, field: Field) -> tuple[list[Step], Array]:
         (np.add, (b, c, b)),
         (np.add, (c, a, c)),
         (np.multiply, (sums, D, products)),
-        *field.reduce(weighted, spare),
+        *field.reduce(weighted, spare[:9]),
         *dots_second,
         (np.add.reduce, (second, 1, None, result[4:])),
     ], result
@@ -123,14 +123,18 @@ def _combined(parts: Array, field: Field, X: Array, spare: Array) -> list[Step]:
     return steps
 
 
-def _cross(X: Array, spare: Array, normal: Array) -> list[Step]:
-    """(b - a) x (c - a)."""
-    (e, f), product = spare[:6].reshape(2, 3, -1), spare[6]
-    steps: list[Step] = [(np.subtract, (X[1], X[0], e)), (np.subtract, (X[2], X[0], f))]
-    for i in range(3):
-        steps += [
-            (np.multiply, (e[i - 2], f[i - 1], normal[i])),
-            (np.multiply, (e[i - 1], f[i - 2], product)),
-            (np.subtract, (normal[i], product, normal[i])),
-        ]
-    return steps
+def _dots(rows: Array, columns: Array, pairs: Sequence[tuple[int, int]]) -> tuple[list[Step], Array]:
+    """Dot products of pairs of rows and columns, a chunk at a time.
+
+    Args:
+        rows, columns: (k, parts, n); a pair has an index of each.
+
+    Returns:
+        The steps, and where they put their results, (pairs, parts n / CHUNK).
+    """
+    chunks = rows.shape[-1] // CHUNK
+    results = np.empty((len(pairs), rows.shape[1], chunks, 1, 1), rows.dtype)
+    across = rows.reshape(*rows.shape[:2], chunks, 1, CHUNK)
+    down = columns.reshape(*columns.shape[:2], chunks, CHUNK, 1)
+    steps: list[Step] = [(np.matmul, (across[i], down[j], out)) for (i, j), out in zip(pairs, results, strict=True)]
+    return steps, results.reshape(len(pairs), -1)

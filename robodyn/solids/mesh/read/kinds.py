@@ -43,7 +43,6 @@ SCENES = ("dae", "zae", "glb", "gltf", "3mf", "3dxml", "xaml")
 KINDS = ("stl", "obj", "ply", "off", *SCENES)
 """All types of meshes; also the suffixes of their names."""
 _HEAD = 4096
-_COMMENT = rb"#[^\r\n]*"
 _OFF = rb"\s*(ST)?C?N?OFF\s"
 _OBJ = rb"(?m)^v[ \t]+[-+.\d]"
 
@@ -86,7 +85,7 @@ def _begins_as(head: bytes, size: int) -> str | None:
         "stl": text.startswith(b"solid") and b"facet" in text,
         "ply": head.startswith((b"ply\n", b"ply\r")),
         "glb": head.startswith(b"glTF"),
-        "off": re.match(_OFF, re.sub(_COMMENT, b"", head)) is not None,
+        "off": re.match(_OFF, re.sub(rb"#[^\r\n]*", b"", head)) is not None,
         "dae": b"<COLLADA" in head,
         "obj": b"\0" not in head and re.search(_OBJ, head) is not None,
     }

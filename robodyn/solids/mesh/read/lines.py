@@ -24,6 +24,7 @@ _LONGEST_TOKEN = 64
 _PAD = b"\n".ljust(_LONGEST_TOKEN)
 _SLASH, _MINUS, _UNDERSCORE = b"/-_"
 _FIRST_BLANK, _LAST_BLANK = b"\t "
+_COMMENT = re.compile(rb"#[^\r\n]*")
 _MARK = b"\xef\xbb\xbf"
 
 
@@ -49,6 +50,11 @@ def whole_lines(source: Source, stream: BinaryIO, end: Callable[[bytes], int]) -
         offset, rest = offset + taken, text[taken:]
     if rest:
         yield offset, rest
+
+
+def without_comments(text: bytes) -> bytes:
+    """Return the text with blanks for comments from # to the end of a line, so that every word stays in its place."""
+    return _COMMENT.sub(lambda found: b" " * len(found[0]), text) if b"#" in text else text
 
 
 def last_line_end(text: bytes) -> int:
@@ -175,6 +181,12 @@ def tokens(source: Source, offset: int, text: bytes) -> Tokens:
     blank = (letters >= _FIRST_BLANK) & (letters <= _LAST_BLANK)
     edges = np.flatnonzero(blank[1:] != blank[:-1]) + 1
     return Tokens(source, offset, letters, edges[::2], edges[1::2])
+
+
+def runs(first: Integers, sizes: Integers) -> Integers:
+    """Return so many integers from each first one on: 5 and 8, 2 and 3 times, are 5 6 8 9 10."""
+    found: Integers = np.repeat(first - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+    return found
 
 
 def _joined(x: NDArray[np.uint64]) -> NDArray[np.int64]:

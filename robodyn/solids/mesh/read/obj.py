@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from robodyn.solids.mesh.read.lines import Integers, Tokens, last_line_end, tokens, whole_lines
-from robodyn.solids.mesh.read.polygons import add_sample, significand, triangles_of
+from robodyn.solids.mesh.read.lines import Integers, Tokens, last_line_end, runs, tokens, whole_lines, without_comments
+from robodyn.solids.mesh.read.polygons import Polygons
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Floats, IndexedTriangles
+from robodyn.solids.mesh.triangles import IndexedTriangles
 
-_COMMENT = re.compile(rb"#[^\r\n]*")
 _CONTINUED = re.compile(rb"\\\r?\n")
-
-
-@dataclass
-class _Parts:
-    vertices: list[Floats] = field(default_factory=list)
-    corners: list[Integers] = field(default_factory=list)
-    sizes: list[Integers] = field(default_factory=list)
-    words: list[bytes] = field(default_factory=list)
-    count: int = 0
 
 
 def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
@@ -34,21 +23,13 @@ def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTri
     Raises:
         MeshError: a line of a vertex or a face is malformed, a face names a vertex that does not exist, there are none.
     """
-    parts = _Parts()
+    found = Polygons()
     with source.opened() as stream:
         for offset, text in whole_lines(source, stream, _end):
-            _take(parts, tokens(source, offset, _plain(text)))
-    if not parts.count and not parts.sizes:
+            _take(found, tokens(source, offset, _plain(text)))
+    if not found.points and not found.faces:
         raise source.error("no line begins with 'v' or 'f'", remedy="this is no OBJ; is its type another?")
-    return triangles_of(
-        source.name,
-        np.concatenate([np.empty((0, 3)), *parts.vertices]),
-        np.concatenate([np.empty(0, np.int64), *parts.corners]),
-        np.concatenate([np.empty(0, np.int64), *parts.sizes]),
-        significand=significand(parts.words),
-        scale=scale,
-        notes=notes,
-    )
+    return found.triangles(source, scale, notes)
 
 
 def _end(text: bytes) -> int:
@@ -60,41 +41,30 @@ def _end(text: bytes) -> int:
 
 def _plain(text: bytes) -> bytes:
     """The text with blanks for comments, and lines joined that end with a backslash; every word stays in its place."""
-    if b"#" in text:
-        text = _COMMENT.sub(_blanks, text)
-    return _CONTINUED.sub(_blanks, text) if b"\\" in text else text
+    text = without_comments(text)
+    return _CONTINUED.sub(lambda found: b" " * len(found[0]), text) if b"\\" in text else text
 
 
-def _blanks(found: re.Match[bytes]) -> bytes:
-    return b" " * len(found[0])
-
-
-def _take(parts: _Parts, words: Tokens) -> None:
+def _take(found: Polygons, words: Tokens) -> None:
     first, lengths = words.first[:-1], np.diff(words.first)
     is_vertex = words.begin_with(b"v")
     short = is_vertex & (lengths < 4)
     if short.any():
         at = int(short.argmax())
-        what = f"a vertex with {lengths[at] - 1} coordinates"
-        raise words.error(int(first[at]), what, "write v x y z")
-    coordinates = first[is_vertex][:, None] + np.arange(1, 4)
-    if len(coordinates):
-        add_sample(parts.words, words, coordinates)
-        parts.vertices.append(words.floats(coordinates.reshape(-1)).reshape(-1, 3))
+        raise words.error(int(first[at]), f"a vertex with {lengths[at] - 1} coordinates", "write v x y z")
     lines = np.flatnonzero(words.begin_with(b"f"))
+    before = found.points + np.cumsum(is_vertex)[lines]
+    found.add_vertices(words, first[is_vertex] + 1)
     if len(lines):
-        before = parts.count + np.cumsum(is_vertex)[lines]
-        _take_faces(parts, words, first[lines] + 1, lengths[lines] - 1, before)
-    parts.count += len(coordinates)
+        _take_faces(found, words, first[lines] + 1, lengths[lines] - 1, before)
 
 
-def _take_faces(parts: _Parts, words: Tokens, first: Integers, sizes: Integers, before: Integers) -> None:
+def _take_faces(found: Polygons, words: Tokens, first: Integers, sizes: Integers, before: Integers) -> None:
     """Faces whose corners are `sizes` words from `first` on, with `before` vertices before them."""
     if (sizes < 3).any():
         at = int((sizes < 3).argmax())
         raise words.error(int(first[at]) - 1, f"a face with {sizes[at]} corners", "a face needs three; leave it out")
-    starts = np.repeat(first - (np.cumsum(sizes) - sizes), sizes)
-    index = starts + np.arange(len(starts))
+    index = runs(first, sizes)
     corners = words.integers(index, slash=True)
     relative = corners <= 0
     if relative.any():
@@ -106,5 +76,4 @@ def _take_faces(parts: _Parts, words: Tokens, first: Integers, sizes: Integers, 
             what = f"vertex {corners[at]} of the {there[at]} before this face"
             raise words.error(int(index[at]), what, "indices count from 1, or back from -1")
         corners = np.where(relative, counted, corners)
-    parts.corners.append(corners - 1)
-    parts.sizes.append(sizes)
+    found.add_faces(corners - 1, sizes)

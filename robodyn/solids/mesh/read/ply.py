@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.lines import Integers, Tokens, last_line_end, tokens, whole_lines
+from robodyn.solids.mesh.read.lines import Integers, Tokens, last_line_end, runs, tokens, whole_lines
 from robodyn.solids.mesh.read.ply_binary import Columns, read_binary
 from robodyn.solids.mesh.read.ply_header import Element, Header, Property, read_header
 from robodyn.solids.mesh.read.polygons import triangles_of
@@ -72,7 +72,7 @@ def _rows(
         if known.name in wanted:
             index = at
             if known.length:
-                index = np.repeat(at - (np.cumsum(sizes) - sizes), sizes) + np.arange(sizes.sum())
+                index = runs(at, sizes)
             found[known.name] = sizes, _values(words, index, known.type)
         at = at + sizes
     _check_within(words, element, at - 1, end, at != end)

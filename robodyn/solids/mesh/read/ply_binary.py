@@ -10,7 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.lines import Integers
+from robodyn.solids.mesh.read.lines import Integers, runs
 from robodyn.solids.mesh.read.ply_header import Element, Header
 from robodyn.solids.mesh.read.source import Source
 
@@ -134,8 +134,7 @@ def _walked(
 def _gathered(data: bytes, starts: list[int], lengths: list[int], kind: str) -> tuple[Integers, NDArray[Any]]:
     item = np.dtype(kind).itemsize
     sizes = np.array(lengths, np.int64)
-    within = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    places = np.repeat(np.array(starts, np.int64), sizes) + item * within
+    places = np.repeat(np.array(starts, np.int64), sizes) + item * runs(np.zeros_like(sizes), sizes)
     values = sliding_window_view(np.frombuffer(data, np.uint8), item)[places].view(kind)[:, 0]
     return sizes, _native(values)
 

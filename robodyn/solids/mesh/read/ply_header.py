@@ -40,10 +40,6 @@ class Element:
     count: int
     properties: tuple[Property, ...]
 
-    @property
-    def has_lists(self) -> bool:
-        return any(known.length for known in self.properties)
-
 
 @dataclass(frozen=True)
 class Header:

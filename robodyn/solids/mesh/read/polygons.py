@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.lines import Integers, Tokens
-from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, not_finite
+from robodyn.solids.mesh.read.lines import Integers, Tokens, runs
+from robodyn.solids.mesh.read.source import Source
+from robodyn.solids.mesh.triangles import Corners, Floats, IndexedTriangles, not_finite
 
 _SAMPLE, _MOST = 64, 1024
 _FEW, _FLOAT32, _FLOAT64 = 5, 9, 16
@@ -40,6 +41,43 @@ def significand(words: Sequence[bytes]) -> int:
 def _digits(word: bytes) -> int:
     mantissa = word.lower().partition(b"e")[0].lstrip(b"+-")
     return len(mantissa.replace(b".", b"").strip(b"0"))
+
+
+class Polygons:
+    """Vertices and polygons of a text, taken part by part."""
+
+    def __init__(self) -> None:
+        self._vertices: list[Floats] = [np.empty((0, 3))]
+        self._corners: list[Integers] = [np.empty(0, np.int64)]
+        self._sizes: list[Integers] = [np.empty(0, np.int64)]
+        self._words: list[bytes] = []
+        self.points = self.faces = 0
+
+    def add_vertices(self, words: Tokens, first: Integers) -> None:
+        """Take three coordinates from each of these words on."""
+        if len(first):
+            index = first[:, None] + np.arange(3)
+            add_sample(self._words, words, index)
+            self._vertices.append(words.floats(index.reshape(-1)).reshape(-1, 3))
+            self.points += len(first)
+
+    def add_faces(self, corners: Integers, sizes: Integers) -> None:
+        """Take polygons of so many corners each, given as numbers of vertices from 0 on."""
+        self._corners.append(corners)
+        self._sizes.append(sizes)
+        self.faces += len(sizes)
+
+    def triangles(self, source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
+        """Return all of them, cut into triangles; see `triangles_of`."""
+        return triangles_of(
+            source.name,
+            np.concatenate(self._vertices),
+            np.concatenate(self._corners),
+            np.concatenate(self._sizes),
+            significand=significand(self._words),
+            scale=scale,
+            notes=notes,
+        )
 
 
 def triangles_of(
@@ -108,5 +146,5 @@ def _fans(corners: Integers, sizes: Integers) -> NDArray[np.signedinteger[Any]]:
     firsts = np.cumsum(sizes) - sizes
     counts = sizes - 2
     first = np.repeat(firsts, counts)
-    second = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts) + first + 1
+    second = runs(firsts + 1, counts)
     return np.stack([corners[first], corners[second], corners[second + 1]], axis=1)
