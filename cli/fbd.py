@@ -22,7 +22,7 @@ from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.files import write_whole
-from robodyn.trajectory.at_time import row_at
+from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.robot_motion import read_motion
 
 STATE = together(

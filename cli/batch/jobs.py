@@ -21,7 +21,7 @@ from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import DEFAULT, Payload, Scene
 from robodyn.support.extras import need
 from robodyn.support.libraries import code_digest, version_of
-from robodyn.trajectory.open import FILE_TYPES
+from robodyn.trajectory.table import FILE_TYPES
 
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
 

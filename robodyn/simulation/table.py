@@ -19,7 +19,7 @@ from robodyn.support.floats import Floats
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.header import listing
-from robodyn.trajectory.open import open_table
+from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.units import TimeUnit

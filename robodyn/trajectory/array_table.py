@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray, check_finite, common_length, less, spread
+from robodyn.trajectory.table import FloatArray, Rows, check_finite, common_length, less, spread
 
 if TYPE_CHECKING:
-    from decimal import Decimal
+    pass
 
 
-class ArrayTable:
+class ArrayTable(Rows):
     """Named columns of equal length; see `Table`.
 
     Args:
@@ -25,15 +24,11 @@ class ArrayTable:
         TrajectoryError: the columns differ in length.
     """
 
-    header_line = None
-    size_bytes = position_bytes = 0
-
     def __init__(self, file: str | None, columns: Mapping[str, FloatArray]) -> None:
         self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
-        self.file = file
+        super().__init__(file)
         self.names = tuple(columns)
         self._arrays = list(columns.values())
-        self.origins: Mapping[int, Decimal] = {}
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
         for start in range(0, self._rows, rows):
@@ -49,13 +44,6 @@ class ArrayTable:
 
     def first(self, columns: Sequence[int]) -> list[str | float]:
         return [self._arrays[i][0].item() for i in columns] if self._rows else []
-
-    def texts(self, columns: Sequence[int]) -> dict[int, str]:
-        """There are numbers only."""
-        return {}
-
-    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
-        return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
 
     def close(self) -> None:
         """Nothing is kept open."""

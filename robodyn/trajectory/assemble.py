@@ -1,8 +1,8 @@
-"""A block of columns -> time, q, qd, qdd of the robot, checked."""
+"""A block of columns -> time, q, qd, qdd of the robot, checked; blocks with their neighbours."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -142,3 +142,27 @@ def cut(samples: Trajectory, start: int, stop: int) -> Trajectory:
         stamps=None if samples.stamps is None else samples.stamps[rows],
         sampling=None,
     )
+
+
+def with_neighbours(parts: Iterator[Trajectory], halo: int) -> Iterator[tuple[Trajectory, int, int]]:
+    """Each part with up to `halo` samples before and after it, and where the part begins and ends in that."""
+    before: list[Trajectory] = []
+    waiting: list[Trajectory] = []
+
+    def emit() -> tuple[Trajectory, int, int]:
+        nonlocal before
+        part = waiting.pop(0)
+        past = join([*before, part])
+        start = len(past) - len(part)
+        before = [cut(past, max(0, len(past) - halo), len(past))] if halo else []
+        if not waiting or not halo:
+            return past, start, len(past)
+        future = join(waiting)
+        return join([past, cut(future, 0, min(halo, len(future)))]), start, len(past)
+
+    for part in parts:
+        waiting.append(part)
+        while waiting and sum(map(len, waiting[1:])) >= halo:
+            yield emit()
+    while waiting:
+        yield emit()

@@ -58,7 +58,7 @@ def _check_turn(header: Header, name: str, given: Sequence[str]) -> None:
 
 
 def _incomplete(header: Header, signals: Signals, missing: Sequence[str], unknown: Sequence[int]) -> TrajectoryError:
-    from robodyn.trajectory.proposals import asked, meant, options
+    from robodyn.trajectory.unknown_columns import asked, meant, options
 
     there = f"there is {listing(header.names)}"
     if free := [name for name in missing if len(signals.spans[name][0]) > 1]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.table import FloatArray, changed, check_expansion, check_finite, decoding, less, spread
+from robodyn.trajectory.table import FloatArray, Rows, changed, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -22,19 +22,17 @@ _BUFFER = 1 << 16
 """Bytes of a column that are read at once; without it, and with buffering ahead, memory would grow with the file."""
 
 
-class ParquetTable:
+class ParquetTable(Rows):
     """A Parquet file of columns of numbers; see `Table`. Integers, decimals and float32 become float64.
 
     In memory are a block and a few pages of each column; where pages have less than 16 kB, a row group as it is stored.
     """
 
-    header_line = None
-
     def __init__(self, path: str) -> None:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
-        self.file = path
+        super().__init__(path)
         with open_input(path) as stream:
             self.size_bytes = stream.seek(0, os.SEEK_END)
             if self.size_bytes < 12 or not _is_parquet(stream, self.size_bytes):
@@ -50,7 +48,6 @@ class ParquetTable:
                 raise ValueError(f"it says {metadata.num_rows} rows, its row groups {self._rows}")
         check_expansion(8 * self._rows * len(self.names), self.size_bytes, path)
         self.position_bytes = 0
-        self.origins: Mapping[int, Decimal] = {}
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
         names = self._numeric(columns)
@@ -133,9 +130,6 @@ class ParquetTable:
                     column = column.cast("float64", safe=False)
                 values[i] = less(column.to_numpy(zero_copy_only=False), origin)
         return values.T
-
-    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
-        return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
 
     def close(self) -> None:
         self._source.close(force=True)

@@ -1,4 +1,4 @@
-"""The reader of a table: block by block, missing derivatives filled in."""
+"""The reader of a table: block by block, missing derivatives filled in; one sample of it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.doubts import Doubt
-from robodyn.trajectory.assemble import Assembly, cut
+from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
 from robodyn.trajectory.motion import Derivation, Trajectory
-from robodyn.trajectory.neighbours import with_neighbours
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
 from robodyn.trajectory.table import Table, reason
@@ -173,3 +172,24 @@ def _begun(layout: Layout, table: Table) -> Layout:
     clock = layout.clock.begun(table.first(layout.clock.columns))
     table.origins = dict(zip(clock.columns, clock.origin, strict=False))
     return replace(layout, clock=clock)
+
+
+def row_at(reader: TrajectoryReader, time: float) -> Trajectory:
+    """The sample nearest to `time` [s], the earlier of two that are as near; nothing is interpolated.
+
+    Raises:
+        TrajectoryError: the time is before the first row or after the last, or the table is wrong.
+    """
+    first, best, last = float("nan"), None, float("nan")
+    for block in reader.blocks():
+        k = int(np.argmin(np.abs(block.time - time)))
+        first = float(block.time[0]) if best is None else first
+        last = float(block.time[-1])
+        if best is None or abs(block.time[k] - time) < abs(best.time[0] - time):
+            best = cut(block, k, k + 1)
+        if first <= time <= last:
+            break
+    if best is None or not first <= time <= last:
+        what = f"time {time:.6g} s is outside the motion"
+        raise TrajectoryError(what, remedy=f"it lasts from {first:.6g} s to {last:.6g} s", file=reader.file)
+    return best

@@ -16,6 +16,17 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+FILE_TYPES = {
+    ".csv": "csv",
+    ".tsv": "csv",
+    ".txt": "csv",
+    ".dat": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".npz": "npz",
+}
+"""The kind of table by the suffix of its file."""
+
 _EXPANDED, _RATIO = 1 << 28, 500
 """Bytes of numbers that are always read, and how many for each byte that is stored."""
 
@@ -77,13 +88,32 @@ class Table(Protocol):
         ...
 
 
+class Rows:
+    """What tables without lines have in common: errors name the row; their columns are numbers, if they say no more."""
+
+    header_line = None
+    size_bytes = position_bytes = 0
+
+    def __init__(self, file: str | None) -> None:
+        self.file = file
+        self.origins: Mapping[int, Decimal] = {}
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """Return nothing: there are numbers only."""
+        return {}
+
+    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
+        """Return an error about a data row, counted from 1."""
+        return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
+
+
 def reason(error: OSError) -> str:
     """What the system says, without the file name."""
     return (error.strerror or str(error)).lower()
 
 
 @contextmanager
-def decoding(format_name: str, file: str) -> Iterator[None]:
+def decoding(format_name: str, file: str | None) -> Iterator[None]:
     """Tells what a library raises about a damaged file, of whatever class it is, as a TrajectoryError."""
     try:
         yield

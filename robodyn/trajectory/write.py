@@ -11,8 +11,7 @@ from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
-from robodyn.trajectory.open import FILE_TYPES
-from robodyn.trajectory.table import FloatArray
+from robodyn.trajectory.table import FILE_TYPES, FloatArray
 
 
 class Format(Protocol):

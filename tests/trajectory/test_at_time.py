@@ -8,7 +8,7 @@ from helpers.motions import Pieces, waves
 from helpers.oracles import robot
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.at_time import row_at
+from robodyn.trajectory.reader import row_at
 
 
 def pieces(lengths):

@@ -11,15 +11,14 @@ import pyarrow.parquet as pq
 import pytest
 from helpers.table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
 
-from robodyn.trajectory.open import open_table
-from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.read import open_table, read_trajectory
 from robodyn.trajectory.reading import Reading
 
 
 @pytest.mark.parametrize("rows", [1, 64, ROWS, 5000])
 @pytest.mark.parametrize("source", SOURCES)
 def test_layouts(tmp_path: Path, source: str, rows: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.trajectory.npz_members._PART", 300)
+    monkeypatch.setattr("robodyn.trajectory.read_npz._PART", 300)
     found = blocks(stored(tmp_path, numbers(), source), rows)
     assert max(map(len, found)) <= rows
     np.testing.assert_array_equal(np.concatenate(found), numbers())

@@ -9,10 +9,10 @@ import polars as pl
 import pytest
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.at_time import row_at
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import from_arrays, open_trajectory, read_trajectory
+from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.reading import Reading
 
 ONE = Signals((Signal("a", "angle"),))

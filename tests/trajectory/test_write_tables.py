@@ -19,11 +19,10 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
+from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat, lines_fast, lines_plain
 from robodyn.trajectory.read import read_trajectory
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import Writer, open_writer
-from robodyn.trajectory.write_text import lines_fast, lines_plain
 
 SUFFIXES = ["csv", "parquet", "npz"]
 FORMATS = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}
