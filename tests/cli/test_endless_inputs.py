@@ -90,10 +90,8 @@ def test_a_pipe_without_end(call: tuple[str, ...], monkeypatch: pytest.MonkeyPat
 
 def test_a_pipe_that_ends_is_read() -> None:
     os.mkfifo("x.urdf")
-    writer = Thread(target=lambda: Path("x.urdf").write_bytes(Path("arm.urdf").read_bytes()))
-    writer.start()
+    Thread(target=lambda: Path("x.urdf").write_bytes(Path("arm.urdf").read_bytes()), daemon=True).start()
     assert run("info", "x.urdf").status == 0
-    writer.join()
 
 
 @pytest.mark.parametrize("kind", ["npz", "parquet"])

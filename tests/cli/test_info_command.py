@@ -198,10 +198,9 @@ def test_a_file_that_can_be_read_once() -> None:
     from threading import Thread
 
     os.mkfifo("pipe")
-    writer = Thread(target=lambda: Path("pipe").write_text(ARM))
+    writer = Thread(target=lambda: Path("pipe").write_text(ARM), daemon=True)
     writer.start()
     outcome = run("info", "pipe")
-    writer.join()
     assert (outcome.status, outcome.out.splitlines()[0]) == (0, "pipe: robot 'arm'")
 
 
