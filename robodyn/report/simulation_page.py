@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.loads.history import Curves, Thinned
 from robodyn.report.document import (
     Block,
     Document,
     Download,
-    Figure,
     Gallery,
     Heading,
     Level,
@@ -25,12 +23,12 @@ from robodyn.report.json.runs import simulation_json
 from robodyn.report.limits import simulation_limits
 from robodyn.report.simulation import simulation_sections
 from robodyn.report.sizes import simulation_sizes
-from robodyn.report.table import drift_text, is_noise, number, printable, relative_text
+from robodyn.report.table import drift_text, number, relative_text
 from robodyn.simulation.result import Simulation
-from robodyn.support.floats import Floats, ranked
+from robodyn.support.floats import ranked
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Canvas
+    pass
 
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
@@ -83,6 +81,8 @@ def _poses(result: Simulation) -> list[Block]:
 
 
 def _plots(result: Simulation) -> list[Block]:
+    from robodyn.report.pictures.simulation import energy_figures, joint_figure, quiet
+
     model = result.model
     joints = [joint for joint in model.independent if joint.kind != "floating"]
     travel = {joint.name: float(np.ptp(result.q[:, joint.coordinate])) for joint in joints}
@@ -95,86 +95,15 @@ def _plots(result: Simulation) -> list[Block]:
             (result.qd[:, rate], size.qd[rate]),
             (result.tau[:, rate], size.tau[rate]),
         )
-        values = tuple(_quiet(*each) for each in given)
+        values = tuple(quiet(*each) for each in given)
         if any(each.any() for each in values):
-            figures.append(_joint(joint.name, joint.kind == "prismatic", result.time, values))
+            figures.append(joint_figure(joint.name, joint.kind == "prismatic", result.time, values))
     blocks: list[Block] = [Heading("Along the motion")] if figures else []
     if len(figures) < len(joints):
         count = f"{len(figures)} of {len(joints)} joints"
         blocks.append(Paragraph(f"The joints that move most, {count}, without plots of zeros; the tables have all."))
     if figures:
         blocks.append(Gallery(tuple(figures)))
-    if energies := _energies(result):
+    if energies := energy_figures(result):
         blocks += [Heading("Energy"), Gallery(tuple(energies))]
     return blocks
-
-
-def _quiet(values: Floats, scale: float) -> Floats:
-    """Zeros for what is rounding noise throughout."""
-    return np.zeros_like(values) if is_noise(float(np.abs(values).max()), scale) else values
-
-
-def _curves(time: Floats, names: tuple[str, ...], values: tuple[Floats, ...]) -> Curves:
-    thinned = Thinned(names, ("value",))
-    thinned.update(time, (np.stack(values),), float(time[-1] - time[0]))
-    return thinned.curves()
-
-
-def _joint(name: str, slides: bool, time: Floats, values: tuple[Floats, ...]) -> Figure:
-    from robodyn.report.pictures.figures import SERIES, few_ticks, plot
-
-    units = ("m", "m/s", "N") if slides else ("rad", "rad/s", "N m")
-    what = ("position", "speed", "drive's force" if slides else "drive's torque")
-    curves, panels = _curves(time, what, values), [k for k in range(len(what)) if values[k].any()]
-    height = 130 * len(panels) + 20
-
-    def draw(canvas: Canvas) -> None:
-        for row, k in enumerate(panels, start=1):
-            bottom = height - 130 * row + 12
-            axes = canvas.add_axes((0.16, bottom / height, 0.8, 96 / height))
-            axes.plot(*curves.line("value", k), color=SERIES[k])
-            axes.set_title(f"{what[k]} [{units[k]}]")
-            axes.tick_params(labelbottom=row == len(panels))
-            few_ticks(axes)
-        axes.set_xlabel("time [s]", labelpad=1)
-
-    ranges = [f"{what[k]} {number(values[k].min())} to {number(values[k].max())} {units[k]}" for k in panels]
-    alt = f"Joint {printable(name)} against time: {', '.join(ranges)}"
-    return Figure(printable(name), alt, plot(380, height, draw, f"joint {name}"))
-
-
-def _energies(result: Simulation) -> list[Figure]:
-    """Energies and work that are not zero throughout, and the drift where it is more than rounding."""
-    figures, size, work = result.figures, simulation_sizes(result).energy, result.work - result.work[0]
-    stored = figures.energy - figures.energy[0]
-    given = {"kinetic": figures.kinetic, "potential": figures.energy - figures.kinetic, "work done": work}
-    parts = {name: quiet for name, values in given.items() if (quiet := _quiet(values, size)).any()}
-    found = []
-    if parts:
-        what = "Energies, and work done by drives and wrenches"
-        largest = f"Against time; the largest kinetic energy is {number(figures.kinetic.max(), size)} J"
-        found.append(Figure(what, largest, _lines(result.time, parts, "parts", 0)))
-    if not is_noise(result.energy_drift, size):
-        off = f"Stored energy less work done against time, at most {drift_text(result.energy_drift, size)} J from zero"
-        drift = _lines(result.time, {"drift": stored - work}, "drift", 5)
-        found.append(Figure("Drift: stored energy less work", off, drift))
-    return found
-
-
-def _lines(time: Floats, parts: dict[str, Floats], name: str, colour: int) -> str:
-    """Energies against time, named where there are several."""
-    from robodyn.report.pictures.figures import SERIES, few_ticks, plot
-
-    curves = _curves(time, tuple(parts), tuple(parts.values()))
-
-    def draw(canvas: Canvas) -> None:
-        axes = canvas.add_axes((0.2, 0.15, 0.76, 0.68))
-        for k, label in enumerate(parts):
-            axes.plot(*curves.line("value", k), color=SERIES[colour + k], label=label)
-        if len(parts) > 1:
-            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=3, columnspacing=1.0)
-        axes.set_title("[J]")
-        axes.set_xlabel("time [s]")
-        few_ticks(axes, up=6)
-
-    return plot(380, 280, draw, name)

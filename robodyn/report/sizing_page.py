@@ -5,25 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from robodyn.loads.figures import joint_of_rates
 from robodyn.loads.history import Curves
-from robodyn.loads.motors import load_torque, motor_torque, train_of
 from robodyn.loads.result import Result
-from robodyn.loads.sizing_result import MotorLoad, Sizing
-from robodyn.report.document import Block, Figure, Gallery, Heading, Level, Table, Verdict
+from robodyn.report.document import Block, Gallery, Heading, Level, Table, Verdict
 from robodyn.report.limits import offenders, offenders_first
 from robodyn.report.sizing import in_words, sizing_sections
-from robodyn.report.table import number, printable
+from robodyn.report.table import printable
 from robodyn.robot.model import Model
-from robodyn.scene.motor import Curve
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Canvas
+    pass
 
 
 def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
@@ -38,10 +30,14 @@ def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | N
     yield Heading("Motors, bearings, foundation")
     if not sizing.exceeded:
         yield sizing_verdict(result)
-    figures = {} if curves is None else dict(_figures(sizing, model, scene, curves))
-    if figures:
+    if curves is not None:
+        from robodyn.report.pictures.motors import motor_figures
+
+        figures = dict(motor_figures(sizing, model, scene, curves))
         over = offenders(result)
-        yield Gallery(tuple(figures[name] for name in sorted(figures, key=lambda name: name not in over)))
+        ordered = sorted(figures, key=lambda name: name not in over)
+        if ordered:
+            yield Gallery(tuple(figures[name] for name in ordered))
     for section in sizing_sections(offenders_first(result)):
         yield from (block for block in section if isinstance(block, Table))  # verdicts come first here
 
@@ -63,56 +59,3 @@ def sizing_verdict(result: Result) -> Verdict:
     reasons = tuple(f"{printable(joint.name)}: {in_words(each)}." for joint in over for each in joint.exceeded)
     count = f"{len(over)} of {len(sizing.joints)} joints ask more than their motors, gears or limits bear"
     return Verdict(level, count if len(sizing.joints) > 1 else "The joint asks more than its drive bears", reasons)
-
-
-def _figures(sizing: Sizing, model: Model, scene: Scene, curves: Curves) -> Iterator[tuple[str, Figure]]:
-    """For each joint with a motor torque against speed at its shaft, with its curves."""
-    joints = joint_of_rates(model)[6 if model.floating else 0 :]
-    for k, (joint, sized) in enumerate(zip(joints, sizing.joints, strict=True)):
-        train = train_of(joint, scene)
-        if train is None or sized.motor is None:
-            continue
-        samples = curves.samples(k)
-        tau, qd, qdd = samples["torque"], samples["speed"], samples["acceleration"]
-        torque = motor_torque(train, load_torque(train, tau, qdd), qd, qdd)
-        yield sized.name, _figure(sized.name, sized.motor, train.gear * qd, torque, k)
-
-
-def _figure(name: str, motor: MotorLoad, speed: Floats, torque: Floats, k: int) -> Figure:
-    from robodyn.report.pictures.figures import BAD, SERIES, SOFT, dots, few_ticks, plot
-
-    fastest = max(float(np.abs(speed).max()), motor.speed_limit or 0.0)
-
-    def draw(canvas: Canvas) -> None:
-        axes = canvas.add_axes((0.16, 0.1, 0.8, 0.74))
-        for curve, colour, label in ((motor.peak_curve, BAD, "peak"), (motor.continuous, SERIES[1], "continuous")):
-            if curve is not None:
-                _envelope(axes, curve, fastest, colour, label)
-        dots(axes, speed, torque, SERIES[0])
-        axes.margins(0.06)
-        for line in (axes.axhline, axes.axvline):
-            line(0.0, color=SOFT, linewidth=0.8, zorder=1)
-        axes.set_title(f"torque [{motor.unit}] against speed [{motor.speed_unit}]", y=1.1)
-        if motor.peak_curve or motor.continuous:
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, columnspacing=1.0)
-        few_ticks(axes)
-
-    alt = (
-        f"Motor of {printable(name)}: peak torque {number(motor.peak)} {motor.unit}, largest speed "
-        f"{number(motor.max_speed)} {motor.speed_unit}, RMS torque {number(motor.rms)} {motor.unit}, against its curves"
-    )
-    return Figure(f"Motor of {printable(name)}", alt, plot(380, 320, draw, f"motor {k}"))
-
-
-def _envelope(axes: Axes, curve: Curve, fastest: float, colour: str, label: str) -> None:
-    """A curve of magnitudes in all four quadrants."""
-    speeds, torques = (list(each) for each in zip(*curve, strict=True))
-    if len(speeds) == 1:
-        speeds, torques = [0.0, fastest], [torques[0]] * 2
-    else:
-        speeds, torques = [0.0, *speeds, speeds[-1]], [torques[0], *torques, 0.0]
-    for across in (1.0, -1.0):
-        for up in (1.0, -1.0):
-            x, y = [across * w for w in speeds], [up * t for t in torques]
-            first = across == up == 1.0
-            axes.plot(x, y, color=colour, linewidth=1.2, dashes=(5, 3), label=label if first else None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from robodyn.loads.history import Curves, History
 from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
+from robodyn.report.pictures.panels import LOW, WIDE, Lines, against_time, limit_lines, panel, zero_lines
 from robodyn.report.sizes import Sizes, speed_unit
 from robodyn.report.table import moment, number, printable
 from robodyn.support.floats import Floats, ranked
@@ -22,9 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 
-_WIDE = 380
 _TALL = 660
-_LOW = 280
 _PANELS = ((542, 96), (412, 96), (282, 96), (28, 182))
 """Bottoms and heights of torque, speed and power against time, and of torque against speed [px]."""
 _LETTERS = 52
@@ -33,8 +32,6 @@ _TOGETHER = 14
 """So many joints at most share a figure of bars."""
 _SEEN = 1e-3
 """Effects of less than this share of every peak are not to be seen in a bar."""
-Lines = dict[str, tuple[Floats, Floats]]
-"""Times and values by name."""
 _NEAR = 0.5
 """A limit is drawn where at least this share of it is reached; it would flatten the curve otherwise."""
 
@@ -47,7 +44,7 @@ def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence
 @lru_cache(maxsize=2)
 def _sheet(height: int) -> Sheet:
     """What figures of a height are drawn on, one after another."""
-    return Sheet(_WIDE, height)
+    return Sheet(WIDE, height)
 
 
 def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) -> Figure:
@@ -75,7 +72,7 @@ def _panels(canvas: Canvas) -> list[Axes]:
 def _panel(canvas: Canvas, k: int) -> Axes:
     """One of the axes of a joint's figure."""
     bottom, height = _PANELS[k]
-    axes = canvas.add_axes((0.16, bottom / _TALL, 0.8, height / _TALL))
+    axes = panel(canvas, bottom, height, _TALL)
     axes.tick_params(labelbottom=k >= 2)
     if k == 2:
         axes.set_xlabel("time [s]")
@@ -94,11 +91,11 @@ def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) 
             continue
 
         def draw(canvas: Canvas, lines: Lines = lines, unit: str = unit) -> None:
-            _lines(canvas, lines, unit, ({}, {}, {}))
+            against_time(canvas, lines, unit)
 
         peaks = [f"{part.name} {number(part.peak, size[unit])} {unit}" for part in loads if part.name in names]
         alt = f"Base {title} against time; peaks: {', '.join(peaks)}"
-        found.append(Figure(f"Base {title}: ground on robot", alt, _sheet(_LOW).plot(draw, title)))
+        found.append(Figure(f"Base {title}: ground on robot", alt, _sheet(LOW).plot(draw, title)))
     return found
 
 
@@ -108,12 +105,12 @@ def energy_figure(balance: EnergyBalance, history: History, size: Sizes) -> Figu
     lines = {name: history.energy.line("energy", k) for k, name in enumerate(history.energy.names)}
 
     def draw(canvas: Canvas) -> None:
-        _lines(canvas, lines, "J", ({"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}))
+        against_time(canvas, lines, "J", ({"linewidth": 3.0}, {"dashes": (3, 3), "linewidth": 1.6}))
 
     fit = "agree" if balance.consistent else "disagree"
     worst = number(balance.worst, size["J"])
     alt = f"Work done less losses and energy stored against time; they {fit}, at worst by {worst} J"
-    return Figure("Energy check: work less losses, and energy stored", alt, _sheet(_LOW).plot(draw, "energy"))
+    return Figure("Energy check: work less losses, and energy stored", alt, _sheet(LOW).plot(draw, "energy"))
 
 
 def share_figures(joints: Sequence[JointLoad]) -> list[Figure]:
@@ -146,20 +143,7 @@ def _share_figure(joints: Sequence[JointLoad], names: Sequence[str], caption: st
         axes.grid(visible=False)
         canvas.legend(loc="upper left", ncols=3, fontsize=10, columnspacing=1.0, handlelength=1.0)
 
-    return Figure(caption, _share_words(joints), plot(_WIDE, height, draw, caption))
-
-
-def _lines(canvas: Canvas, lines: Lines, unit: str, looks: Sequence[dict[str, Any]]) -> None:
-    """Quantities of one unit against time, with their names above."""
-    if not canvas.axes:
-        axes = canvas.add_axes((0.16, 0.15, 0.805, 0.68))
-        axes.set_xlabel("time [s]")
-        few_ticks(axes, up=6)
-    (axes,) = canvas.axes
-    for (name, line), look, colour in zip(lines.items(), looks, SERIES, strict=False):
-        axes.plot(*line, label=name, color=colour, **look)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.02), ncols=len(lines), columnspacing=1.0)
-    axes.set_title(f"[{unit}]")
+    return Figure(caption, _share_words(joints), plot(WIDE, height, draw, caption))
 
 
 def _over_time(axes: Axes, line: tuple[Floats, Floats], title: str, limit: float | None, colour: str) -> None:
@@ -188,15 +172,8 @@ def _envelope(axes: Axes, joint: JointLoad, samples: dict[str, Floats]) -> None:
     for where, colour in ((~over, SERIES[0]), (over, BAD)):
         dots(axes, *_apart(speed[where], torque[where]), colour)
     axes.margins(0.08)
-    fast, strong = joint.velocity_limit, joint.effort_limit
-    if strong is not None:
-        for bound in (-strong, strong):
-            axes.axhline(bound, color=BAD, linewidth=1.2, dashes=(5, 3))
-    if fast is not None:
-        for bound in (-fast, fast):
-            axes.axvline(bound, color=BAD, linewidth=1.2, dashes=(5, 3))
-    for line in (axes.axhline, axes.axvline):
-        line(0.0, color=SOFT, linewidth=0.8, zorder=1)
+    limit_lines(axes, joint.effort_limit, joint.velocity_limit)
+    zero_lines(axes)
 
 
 def _apart(x: Floats, y: Floats) -> tuple[Floats, Floats]:
