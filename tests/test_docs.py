@@ -91,7 +91,7 @@ def test_what_is_not_run_here_is_run_by_ci():
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     assert re.search(r'^pip install .*"\.\[[\w,-]+\]"$', script, re.MULTILINE)
     assert re.search(r'^ .* pytest "\$@" >', script, re.MULTILINE)
-    assert re.search(r"^suite plain$", script, re.MULTILINE)
+    assert re.search(r"^ *suite plain$", script, re.MULTILINE)
     assert re.search(r"^sphinx-build .*-W", script, re.MULTILINE)
 
 
