@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+import sys
 from functools import cache
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib import import_module
 from os.path import normpath
 from pathlib import Path
 from types import ModuleType
@@ -50,12 +51,8 @@ def having(*languages: str) -> list[str]:
 
 @cache
 def generated_pages() -> ModuleType:
-    spec = spec_from_file_location("generated_pages", ROOT / "docs" / "generated_pages.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    sys.path.insert(0, str(ROOT / "docs"))
+    return import_module("generated_pages")
 
 
 @cache
