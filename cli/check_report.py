@@ -20,7 +20,7 @@ from robodyn.robot.urdf.packages import EXPANDED
 
 
 def report(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:
-    """The text for standard output; what lines of expanded files mean is said on standard error."""
+    """Return the text for standard output; what lines of expanded files mean is said on standard error."""
     for name in checked.files:
         if name.endswith(EXPANDED):
             click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)

@@ -21,13 +21,13 @@ _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
 def REPORT(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The option --report."""
+    """Return the option --report."""
     text = "Write a report for people: .html with plots and data in one file, or .md for a pull request."
     return click.option("--report", type=PATH, metavar="FILE", callback=_checked, help=text)(command)
 
 
 def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """The name of the file, if a report can go there: said before anything is computed."""
+    """Return the name of the file, if a report can go there: said before anything is computed."""
     if value is not None:
         if form_of(value) == "html":
             need("HTML reports", "matplotlib", "jinja2", file=value)
@@ -38,7 +38,7 @@ def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> s
 
 
 def form_of(path: str) -> str:
-    """The form of a report by the suffix of its file.
+    """Return the form of a report by the suffix of its file.
 
     Raises:
         InputError: there is none such.
@@ -50,7 +50,7 @@ def form_of(path: str) -> str:
 
 
 def pictured(report: str | None) -> bool:
-    """Whether there is a report with figures."""
+    """Return whether there is a report with figures."""
     return report is not None and form_of(report) == "html"
 
 
@@ -101,7 +101,7 @@ def write_report(path: str, document: Any) -> str:
 
 
 def versions() -> tuple[str, ...]:
-    """Of robodyn, of Python, and of the libraries that this process has loaded."""
+    """Return the versions of robodyn, of Python, and of the libraries that this process has loaded."""
     import platform
 
     from robodyn.support.libraries import version_of

@@ -107,12 +107,12 @@ def _digits(x: float) -> str:
 
 
 def error_text(error: float) -> str:
-    """Two digits; 0 for none."""
+    """Return an error with two digits; 0 for none."""
     return f"{error:.1e}" if error else "0"
 
 
 def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: bool = True) -> Document:
-    """Which method to take, error against time, and every method in numbers.
+    """Return which method to take, error against time, and every method in numbers.
 
     Args:
         target: the error for which the quickest method is named.
@@ -130,7 +130,7 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
 
 
 def _met(accuracy: Accuracy, target: float | None) -> Verdict:
-    """The quickest method within the target, or the ends of the front."""
+    """Return the quickest method within the target, or the ends of the front."""
     if target is None:
         return Verdict("neutral", "Methods that are worth their time", tuple(map(_front, accuracy.ladders)))
     found = [(ladder, ladder.cheapest(target)) for ladder in accuracy.ladders]

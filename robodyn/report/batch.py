@@ -16,7 +16,7 @@ _LISTED = 3
 
 
 def outcome_line(outcome: Outcome) -> str:
-    """What became of one trajectory."""
+    """Return what became of one trajectory."""
     name = printable(outcome.trajectory)
     if outcome.status == "failed":
         return f"{name}: failed"
@@ -76,7 +76,7 @@ def worst_table(worst: tuple[Worst, ...]) -> Content:
 
 
 def _largest(worst: Sequence[Worst], what: str) -> dict[str, float]:
-    """The largest magnitude of a figure among all joints of a unit, beside which noise vanishes."""
+    """Return the largest magnitude of a figure among all joints of a unit, beside which noise vanishes."""
     found: dict[str, float] = {}
     for joint in worst:
         found[joint.unit] = max(found.get(joint.unit, 0.0), abs(getattr(joint, what)))

@@ -12,7 +12,7 @@ from robodyn.support.wording import count
 
 
 def bench_text(bench: Bench, page: Page = PLAIN) -> str:
-    """The report: executors, memory, effects, other programs, other libraries, and how steady the times were."""
+    """Return the report: executors, memory, effects, other programs, other libraries, and how steady the times were."""
     parts = [_head(bench), _executors(bench, page)]
     if bench.effects:
         parts.append(f"Effects{_whole(bench)}\n{page.table(_effects(bench))}")
@@ -110,7 +110,7 @@ def _steadiness(bench: Bench) -> str:
 
 
 def _timings(part: object) -> Iterator[Timing]:
-    """Every time that was measured repeatedly."""
+    """Yield every time that was measured repeatedly."""
     if isinstance(part, Timing):
         yield part
     elif isinstance(part, tuple):
@@ -130,7 +130,7 @@ def _ms(time: Timing | None) -> str:
 
 
 def _digits(x: float) -> str:
-    """Three digits, and all those before the point."""
+    """Return a number with three digits, and all those before the point."""
     return f"{x:.0f}" if x >= 99.95 else f"{x:#.3g}"
 
 

@@ -49,7 +49,7 @@ def _finding(finding: Finding) -> str:
 
 
 def marked(line: int, excerpt: Excerpt) -> list[str]:
-    """The source and the caret below; the lines that a terminal would break are escaped before they are counted."""
+    """Return the line and the caret below; what a terminal would break is escaped before it is counted."""
     if not excerpt.text:
         return []
     before, within = excerpt.text[: excerpt.start], excerpt.text[excerpt.start : excerpt.start + excerpt.length]
@@ -59,7 +59,7 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
 
 
 def check_page(checked: Checked) -> Document:
-    """Whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
+    """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
     count = f"{counted(len(checked.files), 'file')} checked"
     blocks: list[Block] = [_verdict(checked)]
     if checked.findings:
@@ -114,7 +114,7 @@ def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
 
 
 def check_diff(fixed: Fixed) -> str:
-    """The unified diff of one file, empty where nothing changes. Lines end with LF alone; a CR is part of its line."""
+    """Return the unified diff of one file, empty if nothing changes. Lines end with LF; a CR is part of its line."""
     from difflib import unified_diff
 
     before, after = _lines(fixed.before), _lines(fixed.after)
@@ -124,7 +124,7 @@ def check_diff(fixed: Fixed) -> str:
 
 
 def fix_lines(files: Iterable[Fixed], did: str) -> list[str]:
-    """A line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
+    """Return a line for each fix that was made, `did` it being said how, and for each that was not, with the reason."""
     lines = []
     for fixed in files:
         lines += [f"{did}: {_place(one.finding)}: {one.fix.what} ({_kind(one)})" for one in fixed.made]

@@ -16,7 +16,7 @@ _NAMED = 8
 
 
 def counted(count: int, noun: str) -> str:
-    """So many of a thing."""
+    """Return a number with its noun: 1 file, 2 files."""
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 

@@ -114,7 +114,7 @@ def _bodies(found: Dae) -> Section:
 
 
 def law_of(found: Dae, i: int) -> tuple[list[str], list[str]]:
-    """The terms of forces and of moments on body i that its joints, the joints that it carries, and loops make."""
+    """Return the terms of forces and moments on body i: of its joint, of joints that it carries, and of loops."""
     forces, moments = [], []
     every = acting(found, i)
     for sign, name, moment in every[:FEW]:

@@ -16,7 +16,7 @@ class Acting(NamedTuple):
 
 
 def acting(found: Dae, i: int) -> list[Acting]:
-    """On body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops."""
+    """Return what acts on body i: its own joint i, those of the bodies that it carries, and L1, L2 ... for loops."""
     model, system = found.robot.model, found.robot.system
     felt = [k for k, joint in enumerate(system.joints) if joint.kind != "floating" or _driven(found, k)]
     own = [Acting("", str(i))] if i in felt else []
@@ -31,6 +31,6 @@ def acting(found: Dae, i: int) -> list[Acting]:
 
 
 def _driven(found: Dae, i: int) -> bool:
-    """Whether something drives the floating joint of body i."""
+    """Return whether something drives the floating joint of body i."""
     rate = found.robot.model.bodies[i].joint.rate
     return bool(found.tau[rate : rate + 6].any())

@@ -48,7 +48,7 @@ def _state(found: Dae) -> Content:
 
 
 def _fastest(found: Dae) -> float:
-    """The largest acceleration, of bodies and of free fall too, beside which others vanish."""
+    """Return the largest acceleration, of bodies and of free fall too, beside which others vanish."""
     assert found.solution is not None
     return float(np.abs([*found.solution.a, *found.robot.scene.gravity]).max())
 
@@ -97,7 +97,7 @@ def _reactions(found: Dae) -> Content:
 
 
 def _place(name: str) -> tuple[str, int]:
-    """Forces before moments; x, y, z, then the directions of oblique joints."""
+    """Return a key that sorts forces before moments, and x, y, z before the directions of oblique joints."""
     return name[0], ("x", "y", "z", "1", "2", "a", "3", "").index(name[1:])
 
 
@@ -124,6 +124,6 @@ def both_lines(found: Dae) -> tuple[str, ...]:
 
 
 def _weakest(found: Dae) -> str:
-    """The rate that moves most in the motion that the mass matrix resists least."""
+    """Return the rate that moves most in the motion that the mass matrix resists least."""
     sizes, motions = eigen(found.reduced.M)
     return printable(found.robot.model.rates[first_largest(np.abs(motions[first_largest(-np.abs(sizes))]))])

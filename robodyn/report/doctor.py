@@ -9,7 +9,7 @@ from robodyn.report.table import printable
 
 
 def doctor_text(lines: tuple[Line, ...]) -> str:
-    """A line each with its verdict, group by group, and a sentence on the whole."""
+    """Return a line each with its verdict, group by group, and a sentence on the whole."""
     wide = max(len(line.name) for line in lines)
     parts = [_group(name, list(group), wide) for name, group in groupby(lines, key=lambda line: line.group)]
     broken = [line.name for line in lines if line.verdict == "broken"]

@@ -185,7 +185,7 @@ def on_page(sections: Iterable[Section], caption: str = "") -> list[Block]:
 
 
 def code_lines(text: str) -> str:
-    """Lines of a source as they are shown: with control characters escaped."""
+    """Return lines of a source as they are shown: with control characters escaped."""
     return "\n".join(map(printable, text.split("\n")))
 
 
@@ -194,7 +194,7 @@ LARGEST = 400_000
 
 
 def downloads(files: Sequence[Download], instead: str) -> Downloads:
-    """Those that are small enough, and a remark on the others.
+    """Return the files that are small enough, and a remark on the others.
 
     Args:
         instead: how to get the others.
@@ -209,7 +209,7 @@ def downloads(files: Sequence[Download], instead: str) -> Downloads:
 
 
 def csv_text(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """A table as CSV."""
+    """Return a table as CSV."""
     import csv
     import io
 

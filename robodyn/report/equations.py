@@ -26,7 +26,7 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
 
 
 def closed_text(closed: Closed) -> str:
-    """Every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
+    """Return every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
     n = len(closed.joints)
     mass = [f"M[{i + 1},{j + 1}] = {_written(closed.M[i][j])}\n" for i in range(n) for j in range(i, n)]
     names = "".join(
@@ -46,7 +46,7 @@ def closed_text(closed: Closed) -> str:
 
 
 def checked(closed: Closed) -> str:
-    """How far the closed form was found to be from the recursion."""
+    """Return how far the closed form was found to be from the recursion."""
     plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
     return (
         f"Checked against the recursion in numbers at {STATES} random states: "

@@ -64,7 +64,7 @@ def _amount(row: JointRow, size: Sizes) -> str:
 
 
 def _components(row: JointRow, size: Sizes) -> list[str]:
-    """The six components that a joint transmits; a dash where it is free."""
+    """Return the six components that a joint transmits; a dash where it is free."""
     cells = [number(x, size["N"]) for x in row.force] + [number(x, size["N m"]) for x in row.moment]
     if row.kind == "floating":
         return ["-"] * 6
@@ -92,7 +92,7 @@ def _body(body: FreeBody, size: Sizes) -> Section:
 
 
 def action_table(body: FreeBody, size: Sizes) -> Content:
-    """Every force and moment on a body, and their sums."""
+    """Return every force and moment on a body, and their sums."""
     rows = [_row(action, size) for action in body.actions]
     rows.append(("sum", "", "", *_vector(body.force, size["N"]), *_vector(body.moment, size["N m"])))
     return ("", "by", "at [m]", "fx [N]", "fy", "fz", "mx [N m]", "my", "mz"), rows

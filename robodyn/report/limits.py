@@ -99,7 +99,7 @@ def _without(unchecked: Sequence[Unchecked]) -> Iterator[str]:
 
 
 def _shortened(lines: list[str]) -> tuple[str, ...]:
-    """The first of many lines; the tables have all."""
+    """Return the first of many lines; the tables have all."""
     if len(lines) <= LINES + 1:
         return tuple(lines)
     return (*lines[:LINES], f"{len(lines) - LINES} more limits are exceeded: see the table below.")
@@ -135,7 +135,7 @@ def offenders_first(result: Result) -> Result:
 
 
 def worst_joint(result: Result) -> int | None:
-    """The joint that uses most of its effort limit; the one with the largest peak where there are none."""
+    """Return the joint that uses most of its effort limit; the one with the largest peak where there are none."""
     joints = result.joints
     if not joints:
         return None
@@ -146,12 +146,12 @@ def worst_joint(result: Result) -> int | None:
 
 
 def effort_use(joint: Reached) -> float:
-    """|peak| / limit; 0 without a limit."""
+    """Return |peak| / limit; 0 without a limit."""
     return abs(joint.peak) / joint.effort_limit if joint.effort_limit else 0.0
 
 
 def speed_use(joint: Reached) -> float:
-    """|speed| / limit; 0 without a limit."""
+    """Return |speed| / limit; 0 without a limit."""
     return abs(joint.max_speed) / joint.velocity_limit if joint.velocity_limit else 0.0
 
 

@@ -81,7 +81,7 @@ def _row(branch: Branch, indent: int) -> list[str]:
 
 
 def _axis(joint: Joint) -> str:
-    """The direction, as a letter where it is one of the joint's axes."""
+    """Return the direction, as a letter where it is one of the joint's axes."""
     if joint.type in ("fixed", "floating"):
         return ""
     axis = np.array(joint.axis) / max(map(abs, joint.axis))
@@ -95,7 +95,7 @@ def _axis(joint: Joint) -> str:
 
 
 def _limits(joint: Joint) -> list[str]:
-    """Lower, upper, effort and velocity; - where a limit is to be expected but not given."""
+    """Return lower, upper, effort and velocity; - where a limit is to be expected but not given."""
     if joint.type not in ("revolute", "prismatic", "continuous"):
         return [""] * 4
     length, effort, speed = _UNITS.get(joint.type, _ANGULAR)

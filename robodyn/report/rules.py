@@ -18,7 +18,7 @@ _WEIGHT = {
 
 
 def rules_text(rules: Sequence[Rule]) -> str:
-    """What each rule asks for, why, and an example of both."""
+    """Return what each rule asks for, why, and an example of both."""
     return "\n".join(map(_rule, rules))
 
 
@@ -31,7 +31,7 @@ def _rule(rule: Rule) -> str:
 
 
 def check_statistics(findings: Sequence[Finding], page: Page = PLAIN) -> str:
-    """A table of rules, the most frequent first: findings, files, and how many of them have a safe and another fix."""
+    """Return a table of rules, the most frequent first: findings, files, and how many have safe and other fixes."""
     count = Counter(finding.code for finding in findings)
     files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
     safe = Counter(finding.code for finding in findings if finding.fix and finding.fix.safe)

@@ -18,7 +18,7 @@ valid by itself. Numbers stand for what the description says, or for what only y
 
 
 def scene_toml(model: Model) -> str:
-    """A scene with the names of a robot's joints and links, what its description says of them, and each key explained.
+    """Return a scene with a robot's joints and links, what its description says of them, and each key explained.
 
     As written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone.
     """
@@ -30,7 +30,7 @@ def scene_toml(model: Model) -> str:
 
 
 def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
-    """What each part is for, and its examples."""
+    """Yield what each part is for, and its examples."""
     single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint for joint in model.independent if joint.kind != "floating"]
     tip = _text(_tip(model))
@@ -84,7 +84,7 @@ def _comment(text: str) -> str:
 
 
 def _table(model: Model) -> str:
-    """The joints and what the description says of them."""
+    """Return the joints and what the description says of them."""
     head = ("joint", "type", "lower", "upper", "effort", "velocity", "damping", "friction")
     return PLAIN.table((head, [_row(body.joint) for body in model.bodies if body.joint.kind != "fixed"]))
 
@@ -100,7 +100,7 @@ def _row(joint: Joint) -> tuple[str, ...]:
 
 
 def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], Sequence[tuple[str, float]]]) -> list[str]:
-    """A line for each joint."""
+    """Return a line for each joint."""
     return [
         f"{table}.{_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
         for joint in joints
@@ -115,7 +115,7 @@ def _motor(joint: Joint) -> list[tuple[str, float]]:
 
 
 def _rest(joint: Joint) -> float:
-    """Zero, or the limit nearest to it."""
+    """Return zero, or the limit nearest to it."""
     lower, upper = joint.lower, joint.upper
     if lower is not None and upper is not None and lower > upper:
         return 0.0
@@ -123,14 +123,14 @@ def _rest(joint: Joint) -> float:
 
 
 def _loop(model: Model, joints: Sequence[Joint]) -> str:
-    """The tip held where it is when a simulation begins."""
+    """Return the tip held where it is when a simulation begins."""
     poses, tip = link_poses(model, configuration(model, {joint.name: _rest(joint) for joint in joints})), _tip(model)
     place = _vector([round(float(x), 12) for x in poses[tip].p])
     return f'loop = [{{ name = "closure", link = {_text(tip)}, point = {_ZERO}, to = "ground", to_point = {place} }}]'
 
 
 def _tip(model: Model) -> str:
-    """The link behind the most joints, the last of them in the file."""
+    """Return the link behind the most joints, the last of them in the file."""
     depth = [0]
     for body in model.bodies[1:]:
         depth.append(depth[body.parent] + 1)
@@ -142,11 +142,11 @@ def _vector(values: Sequence[float]) -> str:
 
 
 def _key(name: str) -> str:
-    """A name as a TOML key."""
+    """Return a name as a TOML key."""
     return name if _BARE.fullmatch(name) else _text(name)
 
 
 def _text(name: str) -> str:
-    """A name as a TOML string."""
+    """Return a name as a TOML string."""
     escaped = re.sub(r'["\\\x00-\x1f\x7f-\x9f\u2028\u2029]', lambda found: f"\\u{ord(found[0]):04x}", name)
     return f'"{escaped}"'

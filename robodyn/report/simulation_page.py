@@ -39,7 +39,7 @@ _DRIFT = 1e-3
 
 
 def simulation_page(result: Simulation, pictures: bool = True) -> Document:
-    """How the motion ends and how far it can be trusted, then the motion itself."""
+    """Return how the motion ends and how far it can be trusted, then the motion itself."""
     what = f"Simulated motion: {result.model.n} degrees of freedom, {result.time[-1]:.6g} s, {result.steps} steps"
     verdicts = [_verdict(result), *([simulation_limits(result)] if result.joints or result.doubts else [])]
     blocks: list[Block] = [*sorted(verdicts, key=lambda verdict: _WORST_FIRST.index(verdict.level))]

@@ -63,7 +63,7 @@ def _verdict(load: JointLoad, joint: JointSizing) -> Iterator[tuple[str, str]]:
 
 
 def in_words(exceeded: Exceeded) -> str:
-    """What is too large, by how much, when, and for how long."""
+    """Return what is too large, by how much, when, and for how long."""
     unit, limit = exceeded.unit, exceeded.limit
     text = f"{_WORDS[exceeded.quantity]} is {number(exceeded.value)} {unit}, "
     text += f"{100 * exceeded.excess / limit:.3g} % above the {number(limit)}" if limit > 0 else "above the 0"
@@ -168,7 +168,7 @@ def _bearings(sizing: Sizing, size: Sizes) -> Content:
 
 
 def _axes(bearing: BearingLoad) -> list[str]:
-    """x, y, z, -x ... where a direction is along a coordinate axis, and otherwise its components."""
+    """Return x, y, z, -x ... where a direction is along a coordinate axis, and otherwise its components."""
     names = []
     for direction in bearing.directions:
         k = max(range(3), key=lambda i: abs(direction[i]))

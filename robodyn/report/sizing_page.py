@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
-    """A verdict if all is well (others lead the page), torque against speed at the shafts of motors, and tables.
+    """Yield a verdict if all is well (others lead the page), torque against speed at the shafts of motors, and tables.
 
     Args:
         curves: of the joints; None without figures.

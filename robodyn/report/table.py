@@ -43,7 +43,7 @@ def number(x: float, scale: float = 0.0) -> str:
 
 
 def is_noise(size: float, scale: float) -> bool:
-    """Whether a magnitude vanishes beside the largest of its case."""
+    """Return whether a magnitude vanishes beside the largest of its case."""
     return size <= NOISE * scale
 
 
@@ -63,17 +63,17 @@ def relative_text(error: float) -> str:
 
 
 def printable(text: str) -> str:
-    """The text with control characters escaped."""
+    """Return the text with control characters escaped."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def is_numeric(cells: Sequence[str]) -> bool:
-    """Whether every cell begins with a number, or is empty or -."""
+    """Return whether every cell begins with a number, or is empty or -."""
     return all(cell in NOTHING or _NUMBER.match(cell) for cell in cells)
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]], width: int | None = None, bold: bool = False) -> str:
-    """Rows of text below a header.
+    """Return rows of text below a header.
 
     A column in which every cell begins with a number (or is empty or -) is aligned by decimal point, with the unit
     after it; others begin at the left. Where the columns are wider than `width`, the rest of them follow in tables
@@ -99,7 +99,7 @@ def _page(columns: Sequence[Sequence[str]], bold: bool) -> str:
 
 
 def _column(cells: Sequence[str]) -> list[str]:
-    """A title and its cells, all of one width."""
+    """Return a title and its cells, all of one width."""
     title, *cells = [printable(cell) for cell in cells]
     if not is_numeric(cells):
         return _left([title, *cells])
@@ -124,7 +124,7 @@ def _left(cells: Sequence[str]) -> list[str]:
 
 
 def _width(text: str) -> int:
-    """Columns of a terminal that a text takes."""
+    """Return columns of a terminal that a text takes."""
     if text.isascii():
         return len(text)
     return sum(0 if combining(char) else 2 if east_asian_width(char) in "WF" else 1 for char in text)

@@ -43,7 +43,7 @@ from robodyn.support.wording import count
 
 
 def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = True) -> Document:
-    """Limits first, then what the joints and the base carry, how that comes about, and whether it can be trusted.
+    """Return limits first, then what joints and base carry, how that comes about, and whether to trust it.
 
     Args:
         pictures: with figures, which needs the result's history.
@@ -80,7 +80,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
 
 
 def _facts(result: Result) -> Facts:
-    """The figures that are looked for first."""
+    """Return the figures that are looked for first."""
     joints, size = result.joints, result_sizes(result)
     powerful = ranked(joints, key=lambda joint: joint.peak_power)[0]
     items = []
@@ -96,7 +96,7 @@ def _facts(result: Result) -> Facts:
 
 
 def _limits(result: Result) -> Iterator[Block]:
-    """A map of all joints, and a table of the limits that are exceeded where the verdict does not name them all.
+    """Yield a map of all joints, and a table of the limits that are exceeded where the verdict does not name them all.
 
     Args:
         result: with the joints that exceed limits first.
@@ -181,7 +181,7 @@ def _files(result: Result, history: History | None) -> Iterator[Block]:
 
 
 def _curves(history: History) -> str:
-    """What is plotted, one row for each sample and joint."""
+    """Return what is plotted, one row for each sample and joint."""
     assert history.joints is not None
     rows = []
     for k, name in enumerate(history.joints.names):

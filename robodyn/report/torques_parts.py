@@ -22,7 +22,7 @@ from robodyn.support.wording import count
 
 
 def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | None) -> Iterator[Block]:
-    """The robot at the peak of the joint that is loaded most, and the free body that this joint carries."""
+    """Yield the robot at the peak of the joint that is loaded most, and the free body that this joint carries."""
     if plots is None or plots.worst is None:
         return
     yield Heading("At the heaviest load")
@@ -44,7 +44,7 @@ def heaviest_load(result: Result, model: Model, scene: Scene, plots: Plots | Non
 
 
 def _free_bodies(model: Model, scene: Scene, history: History, k: int) -> FreeBodies | None:
-    """The robot at the peak of a joint; None where it cannot be taken apart."""
+    """Return the robot at the peak of a joint; None where it cannot be taken apart."""
     from robodyn.equations.free_body.bodies import free_bodies
 
     state = history.states[k]
@@ -66,7 +66,7 @@ def _drawing(body: FreeBody, size: Sizes, name: str) -> Figure:
 
 
 def trust(result: Result, plots: Plots | None) -> Iterator[Block]:
-    """The self-checks; how the motion was derived, which effects count, and warnings."""
+    """Yield the self-checks; how the motion was derived, which effects count, and warnings."""
     yield from _checks(result, plots)
     yield from _grounds(result)
 
@@ -100,7 +100,7 @@ def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
 
 
 def _grounds(result: Result) -> Iterator[Block]:
-    """How the motion was derived, which effects count, and warnings."""
+    """Yield how the motion was derived, which effects count, and warnings."""
     if result.derivation:
         methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield Heading("Derivatives")
@@ -114,7 +114,7 @@ def _grounds(result: Result) -> Iterator[Block]:
 
 
 def _effect_table(result: Result) -> Content:
-    """Without the column of what is saved, where that was not computed."""
+    """Return the table of effects without the column of what is saved, where that was not computed."""
     head, rows = effect_table(result)
     if any(effect.saved is not None for effect in result.effects):
         return head, rows

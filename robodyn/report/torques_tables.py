@@ -17,7 +17,7 @@ _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power
 
 
 def load_table(result: Result) -> Content:
-    """What each joint carries."""
+    """Return what each joint carries."""
     size = result_sizes(result)
     rows = []
     for joint in result.joints:
@@ -42,7 +42,7 @@ def load_table(result: Result) -> Content:
 
 
 def base_table(result: Result) -> Content:
-    """Peaks of the base wrench."""
+    """Return peaks of the base wrench."""
     size = result_sizes(result)
     rows = []
     for part in result.base_wrench:
@@ -53,7 +53,7 @@ def base_table(result: Result) -> Content:
 
 
 def effect_table(result: Result) -> Content:
-    """Which effects are on, what they cost, and why."""
+    """Return which effects are on, what they cost, and why."""
     rows = [
         (
             effect.name,
@@ -68,7 +68,7 @@ def effect_table(result: Result) -> Content:
 
 
 def share_table(result: Result) -> Content:
-    """For every joint what each effect adds to its peak; effects that add nothing are left out."""
+    """Return for every joint what each effect adds to its peak; effects that add nothing are left out."""
     joints, size = result.joints, result_sizes(result)
     names = [effect.name for effect in result.effects]
     present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
@@ -93,7 +93,7 @@ def _bar(joint: JointLoad) -> str:
 
 
 def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tuple[str, Content | None]:
-    """A line that names the methods, and rows for the joints with noise in their data; for all if methods differ."""
+    """Return a line that names the methods, and rows for joints with noise in their data; for all if methods differ."""
     joints = derivation.joints
     velocity, acceleration = _named(joint.velocity for joint in joints), _named(joint.acceleration for joint in joints)
     several = len({*velocity, *acceleration}) > 1
@@ -129,7 +129,7 @@ def _named(methods: Iterable[str]) -> list[str]:
 
 
 def momentum_table(report: MomentumReport) -> tuple[str, Content]:
-    """A title that says about what and in which frame, and for each quantity its least and its greatest."""
+    """Return a title that says about what and in which frame, and for each quantity its least and its greatest."""
     owner = "the ground" if report.frame == GROUND else printable(report.frame)
     about = {"origin": "the origin", "com": "the mass centre"}.get(str(report.about)) or "({:g}, {:g}, {:g}) m".format(
         *report.about

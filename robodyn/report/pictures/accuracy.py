@@ -24,7 +24,7 @@ _NO_ERROR = 1e-16
 
 
 def accuracy_figure(accuracy: Accuracy, target: float | None = None) -> Figure:
-    """A figure for a file, in inches."""
+    """Return a figure for a file, in inches."""
     figure = new_figure(9.0, 5.0 * len(accuracy.ladders))
     draw_accuracy(figure, accuracy, target)
     return figure
@@ -64,7 +64,7 @@ def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
 
 
 def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:
-    """Rungs by what stands before the comma of their names: one method with several settings has one colour."""
+    """Return rungs by what stands before the comma of their names: one method with several settings has one colour."""
     found: dict[str, list[Rung]] = {}
     for rung in rungs:
         found.setdefault(rung.name.partition(",")[0], []).append(rung)
@@ -72,7 +72,7 @@ def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:
 
 
 def _zero(rungs: Sequence[Rung], target: float | None) -> float | None:
-    """Where an error of 0 is drawn: two decades below every other; None where no error is 0."""
+    """Return where an error of 0 is drawn: two decades below every other; None where no error is 0."""
     errors = [rung.error for rung in rungs]
     if all(errors):
         return None
@@ -81,12 +81,12 @@ def _zero(rungs: Sequence[Rung], target: float | None) -> float | None:
 
 
 def _heights(rungs: Sequence[Rung], zero: float | None) -> list[float]:
-    """Where the errors of rungs are drawn."""
+    """Return where the errors of rungs are drawn."""
     return [rung.error or zero or _NO_ERROR for rung in rungs]
 
 
 def form_of(path: str) -> str:
-    """The form of a picture by the suffix of its file.
+    """Return the form of a picture by the suffix of its file.
 
     Raises:
         InputError: there is none such.
@@ -98,7 +98,7 @@ def form_of(path: str) -> str:
 
 
 def new_figure(width: float = 8.0, height: float = 5.0) -> Figure:
-    """An empty figure, in inches.
+    """Return an empty figure, in inches.
 
     Raises:
         InputError: matplotlib is not installed.
@@ -110,7 +110,7 @@ def new_figure(width: float = 8.0, height: float = 5.0) -> Figure:
 
 
 def rendered(figure: Figure, form: str = "svg", dpi: float = 150.0) -> bytes:
-    """The picture as the content of a file; letters of an SVG stay letters."""
+    """Return the picture as the content of a file; letters of an SVG stay letters."""
     from io import BytesIO
 
     import matplotlib as mpl

@@ -42,7 +42,7 @@ class Box(NamedTuple):
         )
 
     def cut_by(self, segment: Segment) -> bool:
-        """Whether a segment passes through, by clipping it at each side in turn."""
+        """Return whether a segment passes through, by clipping it at each side in turn."""
         (x0, y0), (x1, y1) = segment
         low, high = 0.0, 1.0
         for start, change, least, greatest in (
@@ -59,12 +59,12 @@ class Box(NamedTuple):
 
 
 def text_width(text: str, size: float) -> float:
-    """About how wide a text in a bold sans-serif is, rather more than less [px]."""
+    """Return about how wide a text in a bold sans-serif is, rather more than less [px]."""
     return 0.64 * size * len(text)
 
 
 def place(anchor: Point, along: Point, size: Point, taken: Sequence[Box], lines: Sequence[Segment], page: Box) -> Box:
-    """A box of this size near `anchor`, best straight on in the direction `along`.
+    """Return a box of this size near `anchor`, best straight on in the direction `along`.
 
     The nearest place wins that lies on the page and clear of other boxes and lines; where there is none, the one with
     the fewest collisions.
@@ -127,12 +127,12 @@ class Arrow(NamedTuple):
 
 
 def on_paper(vector: Array) -> Point:
-    """A vector in ground axes as (right, down)."""
+    """Return a vector in ground axes as (right, down)."""
     return float(product(RIGHT, vector)), -float(product(UP, vector))
 
 
 def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
-    """The arrows of every force and moment that does not vanish beside the largest on the robot.
+    """Return the arrows of every force and moment that does not vanish beside the largest on the robot.
 
     Args:
         spot: by action, where on paper it acts.
@@ -157,7 +157,7 @@ def arrows(body: FreeBody, spot: dict[int, Point], size: Sizes) -> list[Arrow]:
 
 
 def _aside(arrow: Arrow, others: list[Arrow]) -> Arrow:
-    """The arrow moved sideways past those that leave about the same spot in the same or the opposite direction."""
+    """Return the arrow moved sideways past those that leave about the same spot in about the same direction."""
     x, y = arrow.direction
     for step in (0, 1, -1, 2, -2, 3, -3, 4, -4):
         dx, dy = -y * _ASIDE * step, x * _ASIDE * step

@@ -94,7 +94,7 @@ _PATH = re.compile(r'(?<= d=")[^"]*')
 
 
 def style(name: str) -> AbstractContextManager[Any]:
-    """The look of all plots, within which they are made and written; nothing in a label is read as a formula."""
+    """Return the look of all plots, within which they are made and written; nothing in a label is read as a formula."""
     from matplotlib import rc_context
 
     return rc_context(
@@ -116,7 +116,7 @@ def style(name: str) -> AbstractContextManager[Any]:
 
 
 def plot(width: int, height: int, draw: Callable[[Figure], None], name: str) -> str:
-    """An SVG element of this size [px] for a page.
+    """Return an SVG element of this size [px] for a page.
 
     Args:
         draw: puts what is to be seen on a figure.
@@ -135,7 +135,7 @@ class Sheet:
         self._figure = Figure(figsize=(width / DOTS, height / DOTS), facecolor="none")
 
     def plot(self, draw: Callable[[Figure], None], name: str) -> str:
-        """An SVG element for a page; see `plot`."""
+        """Return an SVG element for a page; see `plot`."""
         import io
 
         from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -177,7 +177,7 @@ def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> No
 
 
 def of_page(drawing: str) -> str:
-    """The drawing of a free body, which is made for a file of its own, in the colours of a page."""
+    """Return the drawing of a free body, which is made for a file of its own, in the colours of a page."""
     from robodyn.report.pictures.free_body import STYLE
 
     drawing = drawing.replace(STYLE, "").strip()
@@ -187,7 +187,7 @@ def of_page(drawing: str) -> str:
 
 
 def _themed(svg: str) -> str:
-    """The element alone: colours by the names of the page's, coordinates to a tenth of a pixel, no names of groups."""
+    """Return the element alone: colours of the page, coordinates to a tenth of a pixel, no names of groups."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", svg, flags=re.DOTALL)

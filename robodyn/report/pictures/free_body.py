@@ -44,7 +44,7 @@ text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; }
 
 
 def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
-    """(name of a file, SVG) for every body."""
+    """Yield (name of a file, SVG) of every body."""
     size = free_body_sizes(found)
     for body in found.bodies:
         safe = "".join(c if c.isalnum() or c in "-_." else "_" for c in body.name)
@@ -52,7 +52,7 @@ def drawings(found: FreeBodies, state: str) -> Iterator[tuple[str, str]]:
 
 
 def drawing(body: FreeBody, title: str, size: Sizes) -> str:
-    """The SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright.
+    """Return the SVG of one body: isometric, seen from (1, 1, 1) of the ground's frame, which stands upright.
 
     Args:
         size: of forces and moments on the robot, beside which noise vanishes.
@@ -72,13 +72,13 @@ def drawing(body: FreeBody, title: str, size: Sizes) -> str:
 
 
 def page_drawing(body: FreeBody, size: Sizes) -> str:
-    """The same without words around it, for a page whose width it takes."""
+    """Return the drawing without words around it, for a page whose width it takes."""
     box = f"0 0 {PAGE.width} {PAGE.bottom + 8}"
     return "\n".join((f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">', *_scene(body, size, PAGE), "</svg>"))
 
 
 def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
-    """The body, its arrows with their labels, and the axes of ground and body."""
+    """Yield the body, its arrows with their labels, and the axes of ground and body."""
     points, spots = _layout(body, paper)
     vectors, marks = arrows(body, spots, size), _apart(points)
     yield from _shape([*points, *spots.values()])
@@ -90,7 +90,7 @@ def _scene(body: FreeBody, size: Sizes, paper: Paper) -> Iterator[str]:
 
 
 def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]]:
-    """Origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
+    """Return origin, mass centre and ends on paper, and where each action is; the body fits between its arrows."""
     places = [np.zeros(3), body.com, *(point for _, point in body.ends)]
     everything = np.array([on_paper(product(body.pose.R, p)) for p in [*places, *(a.point for a in body.actions)]])
     low, high = everything.min(axis=0), everything.max(axis=0)
@@ -103,7 +103,7 @@ def _layout(body: FreeBody, paper: Paper) -> tuple[list[Point], dict[int, Point]
 
 
 def _shape(points: list[Point]) -> list[str]:
-    """A bar from the mass centre to the origin and to every end."""
+    """Return a bar from the mass centre to the origin and to every end."""
     origin, com, *ends = points
     lines = "".join(f"M{com[0]:.1f} {com[1]:.1f}L{x:.1f} {y:.1f}" for x, y in (origin, *ends))
     path = f'd="{lines}" fill="none" stroke-linecap="round" stroke-linejoin="round"'
@@ -111,7 +111,7 @@ def _shape(points: list[Point]) -> list[str]:
 
 
 def _apart(points: list[Point]) -> list[Point]:
-    """Where the marks of origin, mass centre and ends go: beside one another where they would coincide."""
+    """Return where the marks of origin, mass centre and ends go: beside one another where they would coincide."""
     origin, com, *ends = points
     taken = [com]
     for x, y in (origin, *ends):
@@ -125,7 +125,7 @@ _ASIDE = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (2, 0), (-2, 0), (3, 0), (-3
 
 
 def _marks(body: FreeBody, points: list[Point]) -> Iterator[str]:
-    """Discs at joints with their numbers, and a quartered disc at the mass centre."""
+    """Yield discs at joints with their numbers, and a quartered disc at the mass centre."""
     origin, (x, y), *ends = points
     numbers = (body.number, *(number for number, _ in body.ends))
     if body.mass:
@@ -160,7 +160,7 @@ def _head(x: float, y: float, dx: float, dy: float, colour: str) -> str:
 
 
 def _labels(points: list[Point], vectors: list[Arrow], paper: Paper) -> Iterator[str]:
-    """Symbol and size of each arrow beside its tip."""
+    """Yield symbol and size of each arrow beside its tip."""
     lines: list[Segment] = [(vector.start, vector.end) for vector in vectors]
     discs = [*points, *(vector.start for vector in vectors if vector.start == vector.end)]
     taken = [Box(x - 11, y - 11, x + 11, y + 11) for x, y in discs]
@@ -182,7 +182,7 @@ def _labels(points: list[Point], vectors: list[Arrow], paper: Paper) -> Iterator
 
 
 def _triad(x: float, y: float, R: Floats, name: str) -> Iterator[str]:
-    """The axes of a frame."""
+    """Yield the axes of a frame."""
     for k, letter in enumerate("xyz"):
         dx, dy = (34 * part for part in on_paper(R[:, k]))
         yield f'<line class="line" x1="{x}" y1="{y}" x2="{x + dx:.1f}" y2="{y + dy:.1f}" stroke-width="2"/>'

@@ -28,7 +28,7 @@ _SIZE = 460
 def robot_figure(
     model: Model, q: Floats, joint: str, when: str, shapes: Visuals | None, name: str = "picture"
 ) -> Figure:
-    """The robot at q, seen from (1, 1, 1) of its base's frame, with one joint and what it carries marked.
+    """Return the robot at q, seen from (1, 1, 1) of its base's frame, with one joint and what it carries marked.
 
     Args:
         joint: the name of the one that is marked; empty for none.
@@ -64,7 +64,7 @@ def robot_figure(
 
 
 def shapes_of(model: Model) -> tuple[Visuals | None, str]:
-    """The visual shapes of a robot's description, and what is said of those that are not there."""
+    """Return the visual shapes of a robot's description, and what is said of those that are not there."""
     from robodyn.report.pictures.visuals import visuals
 
     assert model.description is not None, "it is not a model of bodies alone"
@@ -82,12 +82,12 @@ def shapes_of(model: Model) -> tuple[Visuals | None, str]:
 
 
 def _joints(model: Model, poses: Mapping[str, tuple[Array, Array]]) -> list[Floats]:
-    """The origin of each body in the base's frame."""
+    """Return the origin of each body in the base's frame."""
     return [np.asarray(poses[body.name][1], dtype=float) for body in model.bodies]
 
 
 def _placed(model: Model, poses: Mapping[str, tuple[Array, Array]], shapes: Visuals) -> list[Solid]:
-    """Each link's triangles in the base's frame, by body."""
+    """Return each link's triangles in the base's frame, by body."""
     found = []
     for link, corners in shapes.triangles.items():
         if link in poses:
@@ -124,5 +124,5 @@ def _label(axes: Axes, at: Floats, name: str) -> None:
 
 
 def _state(model: Model, q: Floats) -> str:
-    """The coordinates in words."""
+    """Return the coordinates in words."""
     return ", ".join(f"{printable(name)} {value:.4g}" for name, value in zip(model.coordinates, q, strict=True))

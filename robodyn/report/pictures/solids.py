@@ -35,7 +35,7 @@ Solid = tuple[int, Floats]
 
 
 def on_paper(solids: Sequence[Solid]) -> list[Solid]:
-    """The solids in the axes of the paper, coarse enough for a picture; none where there is nothing to see."""
+    """Return the solids in the axes of the paper, coarse enough for a picture; none where there is nothing to see."""
     placed = [(number, product(triangles, PAPER.T)) for number, triangles in solids if len(triangles)]
     if not placed:
         return []
@@ -52,7 +52,7 @@ def on_paper(solids: Sequence[Solid]) -> list[Solid]:
 
 
 def _coarse(triangles: Floats, cell: float) -> Floats:
-    """The triangles between the means of the corners that lie in the same cell, each once; the surface keeps closed."""
+    """Return triangles between the means of the corners in each cell, each once; the surface keeps closed."""
     finite = triangles[np.isfinite(triangles).all(axis=(1, 2))].reshape(-1, 3)
     places, cells = np.unique(product(np.rint(finite / cell).astype(np.int64), _PLACES), return_inverse=True)
     count = np.bincount(cells)
@@ -97,7 +97,7 @@ def triad(canvas: Canvas) -> None:
 
 
 def body_figure(name: str, body: MassProperties, triangles: Floats, key: str) -> Figure:
-    """A solid with its mass centre and its principal axes."""
+    """Return a solid with its mass centre and its principal axes."""
     solids = on_paper([(0, triangles)])
     reach = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
 

@@ -42,12 +42,12 @@ NOTES = (
 
 
 def table_height(body: FreeBody) -> int:
-    """Of `component_table` [px]."""
+    """Return the height of `component_table` [px]."""
     return _ROW * (len(body.actions) + len(NOTES)) + 56
 
 
 def component_table(body: FreeBody, top: float, width: float, size: Sizes) -> Iterator[str]:
-    """Every action with its components, and what the marks mean, below a line at `top`."""
+    """Yield every action with its components, and what the marks mean, below a line at `top`."""
     y = top + 34
     yield f'<line class="line" x1="24" x2="{width - 24}" y1="{top + 12}" y2="{top + 12}" stroke-width="1"/>'
     for x, head in _HEADS:
@@ -75,7 +75,7 @@ def _cells(action: Action, what: str, scales: list[float], size: Sizes) -> tuple
 
 
 def symbols(action: Action, size: Sizes) -> str:
-    """The symbols of those of its force and moment that are no noise."""
+    """Return the symbols of those of its force and moment that are no noise."""
     parts = zip((action.force, action.moment), ("N", "N m"), action.symbols, strict=True)
     shown = (signed(symbol) for vector, unit, symbol in parts if symbol and not is_noise(_length(vector), size[unit]))
     return ", ".join(dict.fromkeys(shown)) or "-"
@@ -86,7 +86,7 @@ def _length(vector: Floats) -> float:
 
 
 def _components(vector: Floats, scale: float) -> str:
-    """As many decimals as show three or four digits of the largest component on the body."""
+    """Return components with as many decimals as show three or four digits of the largest component on the body."""
     power = floor(log10(scale))
     if not -4 <= power < 7:
         return "({})".format(", ".join(f"{x:.2e}" for x in vector))
@@ -96,13 +96,13 @@ def _components(vector: Floats, scale: float) -> str:
 
 
 def signed(symbol: str) -> str:
-    """A symbol as it is printed, with a true minus."""
+    """Return a symbol as it is printed, with a true minus."""
     words = {"-ma": "\u2212m a", "-dH": "\u2212dH/dt"}
     return words.get(symbol, symbol.replace("-", "\u2212"))
 
 
 def short(text: str, most: int) -> str:
-    """The text, cut to so many characters."""
+    """Return the text, cut to so many characters."""
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
@@ -117,7 +117,7 @@ def svg_text(
     anchor: str = "start",
     fill: str = "",
 ) -> str:
-    """An element of text, in the look of a class of the style or in a colour."""
+    """Return an element of text, in the look of a class of the style or in a colour."""
     look = f'class="{kind}"' if kind else f'fill="{fill}"'
     weight = ' font-weight="bold"' if bold else ""
     where = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'

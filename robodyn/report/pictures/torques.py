@@ -37,13 +37,13 @@ _NEAR = 0.5
 
 
 def joint_figures(joints: Sequence[JointLoad], curves: Curves, columns: Sequence[int], size: Sizes) -> list[Figure]:
-    """For some joints torque, speed and power against time, and torque against speed within the limits."""
+    """Return of some joints torque, speed and power against time, and torque against speed within the limits."""
     return [_joint_figure(joints[k], curves, k, size) for k in columns]
 
 
 @lru_cache(maxsize=2)
 def _sheet(height: int) -> Sheet:
-    """What figures of a height are drawn on, one after another."""
+    """Return what figures of a height are drawn on, one after another."""
     return Sheet(WIDE, height)
 
 
@@ -65,12 +65,12 @@ def _joint_figure(joint: JointLoad, curves: Curves, column: int, size: Sizes) ->
 
 
 def _panels(canvas: Canvas) -> list[Axes]:
-    """The axes of a joint's figure, which stay on its sheet."""
+    """Return the axes of a joint's figure, which stay on its sheet."""
     return canvas.axes or [_panel(canvas, k) for k in range(len(_PANELS))]
 
 
 def _panel(canvas: Canvas, k: int) -> Axes:
-    """One of the axes of a joint's figure."""
+    """Return one of the axes of a joint's figure."""
     bottom, height = _PANELS[k]
     axes = panel(canvas, bottom, height, _TALL)
     axes.tick_params(labelbottom=k >= 2)
@@ -82,7 +82,7 @@ def _panel(canvas: Canvas, k: int) -> Axes:
 
 
 def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) -> list[Figure]:
-    """Forces and moments of the ground on the robot against time; none that are zero throughout."""
+    """Return forces and moments of the ground on the robot against time; none that are zero throughout."""
     found = []
     for title, unit, first in (("forces", "N", 0), ("moments", "N m", 3)):
         names = history.base.names[first : first + 3]
@@ -100,7 +100,7 @@ def base_figures(loads: Sequence[ComponentLoad], history: History, size: Sizes) 
 
 
 def energy_figure(balance: EnergyBalance, history: History, size: Sizes) -> Figure:
-    """Work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
+    """Return work done on the robot, less losses, and the energy that it stores: the same curve if all is right."""
 
     lines = {name: history.energy.line("energy", k) for k, name in enumerate(history.energy.names)}
 
@@ -114,7 +114,7 @@ def energy_figure(balance: EnergyBalance, history: History, size: Sizes) -> Figu
 
 
 def share_figures(joints: Sequence[JointLoad]) -> list[Figure]:
-    """For every joint what each effect adds to its peak, in parts of the peak, some joints in each figure."""
+    """Return for every joint what each effect adds to its peak, in parts of the peak, some joints in each figure."""
     names = [name for joint in joints for name, share in joint.shares.items() if abs(share) >= _SEEN * abs(joint.peak)]
     effects, many = list(dict.fromkeys(names)), -(-len(joints) // _TOGETHER)
     size, found = -(-len(joints) // many), []
@@ -177,7 +177,7 @@ def _envelope(axes: Axes, joint: JointLoad, samples: dict[str, Floats]) -> None:
 
 
 def _apart(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """One of the points that fall on the same pixel."""
+    """Return one of the points that fall on the same pixel."""
     if not len(x):
         return x, y
     grid = [np.rint(300 * (each - each.min()) / (np.ptp(each) or 1.0)) for each in (x, y)]
@@ -214,7 +214,7 @@ def _joint_words(joint: JointLoad, what: str, size: Sizes) -> str:
 
 
 def _part(joint: JointLoad, share: tuple[str, float]) -> float:
-    """Of the joint's peak."""
+    """Return the part of the joint's peak that an effect makes."""
     return share[1] / joint.peak
 
 

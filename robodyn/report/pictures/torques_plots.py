@@ -78,17 +78,17 @@ class Plots:
 
 
 def _in_order(columns: Sequence[int], over: frozenset[str], joints: Sequence[JointLoad]) -> list[int]:
-    """Joints in the order of the robot, those beyond limits first."""
+    """Return joints in the order of the robot, those beyond limits first."""
     return sorted(columns, key=lambda k: (joints[k].name not in over, k))
 
 
 def _rests(joint: JointLoad, size: Sizes) -> bool:
-    """Whether a joint neither moves nor carries anything."""
+    """Return whether a joint neither moves nor carries anything."""
     return is_noise(abs(joint.peak), size[joint.unit]) and is_noise(abs(joint.max_speed), size[speed_unit(joint.unit)])
 
 
 def _without_noise(history: History, loads: Sequence[JointLoad], size: Sizes) -> History:
-    """The history with zeros for every quantity of which there is nothing but rounding noise."""
+    """Return the history with zeros for every quantity of which there is nothing but rounding noise."""
     units = [joint.unit for joint in loads]
     scales = {
         "speed": [size[speed_unit(unit)] for unit in units],
@@ -107,7 +107,7 @@ def _without_noise(history: History, loads: Sequence[JointLoad], size: Sizes) ->
 
 
 def _quiet(curves: Curves, scales: Mapping[str, Sequence[float]]) -> Curves:
-    """Curves with zeros where the values of a column are all noise beside its scale."""
+    """Return curves with zeros where the values of a column are all noise beside its scale."""
     kept = curves.kept.copy()
     for k, quantity in enumerate(curves.quantities, start=1):
         if quantity in scales:

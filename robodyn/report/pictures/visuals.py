@@ -33,7 +33,7 @@ class Visuals:
 
 
 def visuals(description: Description) -> Visuals:
-    """The visual shapes of a robot; nothing is fetched from a network.
+    """Return the visual shapes of a robot; nothing is fetched from a network.
 
     yourdfpy and trimesh, which take half a second to be imported, are not needed where no mesh is named.
 
@@ -76,7 +76,7 @@ def _of_meshes(description: Description) -> Visuals:
 
 
 def primitive(geometry: Geometry) -> Floats:
-    """The surface of a shape that is no mesh, (m, 3, 3) in its link's frame [m]."""
+    """Return the surface of a shape that is no mesh, (m, 3, 3) in its link's frame [m]."""
     R, p = rotation_from_rpy(*geometry.origin.rpy), np.array(geometry.origin.xyz)
     own = _box(geometry.size) if geometry.shape == "box" else _turned(_profile(geometry.shape, geometry.size))
     found: Floats = product(own, R.T) + p
@@ -95,7 +95,7 @@ def _box(size: tuple[float, ...]) -> Floats:
 
 
 def _profile(shape: str, size: tuple[float, ...]) -> Floats:
-    """(k, 2) radius and height of a surface of revolution about z, from its bottom to its top."""
+    """Return (k, 2) radius and height of a surface of revolution about z, from its bottom to its top."""
     radius = size[0]
     if shape == "cylinder":
         half = size[1] / 2
@@ -107,7 +107,7 @@ def _profile(shape: str, size: tuple[float, ...]) -> Floats:
 
 
 def _turned(profile: Floats) -> Floats:
-    """The surface that a profile sweeps."""
+    """Return the surface that a profile sweeps."""
     turn = np.linspace(0.0, 2 * np.pi, _AROUND + 1)
     rings = np.stack([np.column_stack((r * np.cos(turn), r * np.sin(turn), np.full_like(turn, z))) for r, z in profile])
     a, b, c, d = rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]

@@ -13,7 +13,7 @@ COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE:
 
 
 def check_github(findings: Sequence[Finding], unread: Sequence[Unread] = ()) -> str:
-    """One line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
+    """Return one line for each finding, `::error file=F,line=L,col=C,title=T::message`, and for each file not read.
 
     Method: percent, CR and LF are written %25, %0D and %0A, in properties colon and comma %3A and %2C as well, as the
     runner's own toolkit does (actions/toolkit, packages/core/src/command.ts).
@@ -34,7 +34,7 @@ def _line(finding: Finding) -> str:
 
 
 def _path(file: str) -> str:
-    """As the repository has it, without `./`; standard input as it is."""
+    """Return the path as the repository has it, without `./`; standard input as it is."""
     return file if file.startswith("<") else os.path.normpath(file).replace(os.sep, "/")
 
 

@@ -20,7 +20,7 @@ _ASSETS = Path(__file__).parent / "assets"
 
 
 def html(document: Document) -> str:
-    """The document.
+    """Return the page.
 
     Every word is escaped, and the page's policy lets no script run but its own and no address be loaded.
     """
@@ -49,14 +49,14 @@ def html(document: Document) -> str:
 
 
 def _name(text: str) -> Markup:
-    """Words in which a long name may go on in the next line after an underscore or a slash."""
+    """Return words in which a long name may go on in the next line after an underscore or a slash."""
     from markupsafe import Markup, escape
 
     return Markup(re.sub(r"([_/])(?=\w{3})", r"\1<wbr>", str(escape(printable(text)))))
 
 
 def _unit(title: str) -> str:
-    """A title whose unit in brackets stays on one line."""
+    """Return a title whose unit in brackets stays on one line."""
     return re.sub(r"\[[^\]]*\]", lambda unit: unit[0].replace(" ", "\u00a0"), printable(title))
 
 
@@ -65,10 +65,10 @@ def _asset(name: str) -> str:
 
 
 def _numeric(table: Any) -> list[bool]:
-    """For each column whether it is one of numbers."""
+    """Return for each column whether it is one of numbers."""
     return [is_numeric([row[k] for row in table.rows]) for k in range(len(table.head))]
 
 
 def _data(file: Download) -> str:
-    """The address that holds a file."""
+    """Return the address that holds a file."""
     return f"data:{file.kind};charset=utf-8;base64,{base64.b64encode(file.text.encode()).decode()}"

@@ -11,7 +11,7 @@ from robodyn.report.table import printable
 
 
 def check_junit(checked: Checked, strict: bool = False) -> str:
-    """A suite for each file, in it a test for each finding: failed if it fails the check, otherwise with its output.
+    """Return a suite for each file, in it a test for each finding: failed if it fails the check.
 
     A file without findings has one test, which passes. The format is that of Jenkins' xUnit plugin (junit-10.xsd).
 
@@ -38,7 +38,7 @@ def _suite(file: str, findings: Sequence[Finding], fatal: set[Severity]) -> str:
 
 
 def _unread(unread: Unread) -> str:
-    """The suite of a file that could not be read."""
+    """Return the suite of a file that could not be read."""
     file = _attribute(unread.file)
     return f"""  <testsuite name={file} tests="1" failures="0" errors="1" time="0">
     <testcase name="reading" classname={file} time="0">

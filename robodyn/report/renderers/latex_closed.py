@@ -21,7 +21,7 @@ ESCAPES = {
 
 
 def closed_latex(closed: Closed) -> str:
-    r"""A sentence on the coordinates and the notation, then M, gravity, Coriolis and what else there is in `align*`."""
+    r"""Return a sentence on coordinates and notation, then M, gravity, Coriolis and all else in `align*`."""
     n = len(closed.joints)
     x, y, z = closed.gravity
     entries = {f"M_{{{i + 1}{j + 1}}}": closed.M[i][j] for i in range(n) for j in range(i, n)}
@@ -58,7 +58,7 @@ def _aligned(entries: Mapping[str, Any], closed: Closed) -> str:
 
 
 def _broken(expression: Any, closed: Closed) -> str:
-    """The expression, a long sum on several lines."""
+    """Return the expression, a long sum on several lines."""
     sympy, printer = module(), _printer(len(closed.q))
     numbered = {
         old: new
@@ -77,7 +77,7 @@ def _broken(expression: Any, closed: Closed) -> str:
 
 
 def _symbols(k: int) -> tuple[Any, Any]:
-    """Of coordinate k from 1 and of its rate, named so that sums and products come in the order of the joints."""
+    """Return symbols of coordinate k from 1 and of its rate; sums and products come in the order of joints."""
     sympy = module()
     return sympy.Symbol(f"q_{k}", real=True), sympy.Symbol(f"qd_{k}", real=True)
 
@@ -115,6 +115,6 @@ def _printer(n: int) -> Any:
 
 
 def escaped(text: str) -> str:
-    """The text as LaTeX prints it."""
+    """Return the text as LaTeX prints it."""
     printable = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
     return "".join(ESCAPES.get(character, character) for character in printable)

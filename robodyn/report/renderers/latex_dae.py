@@ -66,7 +66,7 @@ HELD = {
 
 
 def dae_latex(found: Dae) -> str:
-    """Newton's and Euler's laws of every body, the constraints of every joint, the system, and what is left of it."""
+    """Return Newton's and Euler's laws of every body, constraints of every joint, the system, and what is left."""
     system, counts = found.robot.system, found.counts
     x, y, z = found.robot.scene.gravity
     several = f"{counts.bodies} bod{'y' if counts.bodies == 1 else 'ies'}"
@@ -104,7 +104,7 @@ def _law(found: Dae, i: int) -> str:
 
 
 def _sum(terms: Sequence[str]) -> str:
-    """The sum, on a further line after every `MOST` terms."""
+    """Return the sum, on a further line after every `MOST` terms."""
     lines = [" + ".join(terms[k : k + MOST]) for k in range(0, len(terms), MOST)]
     return " \\\\\n  &\\quad + ".join(lines).replace("+ -", "- ") or "0"
 

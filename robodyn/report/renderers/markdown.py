@@ -27,7 +27,7 @@ _SIGNS = {"good": "✅", "doubtful": "⚠️", "bad": "❌", "neutral": "ℹ️"
 
 
 def markdown(document: Document) -> str:
-    """The document. Whatever could be Markdown or HTML in its words is escaped."""
+    """Return the report as Markdown. Whatever could be Markdown or HTML in its words is escaped."""
     parts = [f"# {escaped(document.title)}", escaped(document.subtitle)]
     parts += [part for part in map(_block, _worth(document.blocks)) if part]
     if document.command:
@@ -36,12 +36,12 @@ def markdown(document: Document) -> str:
 
 
 def escaped(text: str) -> str:
-    """Words that Markdown shows as they are, on one line; a name after @ calls nobody."""
+    """Return words that Markdown shows as they are, on one line; a name after @ notifies nobody."""
     return _SPECIAL.sub(r"\\\1", printable(" ".join(text.split()))).replace(r"\@", "@\u200b")
 
 
 def _worth(blocks: Sequence[Block]) -> list[Block]:
-    """The blocks without pictures and downloads, and without headings that then stand alone."""
+    """Return the blocks without pictures and downloads, and without headings that then stand alone."""
     kept = [block for block in blocks if not isinstance(block, (Figure, Gallery, Downloads))]
     after = [*kept[1:], Heading("")]
     return [one for one, other in zip(kept, after, strict=True) if not (_head(one) and _head(other))]
@@ -52,7 +52,7 @@ def _head(block: Block) -> bool:
 
 
 def _block(block: Block) -> str:
-    """Its text; nothing of what cannot be words."""
+    """Return a block as Markdown; nothing of pictures and downloads."""
     if isinstance(block, (Heading, Paragraph)):
         return ("## " if isinstance(block, Heading) else "") + escaped(block.text)
     if isinstance(block, Verdict):
@@ -77,7 +77,7 @@ def _finding(level: str, title: str, lines: Sequence[tuple[str, bool]]) -> str:
 
 
 def _indented(code: str) -> str:
-    """Lines of code within a list."""
+    """Return lines of code within a list."""
     return "\n".join(f"      {line}" for line in code_lines(code).split("\n"))
 
 
@@ -91,6 +91,6 @@ def _table(table: Table) -> str:
 
 
 def _code(text: str) -> str:
-    """A line of code, fenced by more backquotes than it has in a row."""
+    """Return a line of code, fenced by more backquotes than it has in a row."""
     ticks = "`" * (1 + max([2, *map(len, re.findall("`+", text))]))
     return f"{ticks}console\n$ {printable(text)}\n{ticks}"

@@ -30,7 +30,7 @@ def check_sarif(
     reading: Callable[[str], Reading],
     unread: Sequence[Unread] = (),
 ) -> str:
-    """One run with the rules' documentation; of each finding the place, the link or joint, the numbers and the fix.
+    """Return one run with the rules' documentation; of each finding place, link or joint, numbers and fix.
 
     Columns count characters from 1. `partialFingerprints` stay the same when lines move or numbers change.
 
@@ -127,7 +127,7 @@ def _region(places: SourcePositions, start: int, end: int) -> Object:
 
 
 def _artifact(file: str) -> Object:
-    """A relative path as it is, an absolute one as file:, standard input as a name."""
+    """Return a relative path as it is, an absolute one as file:, standard input as a name."""
     if os.path.isabs(file):
         return {"uri": Path(file).as_uri()}
     return {"uri": quote(os.path.normpath(file).replace(os.sep, "/") if not file.startswith("<") else file)}
