@@ -12,7 +12,6 @@ from robodyn.measure.timing import Spread
 from robodyn.report.document import (
     Block,
     Document,
-    Download,
     Figure,
     Gallery,
     Heading,
@@ -20,7 +19,7 @@ from robodyn.report.document import (
     Section,
     Table,
     Verdict,
-    downloads,
+    data_blocks,
     on_page,
     paragraphs,
 )
@@ -124,8 +123,8 @@ def accuracy_page(accuracy: Accuracy, target: float | None = None, pictures: boo
             Gallery(tuple(_figure(accuracy, k, target) for k in range(len(accuracy.ladders)))),
         ]
     blocks += [Heading("Methods"), *on_page(accuracy_sections(accuracy, target))]
-    files = [Download("accuracy.json", "application/json", accuracy_json(accuracy, target))]
-    blocks += [Heading("Data"), downloads(files, "robodyn accuracy --format json prints it")]
+    files = [("accuracy.json", accuracy_json(accuracy, target))]
+    blocks += data_blocks(files, "robodyn accuracy --format json prints it")
     return Document(PurePath(accuracy.name).name, "What each further digit costs in time", tuple(blocks))
 
 

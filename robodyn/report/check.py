@@ -15,14 +15,13 @@ from robodyn.report.check_words import LEVELS, check_line, check_verdict, counte
 from robodyn.report.document import (
     Block,
     Document,
-    Download,
     Facts,
     Findings,
     Heading,
     Level,
     Table,
     Verdict,
-    downloads,
+    data_blocks,
 )
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.table import printable
@@ -68,12 +67,9 @@ def check_page(checked: Checked) -> Document:
         found = [finding for finding in checked.findings if finding.file == file]
         if found:
             blocks += [Heading(printable(file)), Findings(tuple(map(_item, found)))]
-    blocks += [Heading("Data"), downloads([Download("findings.json", "application/json", check_json(checked))], _HOW)]
+    blocks += data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
     title = PurePath(checked.files[0]).name if len(checked.files) == 1 else "Robot descriptions"
     return Document(title, f"Check of robot descriptions: {count}", tuple(blocks))
-
-
-_HOW = "robodyn check --format json prints it"
 
 
 def _verdict(checked: Checked) -> Verdict:

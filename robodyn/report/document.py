@@ -189,23 +189,25 @@ def code_lines(text: str) -> str:
     return "\n".join(map(printable, text.split("\n")))
 
 
+_KINDS = {"json": "application/json", "csv": "text/csv"}
 LARGEST = 400_000
 """Bytes of a file that a page carries at most."""
 
 
-def downloads(files: Sequence[Download], instead: str) -> Downloads:
-    """Return the files that are small enough, and a remark on the others.
+def data_blocks(files: Iterable[tuple[str, str]], instead: str) -> list[Block]:
+    """Return the files (name, text) that are small enough for a page, under a heading, and a remark on the others.
 
     Args:
         instead: how to get the others.
     """
-    small = tuple(file for file in files if len(file.text.encode()) <= LARGEST)
-    notes = tuple(
-        f"{file.name} has {len(file.text.encode()) / 1e6:.1f} MB, too much for this page: {instead}."
-        for file in files
-        if file not in small
-    )
-    return Downloads(small, notes)
+    small, notes = [], []
+    for name, text in files:
+        size = len(text.encode())
+        if size <= LARGEST:
+            small.append(Download(name, _KINDS[name.rpartition(".")[2]], text))
+        else:
+            notes.append(f"{name} has {size / 1e6:.1f} MB, too much for this page: {instead}.")
+    return [Heading("Data"), Downloads(tuple(small), tuple(notes))]
 
 
 def csv_text(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

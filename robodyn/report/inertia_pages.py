@@ -23,7 +23,6 @@ from robodyn.report.composite import (
 from robodyn.report.document import (
     Block,
     Document,
-    Download,
     Facts,
     Figure,
     Gallery,
@@ -31,7 +30,7 @@ from robodyn.report.document import (
     Level,
     Section,
     Verdict,
-    downloads,
+    data_blocks,
     on_page,
 )
 from robodyn.report.json.bodies import (
@@ -229,5 +228,4 @@ def _numbers(sections: Iterable[Section]) -> list[Block]:
 
 
 def _data(name: str, text: str) -> list[Block]:
-    how = "robodyn inertia --format json prints it"
-    return [Heading("Data"), downloads([Download(name, "application/json", text)], how)]
+    return data_blocks([(name, text)], "robodyn inertia --format json prints it")

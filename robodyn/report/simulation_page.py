@@ -9,14 +9,13 @@ import numpy as np
 from robodyn.report.document import (
     Block,
     Document,
-    Download,
     Gallery,
     Heading,
     Level,
     Paragraph,
     Verdict,
     csv_text,
-    downloads,
+    data_blocks,
     on_page,
 )
 from robodyn.report.json.runs import simulation_json
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
-_HOW = "robodyn simulate --format json and --out write it to a file"
 _WORST_FIRST: tuple[Level, ...] = ("bad", "doubtful", "neutral", "good")
 _DRIFT = 1e-3
 """Relative to the largest kinetic energy; above it steps are too long."""
@@ -47,11 +45,8 @@ def simulation_page(result: Simulation, pictures: bool = True) -> Document:
         blocks += [*_poses(result), *_plots(result)]
     blocks += [Heading("In numbers"), *on_page(simulation_sections(result, explain=True), "Motion")]
     table = csv_text(("time", *result.names), np.column_stack((result.time, result.columns)).tolist())
-    files = [
-        Download("result.json", "application/json", simulation_json(result)),
-        Download("motion.csv", "text/csv", table),
-    ]
-    blocks += [Heading("Data"), downloads(files, _HOW)]
+    files = [("result.json", simulation_json(result)), ("motion.csv", table)]
+    blocks += data_blocks(files, "robodyn simulate --format json and --out write it to a file")
     return Document(result.model.name, what, tuple(blocks))
 
 

@@ -9,7 +9,6 @@ from robodyn.loads.result import Result
 from robodyn.report.document import (
     Block,
     Document,
-    Download,
     Facts,
     Gallery,
     Heading,
@@ -18,7 +17,7 @@ from robodyn.report.document import (
     Table,
     Verdict,
     csv_text,
-    downloads,
+    data_blocks,
 )
 from robodyn.report.json.loads import torques_json
 from robodyn.report.limits import (
@@ -168,16 +167,12 @@ def _momentum(result: Result) -> Iterator[Block]:
         yield Table(title, *rows)
 
 
-def _files(result: Result, history: History | None) -> Iterator[Block]:
+def _files(result: Result, history: History | None) -> list[Block]:
     head, rows = load_table(result)
-    files = [
-        Download("result.json", "application/json", torques_json(result)),
-        Download("joints.csv", "text/csv", csv_text(head, rows)),
-    ]
+    files = [("result.json", torques_json(result)), ("joints.csv", csv_text(head, rows))]
     if history is not None and history.joints is not None:
-        files.append(Download("curves.csv", "text/csv", _curves(history)))
-    yield Heading("Data")
-    yield downloads(files, "robodyn torques --format json and --out write it to a file")
+        files.append(("curves.csv", _curves(history)))
+    return data_blocks(files, "robodyn torques --format json and --out write it to a file")
 
 
 def _curves(history: History) -> str:

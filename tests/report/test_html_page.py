@@ -15,6 +15,7 @@ from robodyn.report.document import (
     LARGEST,
     Document,
     Download,
+    Downloads,
     Facts,
     Figure,
     Findings,
@@ -24,7 +25,7 @@ from robodyn.report.document import (
     Table,
     Verdict,
     csv_text,
-    downloads,
+    data_blocks,
 )
 from robodyn.report.pictures.figures import SERIES, of_page, plot
 from robodyn.report.pictures.svg import COLOURS
@@ -55,7 +56,7 @@ def document(words: str) -> Document:
         Heading(words),
         Gallery((figure(words), figure(words, "two"))),
         Findings((("doubtful", words, ((words, False), (words, True))),)),
-        downloads([Download("a.csv", "text/csv", words)], words),
+        Downloads((Download("a.csv", "text/csv", words),)),
     )
     return Document(words, words, blocks, words, (words,))
 
@@ -81,8 +82,9 @@ def test_a_page_has_every_part() -> None:
 
 
 def test_what_is_too_large_is_not_carried_and_said() -> None:
-    found = downloads([Download("big.json", "text/json", "x" * (LARGEST + 1))], "ask for it")
-    assert (found.files, found.notes) == ((), ("big.json has 0.4 MB, too much for this page: ask for it.",))
+    heading, found = data_blocks([("big.json", "x" * (LARGEST + 1)), ("a.csv", "words")], "ask for it")
+    note = "big.json has 0.4 MB, too much for this page: ask for it."
+    assert (heading, found) == (Heading("Data"), Downloads((Download("a.csv", "text/csv", "words"),), (note,)))
 
 
 def test_markdown_is_escaped() -> None:
