@@ -12,11 +12,11 @@ from robodyn.dynamics.arrays import zero_columns
 from robodyn.dynamics.inverse import bias_forces, mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
+from robodyn.programs.linear import eigen
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.support.floats import Floats
 from robodyn.support.wording import listed
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from robodyn.equations.dae.dae import Dae
 from robodyn.equations.dae.equations import Across
+from robodyn.programs.linear import eigen
 from robodyn.report.document import Section, Table, paragraphs
 from robodyn.report.sizes import sizes
 from robodyn.report.table import Content, number, printable, relative_text
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.support.floats import first_largest
 
 MOST = 16

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from robodyn.errors import InputError, MeshError
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.mesh.bodies import region, sheet, solid
+from robodyn.solids.mesh.bodies import sheet, solid
 from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.measured import Measured, measured
 from robodyn.solids.mesh.read.load import from_array, load_triangles
@@ -131,12 +131,8 @@ def mass_properties(
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
-    if shell is not None:
-        body = sheet(triangles, weight, shell)
-    elif found.region is not None:
-        body = region(found.region, triangles, weight)
-    else:
-        body = solid(integrals, triangles, weight)
+    enclosed = found.region or integrals
+    body = solid(enclosed, triangles, weight) if shell is None else sheet(triangles, weight, shell)
     form = shape(
         triangles,
         integrals,

@@ -11,9 +11,9 @@ from robodyn.checks.bodies.frames import centres_of_mass
 from robodyn.checks.context import Context
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Severity
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import InertialView, LinkView
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
 
 Tensor = tuple[float, ...]
@@ -41,7 +41,7 @@ def matrix(entries: Sequence[float]) -> Floats:
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
     """Return the principal moments of inertia, ascending [kg m^2].
 
-    Accuracy: that of `robodyn.solids.inertia.eigen`.
+    Accuracy: that of `robodyn.programs.linear`.
     """
     size = max(map(abs, tensor)) or 1.0
     moments, _ = eigen(matrix(tensor) / size)

@@ -9,9 +9,9 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import InertialView, LinkView
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
 
 MASS = 0.02

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import IDENTITY, Array, cross, length, product
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats, exact, rounded
 from robodyn.solids.inertia.laws import principal_moments
 from robodyn.support.floats import first_largest

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.laws import principal_moments, second_moments
 from robodyn.support.floats import HALF_UP

@@ -15,36 +15,29 @@ if TYPE_CHECKING:
     from robodyn.solids.mesh.region.quadrature import Quadrature
 
 
-def solid(integrals: Integrals, triangles: Triangles, density: float) -> MassProperties:
-    """What the triangles enclose, at so many kg/m^3.
+def solid(found: Integrals | Quadrature, triangles: Triangles, density: float) -> MassProperties:
+    """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3.
 
     Raises:
         MeshError: they enclose no volume.
     """
-    if not integrals.volume:
+    if not found.volume:
         raise MeshError(
             "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
         )
-    found = integrals.moments
+    volume, first, second = found.moments
     return from_integrals(
-        found.volume,
-        found.first,
-        found.second,
+        volume,
+        first,
+        second,
         density=density,
-        reference=integrals.reference,
+        reference=found.reference,
         scale=triangles.scale,
     )
 
 
-def region(found: Quadrature, triangles: Triangles, density: float) -> MassProperties:
-    """What was integrated otherwise than by triangles, at so many kg/m^3."""
-    return from_integrals(
-        found.volume, found.first, found.S, density=density, reference=found.reference, scale=triangles.scale
-    )
-
-
 def sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
-    """The triangles as a sheet of so many metres, at so many kg/m^3."""
+    """Return the triangles as a sheet of so many metres, at so many kg/m^3."""
     found = surface(triangles)
     return from_surface_integrals(
         found.area,

@@ -9,8 +9,8 @@ from sys import float_info
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, Scalar
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.mesh.closed.fingerprint import Fingerprint
 from robodyn.solids.mesh.integrate.compiled_kernel import kernel_for
 from robodyn.solids.mesh.integrate.exact import Moments, exact_moments

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.solids.mesh.indexed import Indexed, Numbers
+from robodyn.solids.mesh.integrate.exact import Moments
 from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.region.local_caps import local_caps
 from robodyn.solids.mesh.region.open_region import OpenSurface, definite
@@ -37,6 +38,11 @@ class Quadrature:
     reference: Floats
     bar: float
     method: str
+
+    @property
+    def moments(self) -> Moments:
+        """Volume, first and S."""
+        return Moments(self.volume, self.first, self.S)
 
 
 def by_columns(mesh: Indexed) -> Quadrature | None:

@@ -10,8 +10,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.principal import pointed
 from robodyn.solids.mesh.region.columns import Floats, frame_along
 from robodyn.solids.mesh.symmetry import candidates

@@ -8,8 +8,8 @@ from math import pi
 
 import numpy as np
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.exact import exact, fraction
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.region.columns import Floats, frame_along

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product
-from robodyn.solids.inertia.eigen import eigen
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.tessellation.edges import Floats

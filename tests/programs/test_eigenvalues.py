@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.oracles import EPS
 
-from robodyn.solids.inertia.eigen import eigen
+from robodyn.programs.linear import eigen
 
 
 def _exact(S):
