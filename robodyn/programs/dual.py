@@ -64,10 +64,10 @@ def _parts(x: Any) -> tuple[Scalar, Scalar]:
 
 
 def value_of(x: Any) -> Scalar:
-    """The value of a dual; anything else is its own value."""
+    """Return the value of a dual; anything else is its own value."""
     return _parts(x)[0]
 
 
 def rate_of(x: Any) -> Scalar:
-    """The rate of a dual; anything else is constant."""
+    """Return the rate of a dual; anything else is constant."""
     return _parts(x)[1]

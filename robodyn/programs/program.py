@@ -66,7 +66,7 @@ class Program:
 
 
 def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) -> Program:
-    """The program that computes the scalars which `function` returns when given inputs of a new tape.
+    """Return the program that computes the scalars which `function` returns when given inputs of a new tape.
 
     Only operations that some output needs are kept (dead-code pruning). One output is finished before the next is begun
     and so is each operand, so that few values are alive at a time.

@@ -32,7 +32,7 @@ class Tape:
         self._known: dict[tuple[Any, ...], Traced] = {}
 
     def input(self, source: str, index: int) -> Traced:
-        """The scalar that stands for column `index` of the array named `source`."""
+        """Return the scalar that stands for column `index` of the array named `source`."""
         return self.node(INPUT, source, index)
 
     def constant(self, value: float) -> Traced:

@@ -56,12 +56,12 @@ sign = _elementary("sign", lambda x: float(x > 0) - float(x < 0))
 
 
 def vector(x: Scalar, y: Scalar, z: Scalar) -> Array:
-    """The vector (x, y, z)."""
+    """Return the vector (x, y, z)."""
     return np.array((x, y, z))
 
 
 def product(*factors: Array) -> Any:
-    """The product of matrices and vectors from left to right, like `A @ B`, summed in the same order everywhere.
+    """Return the product of matrices and vectors from left to right, like `A @ B`, summed in the same order everywhere.
 
     On float64 `A @ B` is BLAS, whose order of sums, and with it the last digit, depends on the processor. On any other
     scalar NumPy itself multiplies, in order; so do recursions, which say `A @ B` for all scalars.
@@ -82,22 +82,22 @@ _SUMS = {(1, 1): "j,j->", (1, 2): "j,...jk->...k", (2, 1): "...ij,j->...i", (2, 
 
 
 def narrowed(x: Array) -> Array:
-    """The array in float64 where its entries are floats, as recursions leave them, else as it is."""
+    """Return the array in float64 where its entries are floats, as recursions leave them, else as it is."""
     return np.array(x.tolist()).reshape(x.shape)
 
 
 def narrowed_all(places: Iterable[Arrays]) -> list[Arrays]:
-    """The same tuples of arrays, each of these `narrowed`."""
+    """Return the same tuples of arrays, each of these `narrowed`."""
     return [type(place)(*map(narrowed, place)) for place in places]
 
 
 def length(x: Array) -> float:
-    """The 2-norm of a few floats, summed in order."""
+    """Return the 2-norm of a few floats, summed in order."""
     return float(np.sqrt((x * x).sum()))
 
 
 def arctan2(y: Array, x: Array) -> Array:
-    """The angles of points (n,), by the C library: NumPy's own function ends in other digits with AVX-512."""
+    """Return the angles of points (n,), by the C library: NumPy's own function ends in other digits with AVX-512."""
     return np.fromiter(map(math.atan2, y.tolist(), x.tolist()), float, len(y))
 
 
@@ -110,14 +110,14 @@ def total(values: Iterable[Scalar]) -> Scalar:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """The cross product a x b."""
+    """Return the cross product a x b."""
     a1, a2, a3 = a
     b1, b2, b3 = b
     return np.array((a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1), dtype=np.result_type(a, b))
 
 
 def skew(a: Array) -> Array:
-    """The matrix [a] with [a] b = a x b."""
+    """Return the matrix [a] with [a] b = a x b."""
     x, y, z = a
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)), dtype=np.result_type(a, float))
 

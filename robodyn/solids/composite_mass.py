@@ -38,7 +38,7 @@ class Combination:
 
 
 def combined(parts: Sequence[Part], poses: Sequence[Pose] = (), mass: float | None = None) -> Combination:
-    """The composite body of parts; see `composite`.
+    """Return the composite body of parts; see `composite`.
 
     Args:
         poses: of each part; all in the common frame as they are if empty.

@@ -182,7 +182,7 @@ def _check(density: float | None, mass: float | None, shell: float | None) -> No
 
 
 def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize: bool) -> MassProperties:
-    """The body at its mass, and averaged."""
+    """Return the body at its mass, and averaged."""
     if mass is not None:
         body = body.scaled_to_mass(mass)
     if not symmetrize:
@@ -195,7 +195,7 @@ def _finished(body: MassProperties, mass: float | None, found: Shape, symmetrize
 
 
 def _averaged(found: Shape, symmetrize: bool) -> tuple[str, ...]:
-    """What `symmetrize` did."""
+    """Return what `symmetrize` did."""
     if not symmetrize or found.symmetry is None:
         return ()
     planes, axes = found.symmetry.accepted

@@ -25,13 +25,13 @@ FORMS = {
 
 
 def prototype(name: str, widths: Mapping[str, int], output: str, outputs: int) -> str:
-    """The head of the function, without semicolon: one array per source, in this order, then the outputs."""
+    """Return the head of the function, without semicolon: one array per source, in this order, then the outputs."""
     arrays = [f"const double {source}[{width}]" for source, width in widths.items()]
     return f"void {name}({', '.join([*arrays, f'double {output}[{outputs}]'])})"
 
 
 def c_function(name: str, program: Program, widths: Mapping[str, int], output: str) -> str:
-    """The function that computes the outputs of a program for one sample.
+    """Return the function that computes the outputs of a program for one sample.
 
     Every operation is a constant of its own, in the program's order; the outputs are written when all of them are
     known, so `output` may be one of the inputs.

@@ -64,7 +64,7 @@ class CompiledBlocks:
     def __call__(
         self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int = 1
     ) -> Numbers:
-        """The outputs of the program for every sample.
+        """Return the outputs of the program for every sample.
 
         Args:
             sources: for each source an array (samples, columns), in any layout; contiguous columns are fastest.
@@ -105,7 +105,7 @@ class CompiledBlocks:
         return self._bound(arrays, samples, out, 1)
 
     def _plain(self, name: str, given: Numbers, samples: int) -> Numbers:
-        """The array of a source in this machine's own numbers."""
+        """Return the array of a source in this machine's own numbers."""
         if given.shape != (samples, self.widths[name]):
             raise ValueError(f"{name} has shape {given.shape}, not {(samples, self.widths[name])}")
         if given.dtype == self.dtype and given.flags.aligned:
@@ -114,12 +114,12 @@ class CompiledBlocks:
             return given.astype(self.dtype)
 
     def _fits(self, out: Numbers, arrays: list[Numbers], samples: int) -> bool:
-        """Whether machine code may write to it."""
+        """Return whether machine code may write to it."""
         plain = out.dtype == self.dtype and out.flags.behaved and out.shape == (samples, len(self.program.outputs))
         return plain and not any(np.may_share_memory(out, given) for given in arrays)
 
     def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
-        """What runs over the samples."""
+        """Return what runs over the samples."""
         fields = [_fields(each, self.rows <= MOST_STREAMS) for each in (*given, out)]
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
         functions = self._share.address, self._kernel.address
@@ -142,7 +142,7 @@ class CompiledBlocks:
 
 
 def rows_of(program: Program, widths: Mapping[str, int]) -> tuple[list[str], dict[str, int]]:
-    """The sources that a program reads, and the first row of each; the outputs, named "", come last."""
+    """Return the sources that a program reads, and the first row of each; the outputs, named "", come last."""
     sources = sorted({source for source, _ in program.inputs})
     first_row, row = {}, 0
     for source in sources:
@@ -152,18 +152,18 @@ def rows_of(program: Program, widths: Mapping[str, int]) -> tuple[list[str], dic
 
 
 def content_of(program: Program, widths: Mapping[str, int], dtype: Any, fused: bool = True) -> object:
-    """What the machine code of a program depends on."""
+    """Return what the machine code of a program depends on."""
     return program.operations, program.outputs, rows_of(program, widths)[1], np.dtype(dtype).name, fused
 
 
 def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True) -> str:
-    """The LLVM IR of a program's kernel."""
+    """Return the LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
     return kernel(program, rows_of(program, widths)[1], scalar, LANES[scalar], fused)
 
 
 def _fields(given: Numbers, few: bool) -> Fields:
-    """What the driver is told of an array."""
+    """Return what the driver is told of an array."""
     sample_stride, column_stride = given.strides
     columns = given.shape[1]
     apart = columns <= 8 or column_stride % 4096 != 0

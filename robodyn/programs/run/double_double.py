@@ -43,7 +43,7 @@ class DoubleDouble:
 
     @np.errstate(all="ignore")
     def __call__(self, sources: Mapping[str, Floats], samples: int) -> Pair:
-        """The outputs of the program for every sample: two arrays (samples, outputs) whose sum they are.
+        """Return the outputs of the program for every sample: two arrays (samples, outputs) whose sum they are.
 
         Args:
             sources: for each source an array (samples, columns) of floats.
@@ -172,7 +172,7 @@ def _reduced(a: Pair, turns: Any, period: Sequence[float]) -> Pair:
 
 
 def _of_quadrant(a: Pair, ahead: int) -> Pair:
-    """The sine `ahead` quarter turns further."""
+    """Return the sine `ahead` quarter turns further."""
     turns = np.rint(a.high / _HALF_PI[0])
     r = _reduced(a, turns, _HALF_PI)
     square = multiplied(r, r)

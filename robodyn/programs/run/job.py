@@ -60,7 +60,7 @@ class Job:
         return bool(self._common[0])
 
     def flagged(self) -> NDArray[np.int64]:
-        """The samples that are flagged; every run writes all flags anew."""
+        """Return the samples that are flagged; every run writes all flags anew."""
         flags = np.unpackbits(np.frombuffer(self._flags, np.uint8), bitorder="little")
         found: NDArray[np.int64] = np.flatnonzero(flags[: self._samples])
         return found

@@ -41,7 +41,7 @@ class Multiprecision:
         self._functions = _functions(self.context)
 
     def __call__(self, sources: Mapping[str, Any], samples: int) -> NDArray[np.object_]:
-        """The outputs of the program for every sample.
+        """Return the outputs of the program for every sample.
 
         Args:
             sources: for each source an array (samples, columns) of floats or mpmath numbers, each taken as the exact

@@ -92,7 +92,7 @@ class NumpyBlocks:
         self._ready: dict[int, tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]] = {}
 
     def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None) -> Numbers:
-        """The outputs of the program for every sample.
+        """Return the outputs of the program for every sample.
 
         Args:
             sources: for each source an array (samples, columns), in any layout.
@@ -135,7 +135,7 @@ class NumpyBlocks:
         return size if size <= SMALLEST else min(-(-size // SMALLEST) * SMALLEST, max(self.block, size))
 
     def _prepared(self, size: int) -> tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]:
-        """A workspace for blocks of `size` samples, and the calls that fill it."""
+        """Return a workspace for blocks of `size` samples, and the calls that fill it."""
         rows = _workspace(self.rows, size, self.dtype)
         return rows, [
             (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg.astype(self.dtype) for arg in args))

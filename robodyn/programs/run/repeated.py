@@ -111,7 +111,7 @@ class NumpySteps:
         return Done(every * (len(slots) - 1), True, sweeps)
 
     def _settled(self, sweep: NumpyBlocks, state: Floats, now: Floats) -> tuple[Floats | None, int]:
-        """What sweeps end with, None if they do not, and how many it took."""
+        """Return what sweeps end with, None if they do not, and how many it took."""
         before = np.inf
         for count in range(1, SWEEPS + 1):
             swept = sweep({self.source: state, COLUMNS: now}, len(state))

@@ -103,7 +103,7 @@ class Runner:
         return Run(by_numpy(sources, samples, out), chosen)
 
     def _in_pairs(self, sources: Mapping[str, NDArray[Any]], samples: int, out: NDArray[Any] | None) -> NDArray[Any]:
-        """The high parts of the results, which are the results rounded once."""
+        """Return the high parts of the results, which are the results rounded once."""
         from robodyn.programs.run.double_double import DoubleDouble
 
         high: NDArray[Any] = DoubleDouble(self.program)(sources, samples).high
@@ -113,7 +113,7 @@ class Runner:
         return out
 
     def _chosen(self, executor: str, kind: type, samples: int, expected: int) -> Choice:
-        """The executor to use, which is ready."""
+        """Return the executor to use, which is ready."""
         if executor not in EXECUTORS:
             remedy = alternatives(str(executor), EXECUTORS, "executors")
             raise InputError(f"there is no executor {executor!r}", remedy=remedy)
@@ -128,7 +128,7 @@ class Runner:
         return found
 
     def _choice(self, kind: type, samples: int, expected: int) -> Choice:
-        """The executor that suits the work: all that is expected, or all so far."""
+        """Return the executor that suits the work: all that is expected, or all so far."""
         if self._problem:
             return Choice("numpy", self._problem)
         size, block = self.program.size, self._by_numpy(kind).block

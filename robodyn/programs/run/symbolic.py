@@ -15,7 +15,7 @@ DIGITS = 10
 
 
 def expressions(program: Program, symbols: Mapping[tuple[str, int], Any]) -> list[Any]:
-    """The outputs of a program as SymPy expressions of its inputs.
+    """Return the outputs of a program as SymPy expressions of its inputs.
 
     Args:
         symbols: for each (source, column) that the program uses a symbol or any other expression.
@@ -30,7 +30,7 @@ def expressions(program: Program, symbols: Mapping[tuple[str, int], Any]) -> lis
 
 
 def number(value: float) -> Any:
-    """A SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
+    """Return a SymPy number: the rational that a short decimal stands for, else a float of 17 digits."""
     sympy = module()
     text = repr(float(value))
     if len(Decimal(text).normalize().as_tuple().digits) <= DIGITS:

@@ -112,7 +112,7 @@ def _lead(memory: array[int], job: int) -> None:
 
 @cache
 def _rest() -> tuple[int, int]:
-    """The address of a function that rests, and for how long."""
+    """Return the address of a function that rests, and for how long."""
     windows = os.name == "nt"
     library = ctypes.CDLL("kernel32" if windows else None)
     return ctypes.cast(library.Sleep if windows else library.usleep, c_void_p).value or 0, 0 if windows else 20

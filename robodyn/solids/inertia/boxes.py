@@ -25,19 +25,19 @@ class Box(NamedTuple):
     hi: Floats
 
     def placed(self, R: Array, p: Array) -> Box:
-        """The box along the outer axes around this one, whose frame stands there at rotation R and origin p."""
+        """Return the box along the outer axes around this one, whose frame stands there at rotation R and origin p."""
         centre = product(R, (self.lo + self.hi) / 2) + p
         half = product(np.abs(R), (self.hi - self.lo) / 2)
         return Box(centre - half, centre + half)
 
 
 def around(boxes: Sequence[Box]) -> Box:
-    """The box around boxes."""
+    """Return the box around boxes."""
     return Box(np.min([box.lo for box in boxes], axis=0), np.max([box.hi for box in boxes], axis=0))
 
 
 def overlaps(boxes: Sequence[Box]) -> int:
-    """The number of pairs that share more than a layer of 1e-6 of the smaller one."""
+    """Return the number of pairs that share more than a layer of 1e-6 of the smaller one."""
     return sum(_overlap(a, b) for a, b in combinations(boxes, 2))
 
 
@@ -47,7 +47,7 @@ def _overlap(a: Box, b: Box) -> bool:
 
 
 def counted_twice(boxes: Sequence[Box]) -> tuple[str, ...]:
-    """A remark where bodies may overlap, since what they share then counts twice."""
+    """Return a remark where bodies may overlap, since what they share then counts twice."""
     pairs = overlaps(boxes)
     if not pairs:
         return ()

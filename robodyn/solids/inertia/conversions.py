@@ -13,7 +13,7 @@ from robodyn.solids.inertia.properties import MassProperties
 
 
 def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
-    """The body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
+    """Return the body with this inertia matrix about its centre of mass, as a URDF or a data sheet gives it.
 
     Args:
         mass: kg.
@@ -30,7 +30,7 @@ def from_inertia(mass: float, com: ArrayLike, I_c: ArrayLike) -> MassProperties:
 
 
 def from_moments(moments: Inertia) -> MassProperties:
-    """The body with these moments about the origin of its frame; undoes `MassProperties.moments`.
+    """Return the body with these moments about the origin of its frame; undoes `MassProperties.moments`.
 
     Accuracy: for the moments as given, as for `from_inertia`.
     """
@@ -51,7 +51,7 @@ def from_integrals(
     scale: Scalar = 1.0,
     area: float | None = None,
 ) -> MassProperties:
-    """The uniform body over which x - r and (x - r)(x - r)^T have these integrals, r being the reference.
+    """Return the uniform body over which x - r and (x - r)(x - r)^T have these integrals, r being the reference.
 
     c = r + first / V, S_c = density (second - first first^T / V).
 

@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 def exact(numbers: ArrayLike) -> Array:
-    """The same numbers as an array of fractions.
+    """Return the same numbers as an array of fractions.
 
     Args:
         numbers: floats of any width, integers or fractions, of any shape.
@@ -31,12 +31,12 @@ def exact(numbers: ArrayLike) -> Array:
 
 
 def fraction(number: ArrayLike) -> Scalar:
-    """The same number as a fraction; raises what `exact` does."""
+    """Return the same number as a fraction; raises what `exact` does."""
     return exact(number).item()
 
 
 def rounded(fractions: Array) -> Floats:
-    """The nearest floats.
+    """Return the nearest floats.
 
     Raises:
         InputError: one of them is beyond the range of a float.
@@ -50,7 +50,7 @@ def rounded(fractions: Array) -> Floats:
 
 
 def two_floats(fractions: Array) -> tuple[Floats, Floats]:
-    """The nearest floats, and the floats nearest to what they leave.
+    """Return the nearest floats, and the floats nearest to what they leave.
 
     Accuracy: their sum within 2^-106 of each number, where the rest is not below the range of a float.
     """

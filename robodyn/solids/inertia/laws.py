@@ -70,7 +70,7 @@ MASSLESS = Inertia(0.0, ZERO, np.zeros((3, 3)))
 
 
 def inertia_of(m: float, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = ZERO) -> Inertia:
-    """The moments of a body whose frame stands at rotation R and origin p, about the origin of the outer frame.
+    """Return the moments of a body whose frame stands at rotation R and origin p, about the origin of the outer frame.
 
     With c' = R c + p: `m`, `m c'`, `R I_c R^T - m [c'][c']`, the inertia rotation law and the parallel axis theorem.
     Nothing is asked of m and I_c, so that unphysical inertias pass through unchanged.
@@ -87,7 +87,7 @@ def inertia_of(m: float, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = Z
 
 
 def combined(bodies: Iterable[Inertia]) -> Inertia:
-    """The moments of several bodies fixed to each other, all given in the same frame: their sums."""
+    """Return the moments of several bodies fixed to each other, all given in the same frame: their sums."""
     m, mc, I = MASSLESS
     for body in bodies:
         m, mc, I = m + body.m, mc + body.mc, I + body.I

@@ -115,7 +115,7 @@ def _oriented(axes: Floats, groups: tuple[tuple[int, ...], ...]) -> Floats:
 
 
 def pointed(axis: Floats) -> Floats:
-    """The axis or its opposite, with the largest component (the first of several) positive."""
+    """Return the axis or its opposite, with the largest component (the first of several) positive."""
     return np.asarray(axis * np.sign(axis[first_largest(np.abs(axis))]), dtype=float)
 
 

@@ -88,7 +88,7 @@ class MassProperties:
         return inertia_matrix(self.S_c)
 
     def about(self, point: Array) -> Floats:
-        """The inertia matrix about a point of the frame [m], by the parallel axis theorem.
+        """Return the inertia matrix about a point of the frame [m], by the parallel axis theorem.
 
         Accuracy: that of `parallel_axis` for the distance of the floats `com` and `point`.
         """
@@ -136,15 +136,15 @@ class MassProperties:
         return self.placed(back, -product(exact(back), exact(p)))
 
     def rotated(self, R: Array) -> MassProperties:
-        """The body turned about the origin of the frame, by the inertia rotation law; see `placed`."""
+        """Return the body turned about the origin of the frame, by the inertia rotation law; see `placed`."""
         return self.placed(R, ZERO)
 
     def moved(self, p: Array) -> MassProperties:
-        """The body shifted by p [m]; see `placed`."""
+        """Return the body shifted by p [m]; see `placed`."""
         return self.placed(IDENTITY, p)
 
     def scaled_to_mass(self, mass: float) -> MassProperties:
-        """The same shape with another uniform density factor: S -> S mass / m.
+        """Return the same shape with another uniform density factor: S -> S mass / m.
 
         Raises:
             InputError: the body has no mass.
@@ -156,7 +156,7 @@ class MassProperties:
         return self._with(self.S_exact * (fraction(mass) / fraction(self.mass)), mass=mass)
 
     def __neg__(self) -> MassProperties:
-        """The body as a hole: what it is added to loses it."""
+        """Return the body as a hole: what it is added to loses it."""
         return self._with(-self.S_exact, mass=-self.mass, volume=None if self.volume is None else -self.volume)
 
     def __add__(self, other: MassProperties) -> MassProperties:
@@ -164,7 +164,7 @@ class MassProperties:
         return composite(((self, (IDENTITY, ZERO)), (other, (IDENTITY, ZERO))))
 
     def __sub__(self, other: MassProperties) -> MassProperties:
-        """The body with a hole the shape of `other`, given in the same frame."""
+        """Return the body with a hole the shape of `other`, given in the same frame."""
         return self + -other
 
     def _with(self, S: Array, **changes: Any) -> MassProperties:
@@ -172,7 +172,7 @@ class MassProperties:
 
 
 def composite(parts: Iterable[tuple[MassProperties, Pose]]) -> MassProperties:
-    """The mass properties of bodies at given poses, in the frame in which these are given.
+    """Return the mass properties of bodies at given poses, in the frame in which these are given.
 
     m = sum m_i, c = sum m_i c_i / m, S_c = sum (S_i + m_i (c_i - c)(c_i - c)^T): the rotation law and the parallel axis
     theorem. A part of negative mass is a hole. Volumes and surfaces are added where all are known.

@@ -64,7 +64,7 @@ def cylinder(
 
 
 def capsule(radius: float, length: float, *, density: float | None = None, mass: float | None = None) -> MassProperties:
-    """A cylinder of this length between two half balls, V = pi r^2 (L + 4 r / 3).
+    """Return a cylinder of this length between two half balls, V = pi r^2 (L + 4 r / 3).
 
     With the parts w = L / (L + 4 r / 3) of the mass in the cylinder and b = 1 - w in the balls: across
     S = m (w / 4 + b / 5) r^2, along the axis S = m (w L^2 / 12 + b (r^2 / 5 + 3 r L / 8 + L^2 / 4)), since the centre

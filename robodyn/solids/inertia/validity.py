@@ -39,7 +39,7 @@ class Validity:
 
 
 def validity(body: MassProperties, relative: float = PRINTED) -> Validity:
-    """Whether a body can exist: mass > 0 and no negative second moment.
+    """Return whether a body can exist: mass > 0 and no negative second moment.
 
     S_c positive semidefinite is the same as principal moments that are positive and obey the triangle inequality
     I_1 + I_2 >= I_3, since I_1 + I_2 - I_3 is twice the smallest second moment (Wensing, Kim, Slotine 2018).
@@ -58,7 +58,7 @@ def validity(body: MassProperties, relative: float = PRINTED) -> Validity:
 
 
 def unphysical(I_c: Array, relative: float = PRINTED) -> str | None:
-    """Why no body can have the inertia matrix I_c about its centre of mass, or None if one can; see `validity`.
+    """Return why no body can have the inertia matrix I_c about its centre of mass, or None if one can; see `validity`.
 
     Args:
         I_c: (3, 3) kg m^2.
@@ -75,7 +75,7 @@ def _slack(second: Floats, moments: Floats) -> float:
 
 
 def _fault(second: Floats, moments: Floats, relative: float, unit: float = 1.0) -> str | None:
-    """What is wrong with second moments and moments of inertia in units of `unit` kg m^2."""
+    """Return what is wrong with second moments and moments of inertia in units of `unit` kg m^2."""
     small, middle, large = (f"{moment * unit * HALF_UP:.6g}" for moment in moments.tolist())
     if moments[0] < -relative * moments[2]:
         return f"a principal moment of inertia is negative ({small} kg m^2)"

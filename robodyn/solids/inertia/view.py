@@ -14,7 +14,7 @@ from robodyn.solids.inertia.properties import MassProperties
 
 
 def inertial_element(body: MassProperties, indent: str = "    ") -> str:
-    """The <inertial> element of a link, about the centre of mass in the axes of the link's frame.
+    """Return the <inertial> element of a link, about the centre of mass in the axes of the link's frame.
 
     Numbers are the shortest that read back as the same floats, so that nothing is lost: `ixy` and so on are entries of
     the inertia matrix, -integral of x y dm. The smallest second moment of a plate or a needle is beyond its six floats.

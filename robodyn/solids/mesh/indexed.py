@@ -33,7 +33,7 @@ class Indexed:
         return centre
 
     def volume(self, reference: Floats) -> float:
-        """The signed integral of 1, about a point (3,) that matters only if the surface is open."""
+        """Return the signed integral of 1, about a point (3,) that matters only if the surface is open."""
         return float(triple(self.corners - reference).sum() / 6)
 
     @property
@@ -137,7 +137,7 @@ def components(count: int, a: Numbers, b: Numbers) -> Numbers:
 
 
 def _roots(parent: Numbers) -> Numbers:
-    """Where following parents, none of which has a higher number, ends."""
+    """Return where following parents, none of which has a higher number, ends."""
     while True:
         further = parent[parent]
         if np.array_equal(further, parent):

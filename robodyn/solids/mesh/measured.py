@@ -25,7 +25,7 @@ reference are exact within 2 eps, and the products of these within 35 eps."""
 
 
 def is_sound(triangles: Triangles, integrals: Integrals, edges: Fingerprint) -> bool:
-    """Whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
+    """Return whether `robodyn.solids.mesh.repair` is sure to find nothing to do and nothing to say.
 
     So it is where the surface has no boundary, a volume that is positive beyond doubt, no triangle without area, and
     is one shell with exactly two triangles on every edge: then no face is there twice, no winding has to be turned,
@@ -93,7 +93,7 @@ class Measured:
 def measured(
     triangles: Triangles, *, exact: bool = False, repair: bool = True, strict: bool = False, cavities: bool = False
 ) -> Measured:
-    """The surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
+    """Return the surface as it is if it is proven sound, or if no repair is wanted; else put right and closed.
 
     Args:
         exact: integrate in exact arithmetic.
@@ -118,7 +118,7 @@ def measured(
 
 
 def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
-    """The surface put right and closed."""
+    """Return the surface put right and closed."""
     from robodyn.solids.mesh.repair.repair import repair
 
     fixed = repair(triangles, cavities)

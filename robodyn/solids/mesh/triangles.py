@@ -56,7 +56,7 @@ class Triangles(Protocol):
         ...
 
     def array(self) -> Floats:
-        """All corners, (count, 3, 3) in units of the file."""
+        """Return all corners, (count, 3, 3) in units of the file."""
         ...
 
 
@@ -142,13 +142,13 @@ def check_all_finite(triangles: Triangles) -> None:
 
 
 def not_finite(face: int, corner: Corners, name: str) -> MeshError:
-    """The error of a face, counted from 0, that has this corner."""
+    """Return the error of a face, counted from 0, that has this corner."""
     place = ", ".join(f"{value:g}" for value in corner)
     return MeshError(f"face {face + 1} has a corner at ({place})", remedy="coordinates must be finite", file=name)
 
 
 def box(triangles: Triangles) -> tuple[Floats, Floats]:
-    """The least and the largest coordinates of all corners, (3,) each, in units of the file."""
+    """Return the least and the largest coordinates of all corners, (3,) each, in units of the file."""
     lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
     for block in triangles.blocks():
         lo = np.minimum(lo, block.min(axis=(0, 1)))
@@ -187,7 +187,7 @@ class ScaledTriangles:
 
 
 def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
-    """The triangles stretched along x, y and z; the same object where all three factors are 1.
+    """Return the triangles stretched along x, y and z; the same object where all three factors are 1.
 
     What the factors have in common goes into the scale, so that a change of unit changes no coordinate.
 

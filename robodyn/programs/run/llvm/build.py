@@ -14,7 +14,7 @@ from robodyn.support.libraries import code_digest
 
 @cache
 def generator() -> str:
-    """A digest of the modules that write and run the code: with any change of them, code is made anew."""
+    """Return a digest of the modules that write and run the code: with any change of them, code is made anew."""
     return code_digest(Path(__file__).parent.parent)
 
 
@@ -29,7 +29,7 @@ def code_key(content: object) -> Key:
 
 
 def built(name: str, content: object, ir: Callable[[], str], *arguments: Any) -> Function:
-    """The function of this name, from the cache or compiled.
+    """Return the function of this name, from the cache or compiled.
 
     Args:
         content: what its IR depends on, with a `repr` that tells every difference.

@@ -40,7 +40,7 @@ class Code:
         return f"<{self.lanes} x i1>"
 
     def new(self, instruction: str) -> str:
-        """The register that holds the result of an instruction."""
+        """Return the register that holds the result of an instruction."""
         name = f"%v{len(self.lines)}"
         self.lines.append(f"  {name} = {instruction}")
         return name
@@ -50,17 +50,17 @@ class Code:
         self.lines.append(f"  {instruction}")
 
     def constant(self, value: float) -> str:
-        """The same number in every lane, rounded to the scalar type."""
+        """Return the same number in every lane, rounded to the scalar type."""
         if self.scalar == "float":
             value = _as_float32(value)
         return f"splat ({self.scalar} 0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X})"
 
     def integer(self, value: int) -> str:
-        """The same integer, as wide as the scalar, in every lane."""
+        """Return the same integer, as wide as the scalar, in every lane."""
         return f"splat (i{8 * BYTES[self.scalar]} {value})"
 
     def bits_of(self, value: float) -> str:
-        """The bits of a double, as an integer in every lane."""
+        """Return the bits of a double, as an integer in every lane."""
         return self.integer(struct.unpack("<q", struct.pack("<d", value))[0])
 
     def two(self, instruction: str, a: str, b: str) -> str:
@@ -71,7 +71,7 @@ class Code:
         return self.new(f"fneg {self.vector} {a}")
 
     def call(self, intrinsic: str, *arguments: str) -> str:
-        """An intrinsic that maps vectors of this type to one, such as `sqrt`."""
+        """Return the register of an intrinsic that maps vectors of this type to one, such as `sqrt`."""
         name = f"@llvm.{intrinsic}.v{self.lanes}{SUFFIXES[self.scalar]}"
         types = ", ".join(self.vector for _ in arguments)
         self.declared.add(f"declare {self.vector} {name}({types})")
@@ -95,19 +95,19 @@ class Code:
         return self.new(f"fcmp {predicate} {self.vector} {a}, {b}")
 
     def whole(self, instruction: str, a: str, b: str) -> str:
-        """An instruction on integers: and, xor, add, shl, ashr."""
+        """Return the register of an instruction on integers: and, xor, add, shl, ashr."""
         return self.new(f"{instruction} {self.integers} {a}, {b}")
 
     def bits(self, a: str) -> str:
-        """The bits of a vector of numbers, as integers."""
+        """Return the bits of a vector of numbers, as integers."""
         return self.new(f"bitcast {self.vector} {a} to {self.integers}")
 
     def number(self, a: str) -> str:
-        """The numbers whose bits these integers are."""
+        """Return the numbers whose bits these integers are."""
         return self.new(f"bitcast {self.integers} {a} to {self.vector}")
 
     def convert(self, a: str, to: Code) -> str:
-        """The same numbers in the scalar type of `to`, which shares the lines of this code."""
+        """Return the same numbers in the scalar type of `to`, which shares the lines of this code."""
         instruction = "fpext" if BYTES[to.scalar] > BYTES[self.scalar] else "fptrunc"
         return self.new(f"{instruction} {self.vector} {a} to {to.vector}")
 

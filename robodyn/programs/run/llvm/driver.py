@@ -198,7 +198,7 @@ attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"
 
 
 def driver(scalar: str, lanes: int) -> str:
-    """The LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job of `robodyn.programs.run.llvm.team`.
+    """Return the LLVM IR of `i64 share(job, me)`: thread `me`'s part of a job of `robodyn.programs.run.llvm.team`.
 
     Runs a kernel of `robodyn.programs.run.llvm.kernel`, at the address `kernel`, over samples in blocks of `size`, a
     multiple of 16. The `samples` are in `parts` of `each`. A thread takes the next `step` samples of its own part, a

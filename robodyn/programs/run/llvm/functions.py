@@ -79,7 +79,7 @@ class Angle(NamedTuple):
 
 
 def reduced(code: Code, x: str) -> Angle:
-    """An angle brought to the first eighth of a turn, in double precision whatever its own.
+    """Return an angle brought to the first eighth of a turn, in double precision whatever its own.
 
     Method: Cody and Waite, "Software Manual for the Elementary Functions" (1980), ch. 8, with fused multiply-add: what
     is left of the angle without the first part of pi/2 is exact, and so is what subtracting the second part loses, for
@@ -129,7 +129,7 @@ def sine_and_cosine(code: Code, angle: Angle) -> tuple[str, str]:
 
 
 def _with_sign(code: Code, value: str, quarter: str) -> str:
-    """A value whose sign flips in the third and fourth quarter: where bit 1 of `quarter` is set."""
+    """Return a value whose sign flips in the third and fourth quarter: where bit 1 of `quarter` is set."""
     top = 63 if code.scalar == "double" else 31
     flip = code.whole("and", code.whole("shl", quarter, code.integer(top - 1)), code.integer(-(1 << top)))
     return code.number(code.whole("xor", code.bits(value), flip))

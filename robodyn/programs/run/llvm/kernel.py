@@ -75,7 +75,7 @@ attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"
 
 
 def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True) -> str:
-    """The LLVM IR of `i64 kernel(rows, flags, groups)`.
+    """Return the LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
     `groups * lanes` numbers. No output may overlap an input. Bit k of the flags of group i is set where an angle of its
@@ -125,7 +125,7 @@ class _Writer:
             lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
 
     def _address(self, row: int, writes: int) -> str:
-        """Where a column's numbers of this group lie; those that follow are called for."""
+        """Return where a column's numbers of this group lie; those that follow are called for."""
         place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {row}")
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
         here = self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")

@@ -68,7 +68,7 @@ def host() -> Host:
 
 
 def _level(triple: str) -> str:
-    """What ROBODYN_CPU names."""
+    """Return what ROBODYN_CPU names."""
     level = os.environ.get("ROBODYN_CPU") or NATIVE
     known = [NATIVE, *(LEVELS if triple.startswith("x86_64") else ())]
     if level not in known:
@@ -91,7 +91,7 @@ class Compiler(NamedTuple):
 
 @cache
 def compiler() -> Compiler:
-    """The compiler, imported if it can be."""
+    """Return the compiler, imported if it can be."""
     start = None if "llvmlite.binding" in sys.modules else perf_counter()
     try:
         here = host()
@@ -105,7 +105,7 @@ def compiler() -> Compiler:
 
 
 def one_line(error: Exception) -> str:
-    """The beginning of what an error says."""
+    """Return the beginning of what an error says."""
     return str(error).partition("\n")[0][:120] or type(error).__name__
 
 
@@ -121,7 +121,7 @@ def _target_machine() -> Any:
 
 
 def machine_code(ir: str) -> bytes:
-    """The object file of a module of LLVM IR."""
+    """Return the object file of a module of LLVM IR."""
     import llvmlite.binding as llvm
 
     return bytes(_target_machine().emit_object(llvm.parse_assembly(ir)))

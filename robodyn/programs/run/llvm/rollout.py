@@ -149,7 +149,7 @@ DONE, NEAR = 2.0**-106, 2.0**-86
 
 
 def rollout(lanes: int) -> str:
-    """The LLVM IR of `i64 rollout(...)`, a loop of kernels; its arguments are those of ROLLOUT, in that order.
+    """Return the LLVM IR of `i64 rollout(...)`, a loop of kernels; its arguments are those of ROLLOUT, in that order.
 
     `slots` holds `records + 1` states of `rows` columns of doubles, `pitch` bytes from one column to the next; the
     first is given, and each of the others is written `every` steps after the one before it. A step calls `sweep` (if

@@ -73,7 +73,7 @@ attributes #0 = {{ nounwind }}
 
 
 def team(triple: str) -> str:
-    """The LLVM IR of `i64 stand_by(team, me, known, looks)` and of `i64 lead(team, job, looks, rest, time)`.
+    """Return the LLVM IR of `i64 stand_by(team, me, known, looks)` and of `i64 lead(team, job, looks, rest, time)`.
 
     A job is memory that begins with the address of a function `i64 share(job, me)`, which any number of threads may
     call at once and which returns when nothing is left to begin.

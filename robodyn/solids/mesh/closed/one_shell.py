@@ -27,12 +27,12 @@ _SPARE = 1 << 12
 
 
 def readings(count: int) -> int:
-    """How often `is_one_shell` reads a mesh of so many triangles, if all goes well."""
+    """Return how often `is_one_shell` reads a mesh of so many triangles, if all goes well."""
     return 1 << (3 * count // HELD).bit_length()
 
 
 def is_one_shell(triangles: Triangles) -> bool:
-    """Whether every edge belongs to exactly two triangles, and edges connect all triangles.
+    """Return whether every edge belongs to exactly two triangles, and edges connect all triangles.
 
     Then no face is there twice, and if the boundary vanishes all have one winding. Triangles that follow each other and
     share an edge are a strip. The sides of all triangles are sorted by a hash of their edge (see
@@ -106,7 +106,7 @@ def _sides(triangles: Triangles, bits: int, split: int, part: int, room: Words) 
 
 
 def _kept_bits(sides: Words, bits: int, split: int) -> Words:
-    """The hashes of sides without the bits that name a part, and without those that strips take."""
+    """Return the hashes of sides without the bits that name a part, and without those that strips take."""
     keys = sides << np.uint64(1 + split)
     keys &= np.uint64((1 << 64) - (1 << bits))
     return keys
@@ -124,7 +124,7 @@ def _number_strips(sides: Words, first: int, out: Words) -> None:
 
 
 def _joined(shells: Numbers, keys: Words, bits: int, doubtful: set[int]) -> Numbers | None:
-    """The shell of each strip after edges have linked them; None if edges do not have two sides each.
+    """Return the shell of each strip after edges have linked them; None if edges do not have two sides each.
 
     Args:
         shells: (strips,) numbers from zero on, those that are known to be one being equal.

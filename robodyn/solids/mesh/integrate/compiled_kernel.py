@@ -30,7 +30,7 @@ _SUMS = 17
 
 
 def kernel_for(count: int) -> Callable[[Array], Kernel]:
-    """What is quickest for a mesh of so many triangles: `volume_kernel`, or the same in machine code.
+    """Return what is quickest for a mesh of so many triangles: `volume_kernel`, or the same in machine code.
 
     Machine code needs the compiler and is made, or loaded, once: the more such meshes this process has had, the sooner
     it is worth it. Moments of the two are the same to the bit.
@@ -58,7 +58,7 @@ _seen = _Seen()
 
 
 def compiled_kernel(code: CompiledBlocks, space: Array) -> Kernel:
-    """The sums of `volume_kernel`, of float64; the corners stay.
+    """Return the sums of `volume_kernel`, of float64; the corners stay.
 
     Args:
         code: of `triangle_program`.
@@ -76,7 +76,7 @@ def compiled_kernel(code: CompiledBlocks, space: Array) -> Kernel:
 
 
 def triangle_program() -> Program:
-    """The sums of `volume_kernel` over TOGETHER triangles, and twice the area of each.
+    """Return the sums of `volume_kernel` over TOGETHER triangles, and twice the area of each.
 
     The coordinate i of corner c of triangle k is in column (3 c + i) TOGETHER + k.
     """
@@ -94,7 +94,7 @@ def triangle_program() -> Program:
 
 
 def _terms(a: list[Any], b: list[Any], c: list[Any]) -> list[Any]:
-    """What one triangle adds to each sum."""
+    """Return what one triangle adds to each sum."""
     e, f = _minus(b, a), _minus(c, a)
     normal = [e[i - 2] * f[i - 1] - e[i - 1] * f[i - 2] for i in range(3)]
     D = _dot(a, normal)

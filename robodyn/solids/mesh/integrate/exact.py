@@ -33,7 +33,7 @@ class Moments(NamedTuple):
 
 
 def exact_moments(triangles: Triangles, reference: Array, lo: Array, hi: Array) -> Moments:
-    """The moments of the volume within triangles whose coordinates are taken as exact.
+    """Return the moments of the volume within triangles whose coordinates are taken as exact.
 
     The sums of `volume_kernel`, in integers, because coordinates are multiples of a common power of two.
 

@@ -147,7 +147,7 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
 
 
 def _refined(triangles: Triangles, first: Sweep, exact: bool, limit: float = LIMIT) -> Integrals:
-    """The integrals of a first sweep in float64, or finer ones where their bounds are above the limit."""
+    """Return the integrals of a first sweep in float64, or finer ones where their bounds are above the limit."""
     if first.safe and not exact:
         found = _estimated(triangles, first, first, "float64")
         if _worst_bound(found) > limit and np.finfo(np.longdouble).nmant >= _WIDER:
@@ -164,7 +164,7 @@ def _worst_bound(found: Integrals) -> float:
 
 
 def _estimated(triangles: Triangles, first: Sweep, sweep: Sweep, method: str) -> Integrals:
-    """The integrals that a sweep found, with their bounds; the area is that of the first."""
+    """Return the integrals that a sweep found, with their bounds; the area is that of the first."""
     sums = sweep.totals(_MOMENTS)
     moments = Moments(sums[0] / 6, sums[1:4] / 24, symmetric(sums[4:10] / 120))
     perm, eps = sweep.perm(sweep.sums[:, _SQUARES]) / 6, float(np.finfo(sweep.sums.dtype).eps)
@@ -199,5 +199,5 @@ def _integrals(
 
 
 def _lost(number: Scalar) -> bool:
-    """Whether a number that is not zero is below the least float of full precision."""
+    """Return whether a number that is not zero is below the least float of full precision."""
     return bool(0 < abs(number) < float_info.min)

@@ -34,13 +34,13 @@ def moduli_for(bound: int) -> list[int]:
 
 
 def residue(number: int, modulus: int) -> int:
-    """The residue nearest to zero."""
+    """Return the residue nearest to zero."""
     half = modulus // 2
     return (number + half) % modulus - half
 
 
 def integer(residues: Iterable[float], moduli: list[int]) -> int:
-    """The integer nearest to zero with these residues, by the Chinese remainder theorem."""
+    """Return the integer nearest to zero with these residues, by the Chinese remainder theorem."""
     product = prod(moduli)
     total = 0
     for rest, modulus in zip(residues, moduli, strict=True):

@@ -102,7 +102,7 @@ class Sweep:
             raise self.beyond(triangles, "small")
 
     def beyond(self, triangles: Triangles, how: str) -> MeshError:
-        """The error of a mesh that is too large or too small for floats."""
+        """Return the error of a mesh that is too large or too small for floats."""
         with np.errstate(over="ignore"):
             width = (self.hi - self.lo).max()
         return MeshError(
@@ -190,7 +190,7 @@ class SurfaceIntegrals:
 
 
 def surface(triangles: Triangles) -> SurfaceIntegrals:
-    """A = integral of 1, first = integral of x - r and S = integral of (x - r)(x - r)^T over the surface.
+    """Return A = integral of 1, first = integral of x - r and S = integral of (x - r)(x - r)^T over the surface.
 
     Sums over triangles about a reference r inside the box; see `robodyn.solids.mesh.integrate.kernel`.
 

@@ -107,7 +107,7 @@ class Asset:
 
 
 def asset_of(source: Source, kind: str) -> Asset:
-    """What a file of this kind says about its unit and axes.
+    """Return what a file of this kind says about its unit and axes.
 
     Raises:
         MeshError: it holds what would be read wrongly: compressed geometry, lying sizes, positions that are not finite.

@@ -86,7 +86,7 @@ class Tokens:
         return self.text[self.starts[index] : self.ends[index]].tobytes()
 
     def error(self, index: int, what: str, remedy: str | None = None) -> MeshError:
-        """An error in the line of this word."""
+        """Return an error in the line of this word."""
         return self.source.error(what, remedy, offset=self.offset + int(self.starts[index]) - 1)
 
     def begin_with(self, letter: bytes) -> NDArray[np.bool_]:
@@ -97,7 +97,7 @@ class Tokens:
         return found
 
     def equal(self, index: Integers | slice, word: bytes) -> bool:
-        """Whether all of these words are this one, of at most 8 letters."""
+        """Return whether all of these words are this one, of at most 8 letters."""
         starts = self.starts[index]
         if not (self.ends[index] - starts == len(word)).all():
             return False
@@ -109,7 +109,7 @@ class Tokens:
         return found
 
     def floats(self, index: Integers) -> Floats:
-        """The numbers that these words are, correctly rounded; `nan` and `inf` are numbers.
+        """Return the numbers that these words are, correctly rounded; `nan` and `inf` are numbers.
 
         Raises:
             MeshError: one is not.
@@ -139,7 +139,7 @@ class Tokens:
         return self.error(int(index[at]), f"{text!r} is not a number", remedy)
 
     def integers(self, index: Integers, slash: bool = False) -> Integers:
-        """The decimal integers that these words are or, with `slash`, that stand before the first `/` in them.
+        """Return the decimal integers that these words are or, with `slash`, that stand before the first `/` in them.
 
         Eight letters at a time as one 64-bit number: x ^ 0x30.. leaves digits below 10, adding 0x76 carries all others
         into the high bit, the lowest of which ends the digits; then pairs, fours and eights of digits are joined by
@@ -176,7 +176,7 @@ class Tokens:
 
 
 def tokens(source: Source, offset: int, text: bytes) -> Tokens:
-    """The words of a text that stands at this offset of the file."""
+    """Return the words of a text that stands at this offset of the file."""
     letters = np.frombuffer(b"\n" + text + _PAD, np.uint8)
     blank = (letters >= _FIRST_BLANK) & (letters <= _LAST_BLANK)
     edges = np.flatnonzero(blank[1:] != blank[:-1]) + 1
@@ -190,7 +190,7 @@ def runs(first: Integers, sizes: Integers) -> Integers:
 
 
 def _joined(x: NDArray[np.uint64]) -> NDArray[np.int64]:
-    """The number of eight digits, the first in the lowest byte."""
+    """Return the number of eight digits, the first in the lowest byte."""
     low = np.uint64(0x000000FF000000FF)
     x = x * np.uint64(10) + (x >> np.uint64(8))
     fours = (x & low) * np.uint64(0x000F424000000064) + ((x >> np.uint64(16)) & low) * np.uint64(0x0000271000000001)

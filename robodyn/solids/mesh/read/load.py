@@ -24,7 +24,7 @@ def load_triangles(
     unit: str | None = None,
     heard: Heard | None = None,
 ) -> Triangles:
-    """The triangles of a mesh.
+    """Return the triangles of a mesh.
 
     Binary STL is streamed from the file: memory does not grow with it. OBJ, PLY, OFF and ASCII STL are read here, all
     others by trimesh. Polygons are cut into triangles; nothing is merged, repaired or moved.
@@ -63,7 +63,7 @@ def load_triangles(
 
 
 def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") -> MemoryTriangles:
-    """The triangles of an array.
+    """Return the triangles of an array.
 
     Args:
         corners: (m, 3, 3) of triangle, corner and coordinate; float32 counts as rounded to 24 bits, all else as exact.

@@ -15,7 +15,7 @@ _CONTINUED = re.compile(rb"\\\r?\n")
 
 
 def read_obj(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """The faces of all objects and groups of an OBJ.
+    """Return the faces of all objects and groups of an OBJ.
 
     Indices count from 1, negative ones backwards from the last vertex that stands before the face. Texture and normal
     indices, weights and colours are left out.

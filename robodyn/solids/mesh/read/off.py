@@ -16,7 +16,7 @@ _HEAD = 1 << 16
 
 
 def read_off(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """The faces of an OFF, colours, normals and texture coordinates left out.
+    """Return the faces of an OFF, colours, normals and texture coordinates left out.
 
     Raises:
         MeshError: the header or a line is malformed, or fewer lines follow than the header promises.

@@ -18,7 +18,7 @@ from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
 
 
 def read_text(source: Source, header: Header, wanted: Mapping[str, Sequence[str]]) -> Columns:
-    """The wanted properties; see `read_binary`.
+    """Return the wanted properties; see `read_binary`.
 
     Raises:
         MeshError: a line has not as many words as its properties need, a word is no number, or lines are missing.
@@ -57,7 +57,7 @@ def _joined(columns: list[tuple[Integers, NDArray[Any]]]) -> tuple[Integers, NDA
 def _rows(
     words: Tokens, element: Element, rows: slice, wanted: Sequence[str]
 ) -> dict[str, tuple[Integers, NDArray[Any]]]:
-    """The wanted properties of some lines."""
+    """Return the wanted properties of some lines."""
     if not wanted:
         return {}
     at, end = words.first[rows], words.first[rows.start + 1 : rows.stop + 1]
@@ -103,7 +103,7 @@ _INDICES = ("vertex_indices", "vertex_index")
 
 
 def read_ply(source: Source, scale: float, notes: tuple[str, ...]) -> IndexedTriangles:
-    """The faces of a PLY, with coordinates of the type that the header names.
+    """Return the faces of a PLY, with coordinates of the type that the header names.
 
     Raises:
         MeshError: the header or the data are malformed, or fewer data follow than the header promises.
@@ -132,7 +132,7 @@ def _vertices(found: dict[tuple[str, str], tuple[Integers, Corners]]) -> Corners
 
 
 def _list_of_faces(source: Source, header: Header) -> str:
-    """The name of the property that lists the corners of a face."""
+    """Return the name of the property that lists the corners of a face."""
     vertex, face = (_only(source, header, name) for name in ("vertex", "face"))
     for axis in _AXES:
         if not any(known.name == axis and not known.length for known in vertex.properties):

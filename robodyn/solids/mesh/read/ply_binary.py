@@ -19,7 +19,7 @@ Columns = dict[tuple[str, str], tuple[Integers, NDArray[Any]]]
 
 
 def read_binary(source: Source, header: Header, wanted: Mapping[str, Sequence[str]]) -> Columns:
-    """The wanted properties of each element.
+    """Return the wanted properties of each element.
 
     Raises:
         MeshError: fewer bytes follow than the header promises.
@@ -40,7 +40,7 @@ def read_binary(source: Source, header: Header, wanted: Mapping[str, Sequence[st
 def _element(
     source: Source, data: bytes, at: int, element: Element, order: str, wanted: Sequence[str]
 ) -> tuple[int, dict[str, tuple[Integers, NDArray[Any]]]]:
-    """Where the next element begins, and the wanted properties."""
+    """Return where the next element begins, and the wanted properties."""
     if not element.properties:
         return at, {}
     least = sum(np.dtype(known.length or known.type).itemsize for known in element.properties)
@@ -62,7 +62,7 @@ def _too_short(source: Source, element: Element, there: int) -> MeshError:
 
 
 def _first_lengths(data: bytes, at: int, element: Element, order: str) -> list[int | None] | None:
-    """The lengths of the lists in the first row, None for numbers; None altogether if the row does not fit."""
+    """Return the lengths of the lists in the first row, None for numbers; None altogether if the row does not fit."""
     lengths: list[int | None] = []
     for known in element.properties:
         length = None

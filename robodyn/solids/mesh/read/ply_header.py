@@ -50,7 +50,7 @@ class Header:
 
 
 def read_header(source: Source) -> Header:
-    """The header of a PLY.
+    """Return the header of a PLY.
 
     Raises:
         MeshError: it is malformed, or does not end within 1 MB.

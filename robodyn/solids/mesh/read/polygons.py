@@ -90,7 +90,7 @@ def triangles_of(
     scale: float,
     notes: tuple[str, ...],
 ) -> IndexedTriangles:
-    """The triangles of polygons, those of more than three corners fanned from their first one.
+    """Return the triangles of polygons, those of more than three corners fanned from their first one.
 
     A fan has the boundary of its polygon and, where that is plane, the same integrals, even if it is not convex.
 

@@ -26,7 +26,7 @@ _Part = tuple[Corners, NDArray[np.signedinteger[Any]]]
 
 
 def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
-    """All triangles of a scene, in its own axes.
+    """Return all triangles of a scene, in its own axes.
 
     Args:
         kind: one of `kinds.SCENES`. unit: see `units.scale_of`.
@@ -57,7 +57,7 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
 
 
 def _loaded(source: Source, kind: str, data: bytes | None) -> tuple[dict[str, Any], list[str]]:
-    """The arguments with which trimesh would make a scene, and what its loader had to say.
+    """Return the arguments with which trimesh would make a scene, and what its loader had to say.
 
     `trimesh.load` itself merges vertices and drops those that are not finite, whatever it is asked.
     """

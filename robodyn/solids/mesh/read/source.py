@@ -45,16 +45,16 @@ class Source:
             yield stream
 
     def memory(self) -> bytes | None:
-        """All bytes where they are in memory anyway, without a copy."""
+        """Return all bytes where they are in memory anyway, without a copy."""
         return self._held.getvalue() if isinstance(self._held, io.BytesIO) else None
 
     def data(self, most: int = -1) -> bytes:
-        """All bytes, or the first ones."""
+        """Return all bytes, or the first ones."""
         with self.opened() as stream:
             return stream.read(self.size if most < 0 else most)
 
     def error(self, what: str, remedy: str | None = None, offset: int | None = None) -> MeshError:
-        """An error about this mesh, with the number of the line that holds the byte at `offset`."""
+        """Return an error about this mesh, with the number of the line that holds the byte at `offset`."""
         return MeshError(what, remedy=remedy, file=self.name, line=None if offset is None else self._line(offset))
 
     def _line(self, offset: int) -> int:
@@ -64,7 +64,7 @@ class Source:
 
 
 def open_source(source: str | os.PathLike[str] | bytes) -> Source:
-    """The bytes of a file, of standard input (`-`), or these bytes.
+    """Return the bytes of a file, of standard input (`-`), or these bytes.
 
     Pipes are copied to a temporary file, because meshes are read more than once.
 

@@ -31,7 +31,7 @@ _TRUNCATED = "the file is cut short: get it again"
 
 
 def read_ascii(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTriangles:
-    """The facets of all solids of an ASCII STL, in any case of letters; normals are left out.
+    """Return the facets of all solids of an ASCII STL, in any case of letters; normals are left out.
 
     Raises:
         MeshError: there are none, one is malformed, or the last solid does not end.

@@ -18,12 +18,12 @@ _TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute"
 
 
 def promised(head: bytes) -> int:
-    """The number of triangles that the first 84 bytes of a file promise."""
+    """Return the number of triangles that the first 84 bytes of a file promise."""
     return int.from_bytes(head[80:START], "little")
 
 
 def is_complete(head: bytes, size: int) -> bool:
-    """Whether a file of this size that begins so is exactly a binary STL, whatever the text in its header."""
+    """Return whether a file of this size that begins so is exactly a binary STL, whatever the text in its header."""
     return len(head) >= START and size == START + RECORD * promised(head)
 
 
@@ -85,7 +85,7 @@ class StlTriangles:
 
 
 def _columns(corners: Corners) -> Corners:
-    """A copy of (n, 3, 3) with each of its nine columns contiguous."""
+    """Return a copy of (n, 3, 3) with each of its nine columns contiguous."""
     found = np.empty((3, 3, len(corners)), np.float32)
     found[...] = corners.transpose(1, 2, 0)
     return found.transpose(2, 0, 1)
@@ -94,7 +94,7 @@ def _columns(corners: Corners) -> Corners:
 def open_binary(
     source: Source, head: bytes, scale: float, notes: tuple[str, ...], heard: Heard | None = None
 ) -> StlTriangles:
-    """The triangles of a file that begins with `head`.
+    """Return the triangles of a file that begins with `head`.
 
     Raises:
         MeshError: it has no triangles, or fewer than it promises.

@@ -39,7 +39,7 @@ class Hits:
     sign: Integers
 
     def reflected(self, offset: float) -> Hits:
-        """Those of the mirror image in the plane at this depth, which takes every column to itself."""
+        """Return those of the mirror image in the plane at this depth, which takes every column to itself."""
         return Hits(self.column, 2 * offset - self.depth, -self.sign)
 
 
@@ -76,7 +76,7 @@ class Lattice:
         return cls(frame, corner, step, ceil(height / step) + 1, ceil(width / step) + 2)
 
     def seen_by(self, Q: Array) -> Lattice:
-        """The lattice whose columns go through a body as these go through its image Q x."""
+        """Return the lattice whose columns go through a body as these go through its image Q x."""
         return replace(self, frame=product(self.frame, Q))
 
     @property
@@ -91,7 +91,7 @@ class Lattice:
         return self.corner[0] + (place + 1 - shift) * self.step, self.corner[1] + (line + 0.5) * self.step
 
     def hits(self, corners: Floats) -> Hits:
-        """Where the columns meet triangles (m, 3, 3).
+        """Return where the columns meet triangles (m, 3, 3).
 
         Which columns an edge has on its left is decided once for the edge, and so the same way in both its triangles:
         the signs of each column add up to zero on every closed surface.
@@ -131,7 +131,7 @@ class Lattice:
 
 
 def inside_volume(hits: Hits, cell: float) -> float:
-    """The volume where the winding number is positive."""
+    """Return the volume where the winding number is positive."""
     order = in_order(hits.column, hits.depth)
     inside = np.cumsum(hits.sign[order]) > 0
     return cell * float(np.diff(hits.depth[order])[inside[:-1]].sum())
@@ -177,7 +177,7 @@ def _along(X: Floats, axis: Floats) -> Floats:
 
 
 def _at(start: Floats, end: Floats, height: Floats) -> Floats:
-    """The first two rows of points, interpolated at a height between those of the third rows."""
+    """Return the first two rows of points, interpolated at a height between those of the third rows."""
     between: Floats = start[:2] + (height - start[2]) / (end[2] - start[2]) * (end[:2] - start[:2])
     return between
 

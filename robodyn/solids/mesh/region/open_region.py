@@ -119,7 +119,7 @@ class Sample:
 
 
 def definite(surface: OpenSurface) -> Sample | None:
-    """A sample of the region with the columns that it takes; None if its volume is not definite."""
+    """Return a sample of the region with the columns that it takes; None if its volume is not definite."""
     count, found = _FEWEST, None
     while True:
         found = sample(surface, count, found)

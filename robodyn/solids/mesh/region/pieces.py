@@ -21,7 +21,7 @@ class Pieces:
     weight: Floats
 
     def of(self, chosen: Mask) -> Pieces:
-        """Some of them."""
+        """Return some of them."""
         return Pieces(self.column[chosen], self.start[chosen], self.stop[chosen], self.weight[chosen])
 
     def moments(self, lattice: Lattice) -> Floats:
@@ -38,7 +38,7 @@ class Pieces:
 
 
 def pieces(hits: Hits) -> Pieces:
-    """What lies between the first and the last hit of each column, weighted with its winding number."""
+    """Return what lies between the first and the last hit of each column, weighted with its winding number."""
     order = in_order(hits.column, hits.depth)
     column, depth = hits.column[order], hits.depth[order]
     within = column[1:] == column[:-1]
@@ -47,7 +47,7 @@ def pieces(hits: Hits) -> Pieces:
 
 
 def joined(parts: list[Pieces]) -> Pieces:
-    """All of them."""
+    """Return all of them."""
     return Pieces(
         *(np.concatenate([getattr(part, name) for part in parts]) for name in ("column", "start", "stop", "weight"))
     )
@@ -62,7 +62,7 @@ def centred(totals: Floats, region: Floats) -> Floats:
 
 
 def relative(error: Floats, region: Floats) -> float:
-    """The larger of the error of the volume, of that, and of the largest of second moments, of the largest."""
+    """Return the larger of the error of the volume, of that, and of the largest of second moments, of the largest."""
     S_c = centred(region, region)[:3, :3]
     return max(float(error[3, 3] / region[3, 3]), float(error[:3, :3].max() / np.abs(S_c).max()))
 

@@ -69,7 +69,7 @@ class Field:
         return values
 
     def above(self, level: float) -> Pieces:
-        """The pieces with more than this winding number, less those with a positive one with caps."""
+        """Return the pieces with more than this winding number, less those with a positive one with caps."""
         middle = (self.ends.start + self.ends.stop) / 2
         halves = joined([replace(self.ends, stop=middle), replace(self.ends, start=middle)])
         first, last = self.values[:2].ravel() - level, self.values[1:].ravel() - level
@@ -125,7 +125,7 @@ class Field:
 
 
 def _pieces(surface: Hits, caps: Hits) -> tuple[Pieces, Mask]:
-    """What lies between hits of each column, with a margin at both ends; and which pieces follow a cap."""
+    """Return what lies between hits of each column, with a margin at both ends; and which pieces follow a cap."""
     hit = np.concatenate([surface.column, caps.column])
     depth = np.concatenate([surface.depth, caps.depth])
     columns = np.unique(hit)

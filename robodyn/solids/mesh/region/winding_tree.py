@@ -17,7 +17,7 @@ _FRAME = frame_along(np.array((0.36, 0.48, 0.8)))
 
 
 def clusters(points: Floats, most: int) -> list[Numbers]:
-    """The numbers of points (n, 3) in groups of at most `most`.
+    """Return the numbers of points (n, 3) in groups of at most `most`.
 
     Groups are cut across their longest side until they are small, each at the widest gap in its middle third: points
     that nearly coincide stay together.
@@ -165,7 +165,7 @@ def _dipoles(powers: Floats, far: Floats) -> Floats:
 
 
 def _triangles(powers: Floats, triangles: Floats) -> Floats:
-    """The sum of 2 atan2(det(a, b, c), abc + (a.b) c + (b.c) a + (c.a) b)."""
+    """Return the sum of 2 atan2(det(a, b, c), abc + (a.b) c + (b.c) a + (c.a) b)."""
     a, b, c, ab, bc, ca, depth = (product(part, powers) for part in triangles.transpose(1, 0, 2))
     for square in (a, b, c):
         np.sqrt(np.maximum(square, 0, out=square), out=square)

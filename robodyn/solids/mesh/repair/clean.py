@@ -15,7 +15,7 @@ _ROUNDING = 16 * np.finfo(np.float64).eps
 
 
 def without_degenerate(mesh: Indexed) -> Indexed:
-    """The mesh without its faces of exactly zero area.
+    """Return the mesh without its faces of exactly zero area.
 
     Faces between three different corners on a line stay where they close the surface along a seam.
     """
@@ -25,7 +25,7 @@ def without_degenerate(mesh: Indexed) -> Indexed:
 
 
 def without_duplicates(mesh: Indexed) -> Indexed:
-    """The mesh with one face of those between the same corners, whatever their winding.
+    """Return the mesh with one face of those between the same corners, whatever their winding.
 
     Faces wound alike stay where one of them alone would open the surface: two bodies that are flush. Faces wound both
     ways cancel: a wall between two bodies. But one stays if it is part of a surface that would be open without it, or

@@ -151,7 +151,7 @@ class _Caps:
         return np.array([(a, b, apex) for a, b in sides if apex not in (a, b)], np.int64).reshape(-1, 3)
 
     def on(self, shells: Shells) -> Shells:
-        """The shells with the caps as their last faces; a body with caps is closed."""
+        """Return the shells with the caps as their last faces; a body with caps is closed."""
         closed = shells.closed.copy()
         closed[self._bodies] = True
         mesh = replace(shells.mesh, faces=np.concatenate([shells.mesh.faces, *self._faces]))

@@ -54,7 +54,7 @@ class Interior:
         self._sheared = [_Sheared(corners, slope) for slope in _DIRECTIONS[:1]]
 
     def has(self, point: Floats) -> bool | None:
-        """Whether it has this point (3,); None where rounding cannot tell the point from the surface."""
+        """Return whether it has this point (3,); None where rounding cannot tell the point from the surface."""
         for k, slope in enumerate(_DIRECTIONS):
             if k == len(self._sheared):
                 self._sheared.append(_Sheared(self._corners, slope))
@@ -71,7 +71,7 @@ class OpenInterior:
         self._mesh = mesh
 
     def has(self, point: Floats) -> bool:
-        """Whether it has this point (3,)."""
+        """Return whether it has this point (3,)."""
         return bool(abs(winding_numbers(point[None], self._mesh)[0]) > 0.5)
 
 

@@ -64,7 +64,7 @@ def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
 
 
 def is_seam(vertices: Floats, cap: Numbers, area: float) -> bool:
-    """Whether a cap (n, 3) of this area is next to nothing: where surfaces should meet but do not quite."""
+    """Return whether a cap (n, 3) of this area is next to nothing: where surfaces should meet but do not quite."""
     edges = Edges.between(cap)
     ends = edges.ends[edges.count == 1]
     around = float(np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1).sum())

@@ -123,14 +123,14 @@ def _volumes(shells: Shells) -> tuple[Floats, Mask]:
 
 
 def _open(shells: Shells, caps: int) -> OpenInterior | None:
-    """What open shells enclose, if there are some."""
+    """Return what open shells enclose, if there are some."""
     chosen = ~shells.closed[shells.label]
     chosen[len(chosen) - caps :] = False
     return OpenInterior(shells.mesh.keep(chosen)) if chosen.any() else None
 
 
 def _parents(shells: Shells, sizes: Floats, proper: Mask, patches: OpenInterior | None) -> tuple[Numbers, list[int]]:
-    """The smallest shell around each, and closed shells from the largest down."""
+    """Return the smallest shell around each, and closed shells from the largest down."""
     order = np.argsort(shells.label, kind="stable")
     starts = np.searchsorted(shells.label[order], np.arange(shells.count))
     corners = shells.mesh.corners[order]

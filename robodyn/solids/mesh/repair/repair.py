@@ -131,7 +131,7 @@ def _check_sides(shells: Shells, name: str) -> None:
 
 
 def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Quadrature | None]:
-    """The mesh without caps, and the region that it encloses if its winding number has to tell."""
+    """Return the mesh without caps, and the region that it encloses if its winding number has to tell."""
     count = len(union.mesh.faces) - filling.caps
     mesh, caps = replace(union.mesh, faces=union.mesh.faces[:count]), union.mesh.faces[count:]
     if not filling.left:
@@ -157,7 +157,7 @@ class _Steps:
             self.all.append(Step(name, count, what, before.volume(self._reference), region.volume))
 
     def taken(self, before: Indexed, after: Indexed, count: int, name: str, what: str) -> Indexed:
-        """The mesh after a step, which is kept in mind if it was done to anything."""
+        """Return the mesh after a step, which is kept in mind if it was done to anything."""
         if not count:
             return before
         self.all.append(Step(name, count, what, *(mesh.volume(self._reference) for mesh in (before, after))))
@@ -195,7 +195,7 @@ def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
 
 
 def _within(found: Nesting, scale: float) -> tuple[str, ...]:
-    """What was taken of shells that lie in others and are wound alike, and how to have it otherwise."""
+    """Return what was taken of shells that lie in others and are wound alike, and how to have it otherwise."""
     if not found.within:
         return ()
     one = found.within == 1

@@ -26,7 +26,7 @@ _HALF = np.uint64(29)
 
 
 def shell_faults(triangles: Triangles) -> tuple[int, bool]:
-    """How many shells are wound inwards without being cavities, and whether two wound outwards share volume.
+    """Return how many shells are wound inwards without being cavities, and whether two wound outwards share volume.
 
     Shells are the components of triangles that share corners. One that is wound inwards is a cavity if it lies in one
     wound outwards; two wound outwards of which one has points within the other count what they share twice. A few
@@ -82,7 +82,7 @@ class _Interiors:
                 yield point
 
     def overlap(self, one: int, body: int, inward: Numbers) -> bool:
-        """Whether a body has points in another, outside the cavities among these shells."""
+        """Return whether a body has points in another, outside the cavities among these shells."""
         cavities = [int(shell) for shell in inward]
         return any(not any(self._has(shell, point) for shell in cavities) for point in self.reaching(one, body))
 
@@ -126,7 +126,7 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
 
 
 def _apart(corners: Floats) -> list[Floats]:
-    """The triangles of each shell."""
+    """Return the triangles of each shell."""
     number = _numbers(corners.reshape(-1, 3)).reshape(-1, 3)
     a, b = np.concatenate([number[:, 0], number[:, 0]]), np.concatenate([number[:, 1], number[:, 2]])
     label = components(int(number.max()) + 1, a, b)[number[:, 0]]

@@ -30,13 +30,13 @@ class Shells:
         return len(self.closed)
 
     def faces(self, shell: int) -> Numbers:
-        """The faces (n, 3) of a shell."""
+        """Return the faces (n, 3) of a shell."""
         chosen: Numbers = self.mesh.faces[self.label == shell]
         return chosen
 
 
 def wound(mesh: Indexed) -> tuple[Shells, int]:
-    """The shells with faces turned so that neighbours agree, and how many were turned.
+    """Return the shells with faces turned so that neighbours agree, and how many were turned.
 
     Neighbours are the two faces on an edge that has no others, in a patch those that such edges connect. The fewer
     faces of a patch are turned. Patches that are closed are shells; they are set aside, which leaves fewer faces on
@@ -68,7 +68,7 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
 
 
 def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
-    """The patch of each face, whether to turn it, and which patches have one side only.
+    """Return the patch of each face, whether to turn it, and which patches have one side only.
 
     A component of the graph in which every face stands twice, once for each winding.
     """
@@ -88,7 +88,7 @@ def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
 
 
 def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
-    """Which patches have no boundary: on edges of other than two faces their sides must cancel."""
+    """Return which patches have no boundary: on edges of other than two faces their sides must cancel."""
     side = np.flatnonzero(edges.count[edges.of.ravel()] != 2)
     face = side // 3
     way = np.where(turn[face], -1, 1) * edges.way.ravel()[side]

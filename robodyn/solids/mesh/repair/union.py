@@ -33,7 +33,7 @@ class United:
 
 
 def united(nesting: Nesting, caps: int = 0) -> United:
-    """The union of bodies that share volume, by `manifold3d` (a robust boolean of triangle meshes).
+    """Return the union of bodies that share volume, by `manifold3d` (a robust boolean of triangle meshes).
 
     A body is a shell with the cavities right within it. Only bodies with boxes that overlap are tried.
 
@@ -92,7 +92,7 @@ def _apart(mesh: Indexed, label: Numbers, chosen: Mask) -> tuple[Floats, Numbers
 
 
 def manifold(vertices: Floats, faces: Numbers) -> Any:
-    """A body for manifold3d, None if it is no manifold."""
+    """Return a body for manifold3d, None if it is no manifold."""
     from manifold3d import Error, Manifold, Mesh64
 
     solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))

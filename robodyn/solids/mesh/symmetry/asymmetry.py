@@ -111,11 +111,11 @@ class CentredBody:
         return TriangleSet(self.corners, self.moments.reach)
 
     def same(self, Q: Array) -> bool:
-        """Whether an orthogonal map takes the triangles to each other."""
+        """Return whether an orthogonal map takes the triangles to each other."""
         return self.least(Q) <= _SAME and self._set.invariant(Q)
 
     def least(self, Q: Array) -> float:
-        """A lower bound of the asymmetry under an orthogonal map, by moments."""
+        """Return a lower bound of the asymmetry under an orthogonal map, by moments."""
         return self.moments.least_asymmetry(Q)
 
     def mirrored(self, normal: Array) -> float:
@@ -147,7 +147,7 @@ class CentredBody:
         return self._asymmetry(Q, self.least(Q), by_columns)
 
     def revolved(self, axis: Array) -> float:
-        """The largest of a few rotations by angles that are far from all simple parts of a turn."""
+        """Return the largest of a few rotations by angles that are far from all simple parts of a turn."""
         worst = 0.0
         for times in (1, 2, 3):
             worst = max(worst, self.turned(axis, GOLDEN_TURN * times))
@@ -156,7 +156,7 @@ class CentredBody:
         return worst
 
     def _asymmetry(self, Q: Array, least: float, by_columns: Callable[[int], float]) -> float:
-        """The moments' bound for the same set of triangles; else by columns.
+        """Return the moments' bound for the same set of triangles; else by columns.
 
         By few if they find much, unless triangles cost more than columns; by many unless the difference is clearly one
         that facets make.
@@ -187,6 +187,6 @@ class CentredBody:
 
 
 def mirror(normal: Array) -> Floats:
-    """The reflection 1 - 2 n n^T."""
+    """Return the reflection 1 - 2 n n^T."""
     reflection: Floats = IDENTITY - 2 * np.outer(normal, normal)
     return reflection

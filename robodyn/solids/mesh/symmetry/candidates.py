@@ -76,7 +76,7 @@ def rim_angles(points: Array, frame: Array) -> Floats:
 
 
 def rim_folds(count: int) -> list[float]:
-    """The folds of an axis with so many points on its rim: divisors, the largest first."""
+    """Return the folds of an axis with so many points on its rim: divisors, the largest first."""
     return [float(n) for n in range(count, 1, -1) if count % n == 0][:4]
 
 

@@ -28,7 +28,7 @@ class EvenForm:
 
     @classmethod
     def of(cls, corners: Array, degree: int) -> EvenForm:
-        """The integral of (n . x)^degree, degree up to 6, over the tetrahedra from the origin to triangles.
+        """Return the integral of (n . x)^degree, degree up to 6, over the tetrahedra from the origin to triangles.
 
         Lengths are in units of the largest distance of a corner.
 
@@ -54,7 +54,7 @@ class EvenForm:
         return gradient, hessian
 
     def _along(self, i: int) -> EvenForm:
-        """The derivative in one coordinate."""
+        """Return the derivative in one coordinate."""
         lower = self.powers.copy()
         lower[:, i] = np.maximum(lower[:, i] - 1, 0)
         return EvenForm(lower, self.factors * self.powers[:, i])

@@ -34,7 +34,7 @@ class CentralMoments:
     tensors: tuple[Array, Array, Array]
 
     def least_asymmetry(self, Q: Array) -> float:
-        """A lower bound of vol(A xor Q A) / 2V, for an orthogonal map Q about the centre.
+        """Return a lower bound of vol(A xor Q A) / 2V, for an orthogonal map Q about the centre.
 
         |M - Q M| <= vol(A xor Q A) max|f|, for the moment M of each product f of coordinates.
         """
@@ -48,7 +48,7 @@ class CentralMoments:
 
 
 def central_moments(corners: Array, S: Array, volume: float) -> CentralMoments:
-    """The moments of the third and fourth order, with those of the second as given.
+    """Return the moments of the third and fourth order, with those of the second as given.
 
     Over the tetrahedron from the centre to a triangle a product of k coordinates is D / (2k + 6) times its mean over
     the triangle, with D six times the volume of the tetrahedron: the mean by a rule that is exact.

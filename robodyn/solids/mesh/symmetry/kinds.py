@@ -78,7 +78,7 @@ class Symmetry:
         return sum(plane.holds for plane in self.planes), sum(axis.holds for axis in self.axes)
 
     def scaled(self, scale: float) -> Symmetry:
-        """The same in another unit, of which there are so many in the present one."""
+        """Return the same in another unit, of which there are so many in the present one."""
         return replace(
             self,
             planes=tuple(replace(plane, offset=plane.offset * scale) for plane in self.planes),
@@ -88,7 +88,7 @@ class Symmetry:
 
 
 def verdict_of(asymmetry: float, tolerance: float, facets: float) -> Verdict:
-    """The verdict on an asymmetry where facets may have left out such a part of the volume."""
+    """Return the verdict on an asymmetry where facets may have left out such a part of the volume."""
     if asymmetry <= tolerance:
         return "exact"
     if asymmetry > NEAR:

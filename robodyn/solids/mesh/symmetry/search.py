@@ -126,7 +126,7 @@ class Search:
         return {i: self._plane(row) for i, row in enumerate(self.principal) if self._distinct(i)}
 
     def _half_turn_possible(self, i: int) -> bool:
-        """A half turn is two reflections: its asymmetry is no less than the difference of theirs."""
+        """Return whether a half turn may be near: of two reflections, it is no less than the difference of theirs."""
         planes = [self._always[j % 3] for j in (i + 1, i + 2) if j % 3 in self._always]
         return len(planes) < 2 or abs(planes[0].asymmetry - planes[1].asymmetry) <= NEAR
 
@@ -151,7 +151,7 @@ class Search:
         return revolved + [axis for axis in finite if axis.verdict == "exact" or not implied]
 
     def _images(self, direction: Array, axes: Sequence[Axis], known: list[Array]) -> list[Array]:
-        """Where turns of a regular body carry a direction, but for the known ones; they are known then."""
+        """Return where turns of a regular body carry a direction, but for the known ones; they are known then."""
         found: list[Array] = []
         if not all(axis.fold in _SOLID_FOLDS for axis in axes):
             return found
@@ -243,7 +243,7 @@ class Search:
 
 
 def _nearness(found: Plane | Axis) -> float:
-    """What is exact is so to rounding, which is another on each processor."""
+    """Return a rank: what is exact is so to rounding, which is another on each processor."""
     return 0.0 if found.verdict == "exact" else -found.asymmetry
 
 

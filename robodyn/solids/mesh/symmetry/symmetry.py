@@ -47,7 +47,7 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
 
 
 def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
-    """The average of a body and of its images under all accepted planes and axes, and their products.
+    """Return the average of a body and of its images under all accepted planes and axes, and their products.
 
     The centre of mass goes to the nearest place that all of them keep, S_c + m d d^T to the nearest matrix that they
     all keep (their average, as they are orthogonal), d being the way of the centre; products that are 0 by symmetry are
@@ -70,7 +70,7 @@ def symmetrized(body: MassProperties, found: Symmetry) -> MassProperties:
 
 
 def _shift(com: Array, found: Symmetry) -> Floats:
-    """How far a point is from the nearest one on all accepted planes and axes."""
+    """Return how far a point is from the nearest one on all accepted planes and axes."""
     normals = [(plane.normal, plane.offset) for plane in found.planes if plane.holds]
     for axis in found.axes:
         normals += [(across, product(across, axis.point)) for across in frame_along(axis.direction)[:2] if axis.holds]

@@ -128,7 +128,7 @@ class _Body:
 
 
 def _bars(found: _Smooth, places: Sequence[_Smooth], doubts: Floats) -> Bars:
-    """The largest errors over the least sizes that the smooth body may have, infinite above the whole."""
+    """Return the largest errors over the least sizes that the smooth body may have, infinite above the whole."""
     shares = []
     for true in places:
         errors, sizes = found.errors(true) + doubts, true.sizes
@@ -139,7 +139,7 @@ def _bars(found: _Smooth, places: Sequence[_Smooth], doubts: Floats) -> Bars:
 
 
 def _reach(masses: LineMasses) -> float:
-    """The doubt of edges times their distance from the centre, in sum."""
+    """Return the doubt of edges times their distance from the centre, in sum."""
     middle = (masses.start + masses.end) / 2
     return float((masses.doubt * np.sqrt((middle * middle).sum(axis=0))).sum())
 
@@ -156,7 +156,7 @@ def _moments(masses: LineMasses, weights: Floats) -> tuple[float, Floats, Floats
 
 
 def _corrected(integrals: Integrals, volume: float, first: Floats, second: Floats, centre: Array) -> Integrals:
-    """The integrals with what lies about the centre."""
+    """Return the integrals with what lies about the centre."""
     sign, arm = np.sign(integrals.volume), centre - integrals.reference
     across = np.outer(first, arm)
     return replace(

@@ -20,7 +20,7 @@ _LOW = np.uint64(2**32 - 1)
 
 
 def paired_edges(X: Array) -> tuple[Integers, Integers]:
-    """The numbers, triangle plus m times corner, of edges that are the same pair of corners, where just two are.
+    """Return the numbers, triangle plus m times corner, of edges that are the same pair of corners, where just two are.
 
     In ascending order, so that what they refer to is read nearly in order as well.
 
@@ -104,7 +104,7 @@ class BentEdges:
     areas: Floats
 
     def among(self, chosen: NDArray[np.bool_]) -> BentEdges:
-        """Some of them."""
+        """Return some of them."""
         if chosen.all():
             return self
         columns = {name: getattr(self, name)[..., chosen] for name in _COLUMNS}
@@ -135,7 +135,7 @@ def bent_edges(corners: Array) -> BentEdges:
 def _bent(
     points: Floats, normals: Floats, one: Integers, other: Integers, coplanar: list[Integers]
 ) -> dict[str, Array]:
-    """The columns of `BentEdges` of some edges.
+    """Return the columns of `BentEdges` of some edges.
 
     Args:
         points: (3 m, 3) by corner, then triangle. normals: (m, 3), as long as twice the areas.
