@@ -36,6 +36,7 @@ _HINTS = {
     "not well-formed (invalid token)": "write & as &amp; and < as &lt;, and put values in quotes",
 }
 """Remedies of rules; strict reading says which element is open instead."""
+_BINARY = "this is a binary file, not XML", "give a URDF file"
 _KINDS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
 
 
@@ -79,6 +80,8 @@ class Reader:
         """Parse, and return the root if it is one that can be checked. Without a root there are faults."""
         if not self.positions.data.removeprefix(BOM).strip():
             self._add("RD001", 0, 0, "the file is empty", "give a URDF file")
+        elif b"\0" in self.positions.data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
+            self._add("RD001", 0, 1, *_BINARY)
         elif self._parse() and self._root is not None and self._root.tag != "robot":
             self._wrong_root(self._root)
         elif self._whole and not self._unexpanded:
@@ -145,8 +148,7 @@ class Reader:
         inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
         remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
         if b"\0" in data:
-            text, remedy = "this is a binary file, not XML", "give a URDF file"
-            strict = text, remedy
+            text, remedy = strict = _BINARY
         self._add("RD001", start, end, text + inside, remedy, line=error.lineno, strict=strict)
 
     def _strict(self, text: str) -> tuple[str, str | None]:

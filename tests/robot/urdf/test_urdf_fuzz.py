@@ -123,6 +123,7 @@ def test_declared_encodings(encoding: bytes, junk: bytes) -> None:
 
 
 @given(st.sampled_from(["utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-8-sig"]), st.integers(0, 200), st.binary())
+@example("utf-32", 160, b"\x00\x0b")
 @settings(deadline=None, max_examples=200)
 def test_wide_encodings(encoding: str, start: int, junk: bytes) -> None:
     text = VALID.decode().replace('encoding="utf-8"', "").encode(encoding)
@@ -131,6 +132,8 @@ def test_wide_encodings(encoding: str, start: int, junk: bytes) -> None:
 
 @given(st.binary(max_size=200))
 @example(b"<\0")
+@example(" <robot a:b='c'/>".encode("utf-16-be"))
+@example(" <robot a:b='c'/>".encode("utf-16-le"))
 @example(b"\xff\xfe")
 @example(b"\xef\xbb\xbf")
 @settings(deadline=None, max_examples=200)
