@@ -65,12 +65,11 @@ def page() -> tuple[str, float]:
 _TEXT = """# How far facets leave a mesh from the round body it stands for
 
 `robodyn inertia` prints, beside the numbers of the mesh as it is, those of the smooth body that its facets may stand
-for, and how far either may be off. Nothing in a
-mesh tells whether an eight-sided prism is one or a coarse cylinder, so both readings are given. Bars of the mesh and of
-the corrected numbers hold wherever the corners are: on the surface, as CAD programs put them, outside of it so that
-facets touch it, or between; the narrower bars of the corrected numbers hold if the corners are on it. Edges of more
-than 65 degrees between faces that are flat otherwise, and edges beside which nothing else bends, are meant as they are.
-Where a bar would be more than the whole, there is none.
+for, and how far either may be off. Nothing in a mesh tells whether an eight-sided prism is one or a coarse cylinder, so
+both readings are given. Bars of the mesh and of the corrected numbers hold wherever the corners are: on the surface, as
+CAD programs put them, outside of it so that facets touch it, or between; the narrower bars of the corrected numbers
+hold if the corners are on it. Edges of more than 65 degrees between faces that are flat otherwise, and edges beside
+which nothing else bends, are meant as they are. Where a bar would be more than the whole, there is none.
 
 Below: the share in percent of random solids in which the bars of volume, inertia and centre of mass hold, {solids} of
 each kind in each of three places of the corners, of 6 to 72 facets to a turn in any pose; in how many some bar of the
