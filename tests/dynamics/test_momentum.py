@@ -14,6 +14,7 @@ from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
+from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions
 from robodyn.robot.poses import poses
 from robodyn.scene.scene import Scene
@@ -32,7 +33,7 @@ def _of(model, q, qd, qdd):
     inertias = [body.inertia for body in model.bodies]
     whole, pose = momenta(model.parents, joints, inertias), poses(model.parents[:1], joints[:1])[0]
     P = pose.R @ whole.P
-    H = pose.R @ whole.H + np.cross(pose.p, P)
+    H = pose.R @ whole.H + cross(pose.p, P)
     return (_each(value_of, P), _each(value_of, H)), (_each(rate_of, P), _each(rate_of, H))
 
 
@@ -103,7 +104,7 @@ def test_momenta_and_energy_against_pinocchio(seed):
     pin.computeCentroidalMomentumTimeVariation(other.model, other.data, position, v, a)
     R, origin = poses(model.parents[:1], joints[:1])[0]
     P = other.data.hg.linear
-    H = other.data.hg.angular + np.cross(other.data.com[0] - origin, P)
+    H = other.data.hg.angular + cross(other.data.com[0] - origin, P)
     assert worst(R @ whole.P, P) <= 1e-14
     assert worst(R @ whole.H, H) <= 1e-14
     assert worst(whole.T, pin.computeKineticEnergy(other.model, other.data, position, v)) <= 1e-14
@@ -136,7 +137,7 @@ def test_eulers_laws_by_dual_numbers(seed):
     _, (P_rate, H_rate) = _of(model, q, qd, qdd)
     R, p = poses(model.parents[:1], motions(model, q, qd, qdd)[:1])[0]
     assert worst(R @ base[:3], P_rate) <= 1e-14
-    assert worst(R @ base[3:] + np.cross(p, R @ base[:3]), H_rate) <= 1e-14
+    assert worst(R @ base[3:] + cross(p, R @ base[:3]), H_rate) <= 1e-14
 
 
 def test_newtons_third_law_between_bodies():
@@ -153,12 +154,12 @@ def test_newtons_third_law_between_bodies():
     each = momentum_of_bodies(model.parents, dual, [body.inertia for body in model.bodies])
     for i, (R, p) in enumerate(places):
         P = R @ each[i][0]
-        H = R @ each[i][1] + np.cross(p, P)
+        H = R @ each[i][1] + cross(p, P)
         f = where[i].R @ wrenches[i, 0]
-        n = where[i].R @ wrenches[i, 1] + np.cross(where[i].p, f)
+        n = where[i].R @ wrenches[i, 1] + cross(where[i].p, f)
         for child in [k for k, parent in enumerate(model.parents) if parent == i]:
             handed = where[child].R @ wrenches[child, 0]
-            n = n - where[child].R @ wrenches[child, 1] - np.cross(where[child].p, handed)
+            n = n - where[child].R @ wrenches[child, 1] - cross(where[child].p, handed)
             f = f - handed
         scale = np.abs(wrenches).max()
         assert worst(f, _each(rate_of, P), scale) <= 1e-14
