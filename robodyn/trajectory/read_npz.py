@@ -36,6 +36,8 @@ _MATRICES = ("q", "qd", "qdd")
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _PART = 1 << 12
 """Rows of a matrix that are read and transposed at once, in the cache."""
+_SKIPPED = 1 << 24
+"""Bytes that are read at once to be left out."""
 
 
 @dataclass(frozen=True)
@@ -116,10 +118,11 @@ class Values:
         return columns
 
     def skip(self, rows: int) -> None:
-        """Leave out rows."""
+        """Leave out rows, by reading them: `seek` of Python 3.13 moves from where another member was read last."""
         self._left -= rows
-        if self._held is None:
-            self._stream.seek(rows * self._width * self._member.dtype.itemsize, 1)
+        left = rows * self._width * self._member.dtype.itemsize if self._held is None else 0
+        while left and (part := self._stream.read(min(left, _SKIPPED))):
+            left -= len(part)
 
     def _read(self, rows: int) -> NDArray[Any]:
         size = rows * self._width * self._member.dtype.itemsize
