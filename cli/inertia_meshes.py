@@ -20,7 +20,8 @@ from robodyn.report.json.bodies import inertia_json
 from robodyn.report.text import text
 from robodyn.solids.inertia.properties import Pose
 from robodyn.solids.inertia.view import View, inertial_element
-from robodyn.solids.mesh_mass import Floats, Part, mass_properties
+from robodyn.solids.mesh_mass import Part, mass_properties
+from robodyn.support.floats import Floats
 
 
 def meshes(

@@ -8,11 +8,10 @@ from itertools import combinations
 from math import copysign, hypot, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length, product
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 _EPS = sys.float_info.epsilon
 _SWEEPS = 30
 

@@ -14,6 +14,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.support.floats import Floats
+
 Array = NDArray[Any]
 """A NumPy array of any scalar."""
 
@@ -153,7 +155,7 @@ def rotation_from_quaternion(x: Scalar, y: Scalar, z: Scalar, w: Scalar) -> Arra
     )
 
 
-def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float64]:
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
     """URDF's fixed-axis rotation Rz(yaw) Ry(pitch) Rx(roll) [rad].
 
     Entries within one rounding of 0, 1 or -1 are made exact: a right angle written as 1.5707963267948966 is then a
@@ -174,7 +176,7 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float
     )
 
 
-def snapped(R: NDArray[np.float64]) -> NDArray[np.float64]:
+def snapped(R: Floats) -> Floats:
     """`R` with the entries that lie within one rounding (2^-52) of 0, 1 or -1 replaced by exactly these."""
     nearest = np.round(R)
     return np.where(np.abs(R - nearest) <= np.finfo(float).eps, nearest, R) + 0.0

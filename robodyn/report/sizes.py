@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length, product
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from robodyn.equations.free_body.types import FreeBodies
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     from robodyn.robot.model import Model
     from robodyn.simulation.result import Simulation
 
-Floats = NDArray[np.float64]
 
 Sizes = Mapping[str, float]
 

@@ -11,7 +11,7 @@ from robodyn.programs.vectors import narrowed
 from robodyn.robot.kinematics import REST, motions
 from robodyn.robot.model import Frame, Joint, Model
 from robodyn.robot.poses import Pose, poses
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, listed, shown
 
 Values = Sequence[float] | Mapping[str, float]

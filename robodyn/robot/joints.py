@@ -8,9 +8,10 @@ import numpy as np
 
 from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import length, rotation_from_rpy, snapped
-from robodyn.robot.model import Floats, Joint
+from robodyn.robot.model import Joint
 from robodyn.robot.urdf.description import Description, Origin
 from robodyn.robot.urdf.description import Joint as DescribedJoint
+from robodyn.support.floats import Floats
 
 WIDTH = {"fixed": (0, 0), "revolute": (1, 1), "prismatic": (1, 1), "floating": (7, 6)}
 """How many entries of q and of qd each kind of joint has."""

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.support.doubts import Doubt
-from robodyn.support.floats import BEYOND
+from robodyn.support.floats import BEYOND, Floats
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Joint, Model
 
-Floats = NDArray[np.float64]
 Quantity = Literal["effort", "velocity", "position"]
 
 MOST_EFFORT, MOST_VELOCITY = 1e5, 1e4

@@ -7,17 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robodyn.programs.vectors import length
 from robodyn.solids.inertia.laws import Inertia
+from robodyn.support.floats import Floats
 from robodyn.support.frozen import Frozen
 
 if TYPE_CHECKING:
     from robodyn.robot.urdf.parts import Description
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

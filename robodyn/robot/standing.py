@@ -7,13 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
-
-Floats = NDArray[np.float64]
 
 GROUNDS = frozenset({"world", "ground", "earth", "floor", "wall", "ceiling", "table"})
 """Names of a root link by which a description says that what is fixed to it does not move."""

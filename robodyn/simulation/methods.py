@@ -6,10 +6,8 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robodyn.errors import InputError
+from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
 Rows = tuple[tuple[float, ...], ...]
@@ -138,7 +136,7 @@ class TooMuchError(InputError):
         time, state: how far it got [s], and there (q, qd, work).
     """
 
-    def __init__(self, what: str, time: float, state: NDArray[np.float64], remedy: str) -> None:
+    def __init__(self, what: str, time: float, state: Floats, remedy: str) -> None:
         super().__init__(what, remedy=remedy)
         self.time, self.state = time, state
 

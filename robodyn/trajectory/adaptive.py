@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 from robodyn.trajectory.windows import WIDEST, Fits, fits, lengths
 
 CONTRADICTION = 2.5
@@ -41,9 +41,9 @@ FAMILIES = ((1, 0), (-1, 0), (0, 0), (1, 1), (-1, 1), (0, 2))
 class Rate(NamedTuple):
     """A derivative (N,) with its standard deviation by noise, and by how much it may be off in 19 of 20 cases."""
 
-    value: FloatArray
-    noise: FloatArray
-    off: FloatArray
+    value: Floats
+    noise: Floats
+    off: Floats
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,19 @@ class _Family:
 
     side: int
     extra: int
-    values: FloatArray
-    noises: FloatArray
-    slopes: FloatArray
+    values: Floats
+    noises: Floats
+    slopes: Floats
     lengths: list[int]
 
 
 class _Chosen(NamedTuple):
     """Of a family at every sample: value, noise, what growing windows changed, slope, the window, if it was tested."""
 
-    value: FloatArray
-    noise: FloatArray
-    change: FloatArray
-    slope: FloatArray
+    value: Floats
+    noise: Floats
+    change: Floats
+    slope: Floats
     length: NDArray[np.int64]
     tested: NDArray[np.bool_]
 
@@ -79,14 +79,14 @@ Known = list[tuple[_Chosen, float, int]]
 
 
 def rates(
-    time: FloatArray | None,
-    values: FloatArray,
-    turns: FloatArray | None,
+    time: Floats | None,
+    values: Floats,
+    turns: Floats | None,
     noise: Sequence[float],
     order: int,
-    spline: tuple[FloatArray, Rate] | None = None,
-    louder: FloatArray | float = 1.0,
-) -> tuple[FloatArray, Rate, int]:
+    spline: tuple[Floats, Rate] | None = None,
+    louder: Floats | float = 1.0,
+) -> tuple[Floats, Rate, int]:
     """Return the first derivative of a column, that of the order with its bars, and the longest window of use.
 
     Args:
@@ -165,7 +165,7 @@ def _longest(family: _Family, near: _Chosen | None) -> _Chosen:
     return _Chosen(value, noise, change, family.slopes[pick, column], length, top >= BACK)
 
 
-def _weighed(known: Known, spline: tuple[FloatArray, Rate] | None, count: int) -> tuple[FloatArray, Rate]:
+def _weighed(known: Known, spline: tuple[Floats, Rate] | None, count: int) -> tuple[Floats, Rate]:
     """Return the mean of all fits, weighed by their bars; where those before and after disagree, what lies between."""
     fits_of = [(each.value, each.noise, _bar(each, trust), each.slope, each.tested) for each, trust, _ in known]
     if spline is not None:
@@ -189,7 +189,7 @@ def _weighed(known: Known, spline: tuple[FloatArray, Rate] | None, count: int) -
     return of_slope, _at_jumps(known, Rate(mean, noise, off))
 
 
-def _bar(chosen: _Chosen, trust: float) -> FloatArray:
+def _bar(chosen: _Chosen, trust: float) -> Floats:
     return trust * (NOISE * chosen.noise + chosen.change)
 
 

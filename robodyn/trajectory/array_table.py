@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.trajectory.table import FloatArray, Rows, check_finite, common_length, less, spread
+from robodyn.support.floats import Floats
+from robodyn.trajectory.table import Rows, check_finite, common_length, less, spread
 
 if TYPE_CHECKING:
     pass
@@ -24,22 +25,22 @@ class ArrayTable(Rows):
         TrajectoryError: the columns differ in length.
     """
 
-    def __init__(self, file: str | None, columns: Mapping[str, FloatArray]) -> None:
+    def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
         self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
         super().__init__(file)
         self.names = tuple(columns)
         self._arrays = list(columns.values())
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         for start in range(0, self._rows, rows):
             values = self._slice(columns, slice(start, start + rows))
             check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
             yield values
 
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
 
-    def _slice(self, columns: Sequence[int], cut: slice) -> FloatArray:
+    def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
         return np.array([less(self._arrays[i][cut], self.origins.get(i)) for i in columns]).T
 
     def first(self, columns: Sequence[int]) -> list[str | float]:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.layout import ABSENT, Layout
 from robodyn.trajectory.motion import Sampling, Trajectory
-from robodyn.trajectory.table import FloatArray
 
 NORM_TOLERANCE = 1e-3
 """Deviation of a quaternion's norm from 1 above which it is reported."""
@@ -27,7 +27,7 @@ class Assembly:
     layout: Layout
     error_at: ErrorAt
 
-    def samples(self, block: FloatArray, first_row: int, last_time: float) -> Trajectory:
+    def samples(self, block: Floats, first_row: int, last_time: float) -> Trajectory:
         """The samples in a block whose columns are `layout.needed`; absent columns are 0, or the identity.
 
         Args:
@@ -69,7 +69,7 @@ class Assembly:
     def _columns(self) -> tuple[tuple[int, ...], ...]:
         return self.layout.q, self.layout.qd, self.layout.qdd
 
-    def _check_time(self, time: FloatArray, first_row: int, last_time: float) -> None:
+    def _check_time(self, time: Floats, first_row: int, last_time: float) -> None:
         before = np.concatenate(([last_time], time[:-1]))
         late = time <= before
         if late.any():

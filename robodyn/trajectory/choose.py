@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
 from robodyn.trajectory.derivatives import CENTRAL, SPLINE, Method, equal_spacing, savgol
 from robodyn.trajectory.estimates import Trust
 from robodyn.trajectory.local_polynomials import at_samples
 from robodyn.trajectory.noise import Noise, by_window, estimate
-from robodyn.trajectory.table import FloatArray
 from robodyn.trajectory.windows import DEGREE, WIDEST, lengths
 
-Run = tuple[FloatArray, FloatArray, FloatArray]
+Run = tuple[Floats, Floats, Floats]
 WINDOWS = (7, 9, 13, 17, 23, 31, 41, 55, 75, 101, 135, 181, 241, 321, 431, 575, 767, 1023, 1365, 1819)
 HARMLESS = 1e-3
 """Noise of the spline's derivative, relative to the derivative's rms, below which nothing is smoothed."""
@@ -161,7 +161,7 @@ def _search(runs: Sequence[Run], order: int, noise: Noise, spacing: np.float64) 
     return _Search(methods[chosen].window, smooth, math.sqrt(square), harmless)
 
 
-def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[FloatArray, FloatArray]:
+def _sampled(runs: Sequence[Run], method: Method, order: int) -> tuple[Floats, Floats]:
     """Derivative and residual (k, c) at samples spread over the runs, the same samples for every method."""
     count = max(1, _CENTRES // len(runs))
     derivatives, residuals = [], []

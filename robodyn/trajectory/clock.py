@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 from robodyn.trajectory.units import TICKS, split_unit, unit_of
 
 if TYPE_CHECKING:
@@ -50,11 +50,11 @@ class Clock:
     def columns(self) -> tuple[int, ...]:
         return (self.column,) if self.nano is None else (self.column, self.nano)
 
-    def seconds(self, stamps: FloatArray, nano: FloatArray | None = None) -> FloatArray:
+    def seconds(self, stamps: Floats, nano: Floats | None = None) -> Floats:
         """Return stamps (N,) of the columns as seconds since the origin, rounded once if they are whole numbers."""
         return stamps / self.ticks if nano is None else (stamps * _NANO + nano) / _NANO
 
-    def given(self, stamps: FloatArray, time: FloatArray) -> FloatArray | None:
+    def given(self, stamps: Floats, time: Floats) -> Floats | None:
         """Return stamps (N,) as the table gives them, of two columns in seconds; None if they are the `time`.
 
         Args:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -44,7 +44,7 @@ def parse(
     line: Callable[[], int],
     fast: bool,
     origins: Mapping[int, Decimal],
-) -> FloatArray:
+) -> Floats:
     """The chosen columns of whole lines of text, (rows, len(columns)), every cell finite.
 
     Args:
@@ -74,9 +74,7 @@ def _less(cells: Sequence[bytes], origin: Decimal) -> list[float] | None:
     return None if found is None else [float(cell - origin) for cell in found]
 
 
-def _parse_fast(
-    data: bytes, dialect: Dialect, columns: Sequence[int], origins: Mapping[int, Decimal]
-) -> FloatArray | None:
+def _parse_fast(data: bytes, dialect: Dialect, columns: Sequence[int], origins: Mapping[int, Decimal]) -> Floats | None:
     import polars as pl
 
     if not data.endswith(b"\n"):
@@ -106,7 +104,7 @@ def _parse_fast(
         if found is None:
             return None
         frame = frame.with_columns(pl.Series(str(i), found))
-    values: FloatArray = frame.select(str(i) for i in columns).to_numpy()
+    values: Floats = frame.select(str(i) for i in columns).to_numpy()
     return values if np.isfinite(values).all() else None
 
 
@@ -116,7 +114,7 @@ def _parse_lines(
     columns: Sequence[int],
     first_line: Callable[[], int],
     origins: Mapping[int, Decimal],
-) -> FloatArray:
+) -> Floats:
     width = len(dialect.names)
     far = [(columns.index(i), i, origin) for i, origin in origins.items()]
     rows: list[list[float]] = []

@@ -9,9 +9,9 @@ from typing import Literal
 
 import numpy as np
 
+from robodyn.support.floats import Floats
 from robodyn.trajectory.local_polynomials import at_samples, equally_spaced, stencil
 from robodyn.trajectory.quintic import FEWEST, REACH, spline_equally_spaced, spline_rates
-from robodyn.trajectory.table import FloatArray
 
 ORDER = 4
 
@@ -62,8 +62,8 @@ class Gains:
 
     first: float
     second: float
-    first_ends: FloatArray
-    second_ends: FloatArray
+    first_ends: Floats
+    second_ends: Floats
 
 
 @lru_cache(maxsize=64)
@@ -87,9 +87,7 @@ def savgol(window: int) -> Method:
     return Method("savgol", window, ORDER)
 
 
-def differentiate(
-    time: FloatArray, values: FloatArray, method: Method, turns: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
+def differentiate(time: Floats, values: Floats, method: Method, turns: Floats | None = None) -> tuple[Floats, Floats]:
     """(d/dt, d^2/dt^2) of values at their own times.
 
     Equal spacing (to rounding) counts as exactly equal; otherwise the spline and the local polynomials take the stamps
@@ -121,7 +119,7 @@ def differentiate(
     return first / spacing, second / spacing / spacing
 
 
-def equal_spacing(time: FloatArray) -> float:
+def equal_spacing(time: Floats) -> float:
     """The spacing of stamps that are equally spaced to a few roundings, else 0."""
     if len(time) < 2:
         return 0.0

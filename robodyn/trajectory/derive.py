@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.choose import Diagnosis, diagnose
 from robodyn.trajectory.derivatives import Method
 from robodyn.trajectory.estimates import Trust, estimated, reach
 from robodyn.trajectory.groups import Group
 from robodyn.trajectory.motion import Derivation, JointDerivation, Trajectory
-from robodyn.trajectory.table import FloatArray
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def _account(group: Group, found: Diagnosis) -> JointDerivation:
     )
 
 
-def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, FloatArray, FloatArray]:
+def derive(samples: Trajectory, plan: Plan) -> tuple[Trajectory, Floats, Floats]:
     """Return the samples with the missing columns of qd and qdd filled in.
 
     Returns:
@@ -127,12 +127,12 @@ def _refuse_pauses(samples: Trajectory, methods: Sequence[Method]) -> None:
         raise TrajectoryError(what, remedy="split the trajectory there, or use --derivatives central")
 
 
-def _raw(group: Group, samples: Trajectory) -> FloatArray:
-    values: FloatArray = getattr(samples, group.source)
+def _raw(group: Group, samples: Trajectory) -> Floats:
+    values: Floats = getattr(samples, group.source)
     return values[:, group.rows]
 
 
-def _source(group: Group, samples: Trajectory) -> FloatArray:
+def _source(group: Group, samples: Trajectory) -> Floats:
     """The columns to differentiate (N, c), quaternions with continuous sign."""
     values = _raw(group, samples)
     if group.kind == "quaternion":
@@ -142,13 +142,13 @@ def _source(group: Group, samples: Trajectory) -> FloatArray:
     return values
 
 
-def straight(group: Group, samples: Trajectory) -> FloatArray:
+def straight(group: Group, samples: Trajectory) -> Floats:
     """The same with turns of 2 pi undone."""
     values = _source(group, samples)
     return values - 2.0 * math.pi * _turns(values) if group.kind == "continuous" else values
 
 
-def _turns(angles: FloatArray) -> FloatArray:
+def _turns(angles: Floats) -> Floats:
     """Whole turns that angles (N, c) are ahead of the shorter way from each to the next.
 
     Angles that are made to add up would depend on the turns before, and on where a block begins, in their last digits.
@@ -157,13 +157,13 @@ def _turns(angles: FloatArray) -> FloatArray:
     return np.concatenate((np.zeros((1, angles.shape[1])), np.cumsum(jumps, axis=0)))
 
 
-def _of_body(Q: FloatArray, rate: Rate) -> Rate:
+def _of_body(Q: Floats, rate: Rate) -> Rate:
     """Return the rates in body axes of those of quaternions; each component is off by what all together are."""
     noise, off = (np.repeat(2.0 * np.sqrt((part**2).sum(axis=1, keepdims=True)), 3, axis=1) for part in rate[1:])
     return Rate(_body_rates(Q, rate.value), 0.5 * noise, off)
 
 
-def _body_rates(Q: FloatArray, rate: FloatArray) -> FloatArray:
+def _body_rates(Q: Floats, rate: Floats) -> Floats:
     """2 vec(conj(Q) rate) (N, 3) of unit quaternions x y z w: with Qd it is w, with Qdd it is wd, in body axes.
 
     The parts of the rate along Q, which come from noise in the norm, drop out.

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from robodyn.support.floats import Floats
 from robodyn.trajectory import adaptive
 from robodyn.trajectory.adaptive import Rate
 from robodyn.trajectory.derivatives import SPLINE, Method, differentiate, equal_spacing, savgol
 from robodyn.trajectory.noise import louder
 from robodyn.trajectory.quintic import REACH
-from robodyn.trajectory.table import FloatArray
 from robodyn.trajectory.windows import WIDEST, lengths
 
 INNER, END, WIDER = 3.0, 8.0, 2.0
@@ -54,9 +54,7 @@ def reach(trust: Trust) -> int:
     return max(2 * REACH, *windows) + max(NEAR, adaptive.NEAR)
 
 
-def estimated(
-    time: FloatArray, values: FloatArray, turns: FloatArray | None, method: Method, trust: Trust
-) -> tuple[Rate, Rate]:
+def estimated(time: Floats, values: Floats, turns: Floats | None, method: Method, trust: Trust) -> tuple[Rate, Rate]:
     """Return the first and second derivatives (N, c) of values (N, c), with error bars.
 
     Args: as of `differentiate`.
@@ -77,7 +75,7 @@ def estimated(
     return first, second
 
 
-def _noises(time: FloatArray, method: Method, sigma: float) -> tuple[FloatArray, FloatArray]:
+def _noises(time: Floats, method: Method, sigma: float) -> tuple[Floats, Floats]:
     """Return (N, 1) the standard deviations that noise gives both derivatives."""
     spacing, count, gains = np.float64((time[-1] - time[0]) / max(1, len(time) - 1)), len(time), method.gains
     found = []
@@ -89,7 +87,7 @@ def _noises(time: FloatArray, method: Method, sigma: float) -> tuple[FloatArray,
 
 
 def _by_one_window(
-    time: FloatArray, values: FloatArray, turns: FloatArray | None, method: Method, sigma: float
+    time: Floats, values: Floats, turns: Floats | None, method: Method, sigma: float
 ) -> tuple[Rate, Rate]:
     """Return what one window gives, with what the noise leaves, and what a window a third wider changes nearby.
 
@@ -109,7 +107,7 @@ def _by_one_window(
     return rates[0], rates[1]
 
 
-def _best(time: FloatArray, values: FloatArray, turns: FloatArray | None, trust: Trust) -> tuple[Rate, Rate]:
+def _best(time: Floats, values: Floats, turns: Floats | None, trust: Trust) -> tuple[Rate, Rate]:
     """Return the quintic spline where it can be trusted, and what local polynomials make of it elsewhere."""
     spline = _spline(time, values, turns, trust.sigma)
     changes = [rate.off - adaptive.NOISE * rate.noise for rate in spline]
@@ -141,7 +139,7 @@ def _best(time: FloatArray, values: FloatArray, turns: FloatArray | None, trust:
     return spline
 
 
-def _spline(time: FloatArray, values: FloatArray, turns: FloatArray | None, sigma: float) -> tuple[Rate, Rate]:
+def _spline(time: Floats, values: Floats, turns: Floats | None, sigma: float) -> tuple[Rate, Rate]:
     """Return the quintic spline, with twice the largest change nearby that leaving out every second sample makes.
 
     That is 32 times the error of a smooth motion, and about the error at corners of the velocity.

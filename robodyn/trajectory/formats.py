@@ -11,7 +11,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 LARGE = 150_000
 """Cells above which importing polars (0.1 s) costs less than writing without it."""
@@ -20,12 +20,12 @@ PARTS = 4
 """Parts of a block that are written at once."""
 
 
-def lines_plain(values: FloatArray) -> bytes:
+def lines_plain(values: Floats) -> bytes:
     """Rows of values (N, k) as lines of CSV, without polars."""
     return "".join(",".join(map(shortest, row)) + "\n" for row in values.tolist()).encode()
 
 
-def lines_fast(values: FloatArray) -> Iterator[bytes]:
+def lines_fast(values: Floats) -> Iterator[bytes]:
     """Rows of values (N, k) as lines of CSV, through polars: it works on so few rows in one thread only."""
     from concurrent.futures import ThreadPoolExecutor
 
@@ -33,7 +33,7 @@ def lines_fast(values: FloatArray) -> Iterator[bytes]:
         yield from pool.map(_lines, np.array_split(values, PARTS))
 
 
-def _lines(values: FloatArray) -> bytes:
+def _lines(values: Floats) -> bytes:
     import polars as pl
 
     text = BytesIO()
@@ -71,7 +71,7 @@ class CsvFormat:
         csv.writer(header, lineterminator="\n").writerow(names)
         stream.write(header.getvalue().encode())
 
-    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
         values = _joined(time, columns)
         self._cells += values.size
         stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
@@ -87,7 +87,7 @@ class ParquetFormat:
     """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
 
     def __init__(self) -> None:
-        self._parts: list[FloatArray] = []
+        self._parts: list[Floats] = []
         self._rows = 0
 
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
@@ -97,7 +97,7 @@ class ParquetFormat:
         self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
         self._writer = ParquetWriter(_Sink(stream), self._schema, compression="zstd", use_dictionary=False)
 
-    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
         self._parts.append(_joined(time, columns))
         self._rows += len(time)
         if self._rows >= GROUP_ROWS:
@@ -156,7 +156,7 @@ class NpzFormat:
         folder = os.path.dirname(os.path.abspath(stream.name)) if os.path.isfile(stream.name) else None
         self._waiting = TemporaryFile(dir=folder)  # noqa: SIM115
 
-    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None:
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
         for column in (time, *columns.T):
             self._waiting.write(np.ascontiguousarray(column).data)
         self._lengths.append(len(time))
@@ -185,7 +185,7 @@ class NpzFormat:
             self._waiting.close()
 
 
-def _joined(time: FloatArray, columns: FloatArray) -> FloatArray:
+def _joined(time: Floats, columns: Floats) -> Floats:
     """(N, 1 + k), each column contiguous; copied in parts that stay in the cache, for rows may be contiguous."""
     values = np.empty((1 + columns.shape[1], len(time)))
     values[0] = time

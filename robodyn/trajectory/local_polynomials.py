@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 WIDE = 80
 """Samples of a window from which moments that move along cost less than taking all its samples for each result."""
@@ -31,13 +31,13 @@ class Basis(NamedTuple):
         on: (d + 1, w, ...); value, slope, curve: (d + 1, ...).
     """
 
-    on: FloatArray
-    value: FloatArray
-    slope: FloatArray
-    curve: FloatArray
+    on: Floats
+    value: Floats
+    slope: Floats
+    curve: Floats
 
 
-def orthonormal(u: FloatArray, x: FloatArray, degree: int) -> Basis:
+def orthonormal(u: Floats, x: Floats, degree: int) -> Basis:
     """Return the polynomials that are orthonormal on samples at u, and their derivatives at x.
 
     By the recurrence `b_k+1 p_k+1 = (u - a_k) p_k - b_k p_k-1` of Stieltjes: no equations are solved, and the error
@@ -67,9 +67,9 @@ def orthonormal(u: FloatArray, x: FloatArray, degree: int) -> Basis:
     return Basis(on, *at.swapaxes(0, 1))
 
 
-def _inner(a: FloatArray, b: FloatArray) -> FloatArray:
+def _inner(a: Floats, b: Floats) -> Floats:
     """Sums of products over the samples, in an order that the shape alone decides."""
-    total: FloatArray = np.einsum("w...,w...->...", a, b)
+    total: Floats = np.einsum("w...,w...->...", a, b)
     return total
 
 
@@ -80,7 +80,7 @@ def stencil(width: int, degree: int) -> Basis:
     return orthonormal(u, u, degree)
 
 
-def equally_spaced(steps: FloatArray, width: int, degree: int) -> tuple[FloatArray, FloatArray]:
+def equally_spaced(steps: Floats, width: int, degree: int) -> tuple[Floats, Floats]:
     """Return the first and second derivatives (N, c) of samples a unit apart.
 
     Near an end the window stays inside the table, so the sample is not in its middle.
@@ -100,21 +100,21 @@ def equally_spaced(steps: FloatArray, width: int, degree: int) -> tuple[FloatArr
     return found[0].T, found[1].T
 
 
-def _at_end(steps: FloatArray, width: int, degree: int) -> FloatArray:
+def _at_end(steps: Floats, width: int, degree: int) -> Floats:
     """Derivatives (2, width) of the polynomial through the first or last samples of a column, at each of them."""
     basis = stencil(width, degree)
     parts = (basis.on[:, 1:] * np.cumsum(steps)).sum(axis=1)[:, None]
     return np.stack(((basis.slope * parts).sum(axis=0), (basis.curve * parts).sum(axis=0)))
 
 
-def weights(width: int, degree: int) -> tuple[FloatArray, FloatArray]:
+def weights(width: int, degree: int) -> tuple[Floats, Floats]:
     """Weights (width,) of the samples in the first and second derivative at the middle."""
     basis = stencil(width, degree)
     middle = slice(width // 2, width // 2 + 1)
     return (basis.on * basis.slope[:, middle]).sum(axis=0), (basis.on * basis.curve[:, middle]).sum(axis=0)
 
 
-def _by_pairs(steps: FloatArray, width: int, degree: int) -> tuple[FloatArray, FloatArray]:
+def _by_pairs(steps: Floats, width: int, degree: int) -> tuple[Floats, Floats]:
     """Derivatives at all samples but those near the ends: of steps as far before as after, sums and differences."""
     first, second = (-np.cumsum(each) for each in weights(width, degree))
     inner = len(steps) + 2 - width
@@ -126,7 +126,7 @@ def _by_pairs(steps: FloatArray, width: int, degree: int) -> tuple[FloatArray, F
     return found[0], found[1]
 
 
-def _by_moments(steps: FloatArray, width: int, degree: int) -> tuple[FloatArray, FloatArray]:
+def _by_moments(steps: Floats, width: int, degree: int) -> tuple[Floats, Floats]:
     """The same from the moments of each window, which are differences of sums that run along stretches of the column.
 
     A stretch of 2 width - 1 samples holds `width` windows, the weights of each of which are a polynomial, so a sum of
@@ -156,7 +156,7 @@ def _by_moments(steps: FloatArray, width: int, degree: int) -> tuple[FloatArray,
 
 
 @lru_cache(maxsize=8)
-def _moved(width: int, degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _moved(width: int, degree: int) -> tuple[Floats, Floats, Floats]:
     """The polynomials (2 width - 1, degree + 1) of a stretch, and their shares (width, degree + 1) in the weights of
     the first and second derivatives at its windows' middles."""
     size, half = 2 * width - 1, width // 2
@@ -171,13 +171,13 @@ def _moved(width: int, degree: int) -> tuple[FloatArray, FloatArray, FloatArray]
 
 
 def at_samples(
-    time: FloatArray | None,
-    values: FloatArray,
-    turns: FloatArray | None,
+    time: Floats | None,
+    values: Floats,
+    turns: Floats | None,
     centres: NDArray[np.intp],
     width: int,
     degree: int,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[Floats, Floats, Floats]:
     """Return what is left of some samples, and both derivatives, each (k, c): the polynomial of every window by itself.
 
     Near an end the window stays inside the table, so the sample is not in its middle. A result depends on the samples

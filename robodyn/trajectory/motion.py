@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from robodyn.support.doubts import Doubt
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 FEW = 24
 """Rows of a table below which they are taken for way-points: what lies between them is anyone's guess."""
@@ -61,10 +61,10 @@ class Sampling:
         guessed: whether velocities are derived from so few rows that they may as well be 0.
     """
 
-    off: FloatArray
-    noise: FloatArray
-    off_squares: FloatArray
-    squares: FloatArray
+    off: Floats
+    noise: Floats
+    off_squares: Floats
+    squares: Floats
     guessed: bool = False
 
 
@@ -87,15 +87,15 @@ class Trajectory:
         sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
     """
 
-    time: FloatArray
-    q: FloatArray
-    qd: FloatArray
-    qdd: FloatArray
-    extra: Mapping[str, FloatArray] = field(default_factory=dict)
+    time: Floats
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    extra: Mapping[str, Floats] = field(default_factory=dict)
     first_row: int = 1
     derivation: Derivation | None = None
     notes: tuple[str, ...] = ()
-    stamps: FloatArray | None = None
+    stamps: Floats | None = None
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
     doubts: tuple[Doubt, ...] = ()
@@ -105,7 +105,7 @@ class Trajectory:
         return len(self.time)
 
     @property
-    def given_time(self) -> FloatArray:
+    def given_time(self) -> Floats:
         """(N,) the time as the table gives it."""
         return self.time if self.stamps is None else self.stamps
 

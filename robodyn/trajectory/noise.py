@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from robodyn.support.floats import Floats
 from robodyn.trajectory.derivatives import equal_spacing
-from robodyn.trajectory.table import FloatArray
 from robodyn.trajectory.windows import BASES, fits, lengths
 
 HIGHEST = 14
@@ -28,7 +28,7 @@ _UNSURE = 2.0
 _MEDIAN = 0.6744897501960817
 
 
-def quantum(values: FloatArray) -> float:
+def quantum(values: Floats) -> float:
     """The step of the grid on which all values lie (decimals, encoder counts), 0 if they lie on none.
 
     The greatest common divisor of the gaps between distinct values, by Euclid's algorithm with a tolerance of 1 %.
@@ -51,7 +51,7 @@ def quantum(values: FloatArray) -> float:
     return 0.0
 
 
-def weights(time: FloatArray) -> list[FloatArray]:
+def weights(time: Floats) -> list[Floats]:
     """For p = 1..HIGHEST the 2-norm (N - p,) of the weights of the p-th divided differences of stamps a unit apart."""
     if equal_spacing(time):
         return [np.full(len(time) - p, math.sqrt(math.comb(2 * p, p)) / math.factorial(p)) for p in _ORDERS]
@@ -67,7 +67,7 @@ def weights(time: FloatArray) -> list[FloatArray]:
     return norms
 
 
-def differences(time: FloatArray, values: FloatArray, norms: list[FloatArray]) -> list[FloatArray]:
+def differences(time: Floats, values: Floats, norms: list[Floats]) -> list[Floats]:
     """For p = 1..HIGHEST the p-th divided differences, scaled to keep the standard deviation of white noise."""
     found = []
     for p, norm in enumerate(norms, start=1):
@@ -76,7 +76,7 @@ def differences(time: FloatArray, values: FloatArray, norms: list[FloatArray]) -
     return found
 
 
-def moving(values: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def moving(values: Floats) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """Whether each sample has a change within 32 samples; resting stretches say nothing about noise."""
     changes = np.concatenate(([0], np.cumsum(np.diff(values) != 0.0)))
     last = len(changes) - 1
@@ -93,7 +93,7 @@ class Noise:
     warning: str = ""
 
 
-def estimate(runs: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> Noise:
+def estimate(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
     """The noise in columns of a table: of several columns, that of the noisiest.
 
     Differences of a smooth signal fall with their order p, as (pi/n)^p for n samples a period; those of white noise,
@@ -117,10 +117,10 @@ def estimate(runs: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> Noise
     return max(found, key=lambda noise: noise.sigma, default=Noise(0.0, 0.0))
 
 
-def _of_column(runs: Sequence[tuple[FloatArray, FloatArray, FloatArray]]) -> Noise:
+def _of_column(runs: Sequence[tuple[Floats, Floats, Floats]]) -> Noise:
     raw = np.concatenate([values for _, values, _ in runs])
     grid = quantum(raw)
-    scaled: list[list[FloatArray]] = [[] for _ in range(HIGHEST)]
+    scaled: list[list[Floats]] = [[] for _ in range(HIGHEST)]
     jumps = []
     for time, _, values in runs:
         if len(time) <= 2 * HIGHEST:
@@ -150,7 +150,7 @@ def _floor(levels: list[float]) -> float:
     return 0.0
 
 
-def _judge(sigma: float, grid: float, fine: bool, jumps: FloatArray, raw: FloatArray) -> Noise:
+def _judge(sigma: float, grid: float, fine: bool, jumps: Floats, raw: Floats) -> Noise:
     leaps = jumps[jumps > 0.0]
     if 0 < 2 * len(leaps) < len(jumps) and not (fine and float(np.median(leaps)) <= 4.0 * grid):
         return Noise(0.0, grid, "most samples repeat the one before, then jump; steps are not smoothed")
@@ -162,7 +162,7 @@ def _judge(sigma: float, grid: float, fine: bool, jumps: FloatArray, raw: FloatA
     return Noise(sigma, grid)
 
 
-def louder(time: FloatArray, values: FloatArray, sigma: float) -> FloatArray:
+def louder(time: Floats, values: Floats, sigma: float) -> Floats:
     """Return (N,) how many times the noise about each sample exceeds that of the table, 1 where it does not.
 
     Stamps that software takes late make noise that grows with the speed. The median over 33 samples of a high
@@ -181,7 +181,7 @@ def louder(time: FloatArray, values: FloatArray, sigma: float) -> FloatArray:
     return found
 
 
-def by_window(runs: Sequence[tuple[FloatArray, FloatArray]], sigma: float, widest: int) -> tuple[float, ...]:
+def by_window(runs: Sequence[tuple[Floats, Floats]], sigma: float, widest: int) -> tuple[float, ...]:
     """Return what white noise would have to be to scatter the fits on windows of every length as the data's does.
 
     Of neighbouring windows that share no sample the second derivatives of parabolas differ by noise, and by what the
@@ -191,7 +191,7 @@ def by_window(runs: Sequence[tuple[FloatArray, FloatArray]], sigma: float, wides
     Args:
         runs: (time (N,), values (N,)) of stretches of the table; sigma: the least that is returned.
     """
-    sizes: dict[int, list[FloatArray]] = {}
+    sizes: dict[int, list[Floats]] = {}
     for time, values in runs:
         spacing = equal_spacing(time)
         for fit in fits(None if spacing else time, values, None, min(widest, len(values) // _APART)):

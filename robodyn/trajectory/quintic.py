@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 FEWEST = 7
 """Samples of a spline; through fewer goes one polynomial."""
@@ -28,7 +28,7 @@ _BLOCK = 1 << 15
 _ADJUGATE = np.array(((1.0, -1.0), (-1.0, 1.0)))[:, :, None]
 
 
-def spline_rates(gaps: FloatArray | None, steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+def spline_rates(gaps: Floats | None, steps: Floats) -> tuple[Floats, Floats]:
     """Return the first and second derivatives (N, c) at N samples of the quintic spline through them, not-a-knot at
     both ends: de Boor (1978), ch. XIII.
 
@@ -57,7 +57,7 @@ def spline_rates(gaps: FloatArray | None, steps: FloatArray) -> tuple[FloatArray
     return found[0].T, found[1].T
 
 
-def spline_equally_spaced(steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+def spline_equally_spaced(steps: Floats) -> tuple[Floats, Floats]:
     """Return the same as `spline_rates` for samples a unit apart, several times as fast.
 
     Far from the ends the spline is a recursive filter: Unser, Aldroubi and Eden (1993).
@@ -80,12 +80,12 @@ def spline_equally_spaced(steps: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 @lru_cache(maxsize=1)
-def _ends() -> FloatArray:
+def _ends() -> Floats:
     """Weights (2, W, W - 1) of the steps between W samples in the derivatives at each."""
     return np.stack(spline_rates(None, np.eye(2 * _END + REACH - 1)))
 
 
-def _filtered(steps: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _filtered(steps: Floats) -> tuple[Floats, Floats]:
     """Derivatives at all samples but the _END at either end: every pole is summed over 2^n steps, by doubling."""
     e, part, gain = steps.copy(), np.empty_like(steps), 120.0
     for both, doublings in _POLES:
@@ -115,11 +115,11 @@ class _Factors(NamedTuple):
         up: (k - 1, 2, 2, S) what couples each knot with the next.
     """
 
-    per: FloatArray
+    per: Floats
     tails: tuple[_Tail, _Tail]
-    down: FloatArray
-    inverse: FloatArray
-    up: FloatArray
+    down: Floats
+    inverse: Floats
+    up: Floats
 
 
 @lru_cache(maxsize=8)
@@ -127,7 +127,7 @@ def _unit_factors(size: int) -> _Factors:
     return _factors(np.ones((size - 1, 1)))
 
 
-def _factors(gaps: FloatArray) -> _Factors:
+def _factors(gaps: Floats) -> _Factors:
     """Factors of the equations for slope m and curvature M at the interior knots.
 
     With m and M at both ends each piece is Hermite's quintic. At a knot between gaps a and b the fourth derivatives of
@@ -163,7 +163,7 @@ def _factors(gaps: FloatArray) -> _Factors:
     return _Factors(per, tails, down, inverse, U)
 
 
-def _solve(factors: _Factors, steps: FloatArray) -> FloatArray:
+def _solve(factors: _Factors, steps: Floats) -> Floats:
     """First and second derivatives (n, 2, c, S) from steps (n - 1, c, S)."""
     per, (near, far), down, inverse, up = factors
     ends = near.about(-steps[2::-1]), far.about(steps[-3:])
@@ -198,28 +198,28 @@ class _Tail(NamedTuple):
         matrix: (2, 2, S) what they add to that knot's equations, for time that runs outwards.
     """
 
-    s: FloatArray
-    matrix: FloatArray
+    s: Floats
+    matrix: Floats
 
     @classmethod
-    def of(cls, gaps: FloatArray) -> _Tail:
+    def of(cls, gaps: Floats) -> _Tail:
         s = _sums(gaps)
         a, b, c = 1.0 / s
         first, second, third = a + b + c, a * b + b * c + c * a, a * b * c
         matrix = _matrix(8.0 * (first * second - third), 4.0 * second, 2.0 * (first * first - second), first)
         return cls(s, matrix)
 
-    def about(self, steps: FloatArray) -> FloatArray:
+    def about(self, steps: Floats) -> Floats:
         """Values (3, c, S) from the knot's, by steps that lead outwards."""
         return _sums(steps)
 
-    def right(self, values: FloatArray) -> FloatArray:
+    def right(self, values: Floats) -> Floats:
         """What the values add to the right-hand sides."""
         s = self.s[:, None]
         level, slope, curve = self._through(values / (s * s * s))
         return np.stack((8.0 * (curve * (s[0] + s[1]) - slope), 2.0 * (level - s[0] * (slope - s[1] * curve))))
 
-    def rates(self, values: FloatArray, knot: FloatArray) -> FloatArray:
+    def rates(self, values: Floats, knot: Floats) -> Floats:
         """Derivatives (3, 2, c, S) at the samples, from those (2, c, S) at the knot.
 
         The polynomial is `m s + M s^2/2 + s^3 r(s)` with a parabola r through three values.
@@ -231,24 +231,24 @@ class _Tail(NamedTuple):
         first = m + s * (M + s * (3.0 * r + s * slope))
         return np.stack((first, M + s * (6.0 * r + s * (6.0 * slope + s * (2.0 * curve)))), axis=1)
 
-    def _through(self, r: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _through(self, r: Floats) -> tuple[Floats, Floats, Floats]:
         """Newton's coefficients of the parabola through three values."""
         s = self.s
         slope = (r[1] - r[0]) / (s[1] - s[0])
         return r[0], slope, ((r[2] - r[1]) / (s[2] - s[1]) - slope) / (s[2] - s[0])
 
 
-def _sums(three: FloatArray) -> FloatArray:
+def _sums(three: Floats) -> Floats:
     a, b, c = three
     return np.stack((a, a + b, a + b + c))
 
 
-def _matrix(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
+def _matrix(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     """[a, b; c, d] with the rows and columns before the last axis."""
     return np.stack((np.stack((a, b), axis=-2), np.stack((c, d), axis=-2)), axis=-3)
 
 
-def _times(A: FloatArray, x: FloatArray) -> FloatArray:
+def _times(A: Floats, x: Floats) -> Floats:
     """Products of 2 x 2 matrices (2, 2, S) and (2, c, S)."""
-    product: FloatArray = np.einsum("ijs,jks->iks", A, x)
+    product: Floats = np.einsum("ijs,jks->iks", A, x)
     return product

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
+from robodyn.support.floats import Floats
 from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.assemble import join
 from robodyn.trajectory.columns import Signals, matrix_column
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
 from robodyn.trajectory.reading import DEFAULT, Reading
-from robodyn.trajectory.table import FILE_TYPES, FloatArray, Table, reason
+from robodyn.trajectory.table import FILE_TYPES, Table, reason
 
 
 def open_trajectory(
@@ -90,13 +91,13 @@ def from_arrays(
         return join(list(reader.blocks()))
 
 
-def _stamps(time: ArrayLike) -> FloatArray:
+def _stamps(time: ArrayLike) -> Floats:
     """Return stamps; whole numbers stay such, for an origin to be subtracted exactly."""
     stamps = np.asarray(time) if isinstance(time, np.ndarray) and time.dtype.kind in "iu" else None
     return _array("time", time, None) if stamps is None or stamps.ndim != 1 else stamps
 
 
-def _array(name: str, values: ArrayLike, width: int | None) -> FloatArray:
+def _array(name: str, values: ArrayLike, width: int | None) -> Floats:
     try:
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):

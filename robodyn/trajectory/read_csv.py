@@ -9,9 +9,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, BinaryIO
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
-from robodyn.trajectory.table import FloatArray, changed
+from robodyn.trajectory.table import changed
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -49,7 +50,7 @@ class CsvTable:
         self._dialect = _dialect(text, self.file, self.header_line)
         self.names = self._dialect.names
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         self._stream.seek(self._start)
         size = max(_LONGEST_LINE // 16, rows * 16 * len(self.names))
         while data := self._stream.read(size):
@@ -75,7 +76,7 @@ class CsvTable:
             line += data.count(b"\n")
         return line
 
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         size = rows * max(1, self._row_bytes())
         if self.size_bytes - self._start <= count * size:
             starts, size = [self._start], self.size_bytes
@@ -101,7 +102,7 @@ class CsvTable:
         data = self._stream.read(1 << 16)
         return len(data) // max(1, data.count(b"\n"))
 
-    def _parse(self, data: bytes, columns: Sequence[int], offset: int) -> FloatArray:
+    def _parse(self, data: bytes, columns: Sequence[int], offset: int) -> Floats:
         fast = self.size_bytes > LARGE
         return parse(data, self._dialect, columns, lambda: self._line_at(offset), fast, self.origins)
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.table import (
-    FloatArray,
     Rows,
     check_expansion,
     check_finite,
@@ -156,7 +156,7 @@ class NpzTable(Rows):
             self._rows = common_length({name: each.rows for each in self._members for name in each.names}, path)
             self._opened = opened.pop_all()
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         with ExitStack() as opened:
             sources = self._sources(columns, opened)
             for start in range(0, self._rows, rows):
@@ -165,7 +165,7 @@ class NpzTable(Rows):
                 self.position_bytes = self.size_bytes * (start + len(values)) // self._rows
                 yield values
 
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         found, done = [], 0
         with ExitStack() as opened:
             sources = self._sources(columns, opened)
@@ -199,7 +199,7 @@ class NpzTable(Rows):
                 found |= {place: row[component, 0].item() for component, place in pairs}
         return [found[place] for place in sorted(found)]
 
-    def _take(self, sources: _Sources, rows: int, columns: Sequence[int]) -> FloatArray:
+    def _take(self, sources: _Sources, rows: int, columns: Sequence[int]) -> Floats:
         """The next rows of all sources."""
         block, origins = np.empty((len(columns), rows)), [self.origins.get(i) for i in columns]
         with decoding(".npz", self.file), np.errstate(all="ignore"):

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.table import FloatArray, Rows, changed, check_expansion, check_finite, decoding, less, spread
+from robodyn.trajectory.table import Rows, changed, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -49,7 +50,7 @@ class ParquetTable(Rows):
         check_expansion(8 * self._rows * len(self.names), self.size_bytes, path)
         self.position_bytes = 0
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         names = self._numeric(columns)
         done = 0
         for batch in self._batches(names, rows):
@@ -61,7 +62,7 @@ class ParquetTable(Rows):
         if done != self._rows:
             raise TrajectoryError("holds fewer rows than it says", remedy="write it again", file=self.file)
 
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         """Each begins with a row group, or whole pieces after that, so that little else is decoded."""
         if self._rows <= 0:
             return []
@@ -119,7 +120,7 @@ class ParquetTable(Rows):
     def _origin(self, name: str) -> Decimal | None:
         return self.origins.get(self.names.index(name)) if self.origins else None
 
-    def _values(self, batch: Any, names: Sequence[str]) -> FloatArray:
+    def _values(self, batch: Any, names: Sequence[str]) -> Floats:
         from pyarrow.types import is_integer
 
         values = np.empty((len(names), batch.num_rows))

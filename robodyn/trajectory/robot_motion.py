@@ -7,18 +7,17 @@ from collections.abc import Mapping
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import Kind, Signal, Signals
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Derivatives, HoldGiven, Reading, hold_of
 from robodyn.trajectory.units import AngleUnit, TimeUnit
-
-Floats = NDArray[np.float64]
 
 
 def signals(model: Model) -> Signals:

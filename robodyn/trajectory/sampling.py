@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from robodyn.support.floats import Floats
 from robodyn.trajectory.derive import Plan, straight
 from robodyn.trajectory.estimates import NOISY
 from robodyn.trajectory.motion import FEW, Sampling, Trajectory
-from robodyn.trajectory.table import FloatArray
 
 
-def sampling(samples: Trajectory, plan: Plan, noise: FloatArray, off: FloatArray, rows: slice) -> Sampling:
+def sampling(samples: Trajectory, plan: Plan, noise: Floats, off: Floats, rows: slice) -> Sampling:
     """Return by how much derived accelerations of some rows may be off.
 
     In a table of fewer than 24 rows, any motion that rests in every row is within the bars.
@@ -42,7 +42,7 @@ def _noisy(plan: Plan) -> list[int]:
     return [column for group, trust in pairs if trust.noisy for _, column in group.acceleration]
 
 
-def _guess(samples: Trajectory, plan: Plan) -> FloatArray:
+def _guess(samples: Trajectory, plan: Plan) -> Floats:
     """Return (N, n) the largest accelerations of a motion that rests in every row: 6 |dq| / h^2, 2 |dqd| / h."""
     guess, steps = np.zeros_like(samples.qdd), np.diff(samples.time)[:, None]
     for group in plan.groups:

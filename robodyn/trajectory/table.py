@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from decimal import Decimal
 
-FloatArray = NDArray[np.float64]
 
 FILE_TYPES = {
     ".csv": "csv",
@@ -56,14 +56,14 @@ class Table(Protocol):
     @property
     def position_bytes(self) -> int: ...
 
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[FloatArray]:
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
 
         Each column of a block is contiguous, except in blocks of text.
         """
         ...
 
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[FloatArray]:
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
         """Up to `count` runs of about `rows` consecutive rows, spread over the file; all of it where it is short."""
         ...
 
@@ -172,7 +172,7 @@ def spread(total: int, count: int, rows: int) -> list[slice]:
 
 
 def check_finite(
-    values: FloatArray, names: Sequence[str], first_row: int, error_at: Callable[[int, str, str], TrajectoryError]
+    values: Floats, names: Sequence[str], first_row: int, error_at: Callable[[int, str, str], TrajectoryError]
 ) -> None:
     """Raise the error of the first cell that is not finite, in the order of rows."""
     if np.isfinite(values).all():

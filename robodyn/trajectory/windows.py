@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.trajectory.table import FloatArray
+from robodyn.support.floats import Floats
 
 DEGREE = 4
 """The highest degree that is fitted."""
@@ -20,7 +20,7 @@ BASES = (4, 5, 6, 7)
 WIDEST = 1792
 """Samples of the longest window."""
 
-Place = float | FloatArray
+Place = float | Floats
 
 
 def lengths(widest: int) -> list[int]:
@@ -44,9 +44,9 @@ class Fits:
     half: Place
     middle: Place
     factor: tuple[tuple[Place, ...], ...]
-    right: tuple[FloatArray, ...]
+    right: tuple[Floats, ...]
 
-    def derivative(self, order: int, at: Place) -> Iterator[tuple[int, FloatArray, Place]]:
+    def derivative(self, order: int, at: Place) -> Iterator[tuple[int, Floats, Place]]:
         """Yield the degree, the derivative (windows,) of the polynomial at a place from -1 to 1, and its gain.
 
         The gain is the standard deviation of the derivative per standard deviation of white noise. Polynomials of all
@@ -74,10 +74,10 @@ class _Sums:
     centre: Place
     half: Place
     powers: tuple[Place, ...]
-    moments: tuple[FloatArray, ...]
+    moments: tuple[Floats, ...]
 
 
-def fits(time: FloatArray | None, values: FloatArray, turns: FloatArray | None, widest: int) -> Iterator[Fits]:
+def fits(time: Floats | None, values: Floats, turns: Floats | None, widest: int) -> Iterator[Fits]:
     """Yield the fits of all windows of a length, from the shortest on; window i begins at sample i.
 
     Args:
@@ -87,7 +87,7 @@ def fits(time: FloatArray | None, values: FloatArray, turns: FloatArray | None, 
     Accuracy: a second derivative is that of rational arithmetic to 1e-9 of the largest.
     """
 
-    def rise(far: int, count: int) -> FloatArray:
+    def rise(far: int, count: int) -> Floats:
         """Return how much each value is exceeded by the one `far` samples later."""
         found = values[far : far + count] - values[:count]
         return found if turns is None else found - 2.0 * math.pi * (turns[far : far + count] - turns[:count])
@@ -103,7 +103,7 @@ def fits(time: FloatArray | None, values: FloatArray, turns: FloatArray | None, 
         yield _fitted(time, sums)
 
 
-def _direct(time: FloatArray | None, values: list[FloatArray]) -> _Sums:
+def _direct(time: Floats | None, values: list[Floats]) -> _Sums:
     """Return the sums of windows, of whose first, second ... samples the values are given."""
     length, count = len(values), len(values[0])
     centre, half = _place(time, length, count)
@@ -120,7 +120,7 @@ def _direct(time: FloatArray | None, values: list[FloatArray]) -> _Sums:
     return _Sums(length, centre, half, tuple(powers), tuple(moments))
 
 
-def _merged(time: FloatArray | None, rise: FloatArray, part: _Sums) -> _Sums:
+def _merged(time: Floats | None, rise: Floats, part: _Sums) -> _Sums:
     """Return the sums of windows twice as long, whose second halves begin with values higher by `rise`."""
     n, count = part.length, len(rise)
     centre, half = _place(time, 2 * n, count)
@@ -150,7 +150,7 @@ def _powers(x: Place) -> list[Place]:
     return found
 
 
-def _place(time: FloatArray | None, length: int, count: int) -> tuple[Place, Place]:
+def _place(time: Floats | None, length: int, count: int) -> tuple[Place, Place]:
     """Return the middle and the half of the duration of windows."""
     if time is None:
         return 0.5 * (length - 1), 0.5 * (length - 1)
@@ -162,10 +162,10 @@ def _cut(values: Place, own: slice) -> Place:
     return values[own] if isinstance(values, np.ndarray) else values
 
 
-def _fitted(time: FloatArray | None, sums: _Sums) -> Fits:
+def _fitted(time: Floats | None, sums: _Sums) -> Fits:
     n = sums.length
     rows: list[tuple[Place, ...]] = []
-    right: list[FloatArray] = []
+    right: list[Floats] = []
     for i in range(min(DEGREE, n - 2) + 1):
         row: list[Place] = []
         for j in range(i + 1):

@@ -10,8 +10,9 @@ from typing import BinaryIO, Protocol
 from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.files import cannot_be_written, whole_file
+from robodyn.support.floats import Floats
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
-from robodyn.trajectory.table import FILE_TYPES, FloatArray
+from robodyn.trajectory.table import FILE_TYPES
 
 
 class Format(Protocol):
@@ -19,7 +20,7 @@ class Format(Protocol):
 
     def begin(self, stream: BinaryIO, names: Sequence[str]) -> None: ...
 
-    def add(self, stream: BinaryIO, time: FloatArray, columns: FloatArray) -> None: ...
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None: ...
 
     def end(self, stream: BinaryIO) -> None: ...
 
@@ -34,7 +35,7 @@ class Writer:
     def __init__(self, path: str, names: Sequence[str], form: Format, stream: BinaryIO) -> None:
         self._path, self._names, self._form, self._stream = path, ("time", *names), form, stream
 
-    def write(self, time: FloatArray, columns: FloatArray) -> None:
+    def write(self, time: Floats, columns: Floats) -> None:
         """Append rows: time (N,) and columns (N, k) in the order of the names.
 
         Raises:

@@ -16,8 +16,8 @@ from robodyn.programs.vectors import product
 from robodyn.robot.poses import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.boxes import Box
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.laws import second_moments
+from robodyn.support.floats import Floats
 
 _LEAST = 0.01
 _STILL = Pose(np.eye(3), np.zeros(3))

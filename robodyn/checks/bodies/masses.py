@@ -14,7 +14,7 @@ from robodyn.checks.rule import Severity
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import InertialView, LinkView
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 Tensor = tuple[float, ...]
 """ixx, ixy, ixz, iyy, iyz, izz [kg m^2]."""

@@ -19,7 +19,7 @@ from robodyn.robot.poses import Pose
 from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.boxes import Box, around
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

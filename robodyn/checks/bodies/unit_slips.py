@@ -12,7 +12,7 @@ from robodyn.checks.bodies.bodies import Body, bodies, share
 from robodyn.checks.bodies.shapes import outside, size_of
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 _FACTORS = (1e3, 1e6, 1e9)
 _LENGTHS = (1e3, 25.4)

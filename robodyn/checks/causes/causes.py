@@ -19,7 +19,7 @@ from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.links import INERTIA
 from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.view import LinkView
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 from robodyn.support.wording import figure
 
 _DIGITS = 12

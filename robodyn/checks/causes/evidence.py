@@ -15,8 +15,8 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, reflected
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import LinkView
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.laws import second_moments
+from robodyn.support.floats import Floats
 
 DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""

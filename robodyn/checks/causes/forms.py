@@ -12,8 +12,8 @@ from itertools import combinations, permutations, product
 import numpy as np
 
 from robodyn.checks.bodies.masses import matrix
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.laws import parallel_axis, rotation_law
+from robodyn.support.floats import Floats
 
 PRODUCTS = ((0, 1), (0, 2), (1, 2))
 _NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")

@@ -14,8 +14,7 @@ from robodyn.errors import DescriptionError, InputError
 from robodyn.programs.vectors import length
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Joint, Model
-from robodyn.solids.inertia.exact import Floats
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""

@@ -12,7 +12,7 @@ from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import InertialView, LinkView
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 MASS = 0.02
 """How far the masses of twins may differ."""

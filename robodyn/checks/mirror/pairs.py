@@ -14,8 +14,7 @@ from robodyn.checks.mirror.names import named_pairs
 from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
 from robodyn.robot.urdf.description import Description, Inertial, Joint, Link
-from robodyn.solids.inertia.exact import Floats
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
 _NEAR = 2e-3
 """How far a frame may be from its mirror image, relative to the robot's size."""

@@ -16,8 +16,7 @@ from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.solids.inertia.boxes import Box
-from robodyn.solids.inertia.exact import Floats
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
 
 FAR = 4.0

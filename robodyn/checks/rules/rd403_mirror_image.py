@@ -13,7 +13,7 @@ from robodyn.checks.mirror.loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
 from robodyn.robot.urdf.numbers import value_span
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
 
 _REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"

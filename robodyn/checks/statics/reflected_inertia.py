@@ -10,8 +10,8 @@ from robodyn.checks.context import Context
 from robodyn.checks.statics.torque import MOST_BODIES, position_ranges
 from robodyn.programs.vectors import product, rotation_about
 from robodyn.robot.model import Joint, Model
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.laws import about_centre
+from robodyn.support.floats import Floats
 
 _WORTH = 1e-2
 """s; damping that is slower than this on the body's own inertia is of no interest."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.programs.vectors import arctan2, product, skew
 from robodyn.robot.model import Body, Model
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True, eq=False)

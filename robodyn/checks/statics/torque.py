@@ -11,8 +11,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.statics.sweep import Sweep, around
 from robodyn.programs.vectors import length, product
 from robodyn.robot.model import Joint, Model
-from robodyn.solids.inertia.exact import Floats
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
 STARTS = 4
 MOST_BODIES = 150

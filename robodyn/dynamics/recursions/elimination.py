@@ -11,8 +11,9 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar, cross, length, product, snapped
-from robodyn.robot.model import Body, Floats, Frame, Joint, Model
+from robodyn.robot.model import Body, Frame, Joint, Model
 from robodyn.solids.inertia.laws import Inertia
+from robodyn.support.floats import Floats
 
 ROUNDING = 2.0**-48
 """A smaller share of a body's inertia is what rounding leaves of none."""

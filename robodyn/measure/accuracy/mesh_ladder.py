@@ -36,7 +36,8 @@ from robodyn.solids.mesh.shape import SYMMETRY_TRIANGLES
 from robodyn.solids.mesh.symmetry.asymmetry import CentredBody
 from robodyn.solids.mesh.symmetry.symmetry import symmetry
 from robodyn.solids.mesh.tessellation.bars import tessellation
-from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.support.floats import Floats
 
 COLUMNS = 256, 4096, 65536
 VOXELS = 256, 4096

@@ -18,7 +18,8 @@ from robodyn.solids.mesh.region.columns import Lattice
 from robodyn.solids.mesh.region.pieces import Pieces, directions, pieces
 from robodyn.solids.mesh.region.winding_tree import WindingTree
 from robodyn.solids.mesh.repair.union import manifold
-from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.support.floats import Floats
 
 _TESTS = 1 << 18
 """Tests of a point against a triangle that are made at once."""

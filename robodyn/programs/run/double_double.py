@@ -12,12 +12,11 @@ from math import factorial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
 from robodyn.programs.scalar import ADD, COS, DIV, EXP, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 BLOCK = 1024
 """Samples at a time: all intermediate results stay in the cache."""
 TERMS = 28

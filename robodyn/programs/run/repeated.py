@@ -7,7 +7,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
 from robodyn.programs.run.compiled_blocks import rows_of
@@ -16,8 +15,8 @@ from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
 from robodyn.programs.run.llvm.rollout import DONE, NEAR, rollout
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 LANES = 8
 """Rollouts worked on at a time."""
 COLUMNS = "columns"

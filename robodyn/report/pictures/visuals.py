@@ -7,13 +7,11 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.urdf.parts import Description, Geometry
+from robodyn.support.floats import Floats
 from robodyn.support.libraries import library_messages
-
-Floats = NDArray[np.float64]
 
 _AROUND, _ALONG = 32, 12
 """Corners of a circle, and of a quarter and a half circle along the axis."""

@@ -17,10 +17,9 @@ from robodyn.robot.masses.slips import relative, slip
 from robodyn.robot.urdf.description import Description, Link
 from robodyn.robot.urdf.geometry import Kind, Shape, link_shapes
 from robodyn.solids.inertia.boxes import box_bound
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED
-from robodyn.support.floats import ranked
+from robodyn.support.floats import Floats, ranked
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""

@@ -14,9 +14,9 @@ from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Shape, missing_mesh
 from robodyn.solids.inertia import solids
 from robodyn.solids.inertia.boxes import Box, around, counted_twice
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.mesh_mass import WATER, Part
+from robodyn.support.floats import Floats
 
 _SOLIDS: dict[str, Callable[..., MassProperties]] = {
     "box": solids.box,

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.programs.vectors import ZERO, length
-from robodyn.solids.inertia.exact import Floats
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
 _MUCH = 0.1
 _AGREES = 0.05

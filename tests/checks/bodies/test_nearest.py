@@ -9,7 +9,7 @@ from helpers.planted_defects import HEALTHY
 from robodyn.checks.bodies.masses import nearest
 from robodyn.checks.fixes.fix import fixed
 from robodyn.checks.run import check_one
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 EPS = 2.0**-52
 
