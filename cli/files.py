@@ -14,7 +14,7 @@ from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
-    from robodyn.robot.urdf.description import Description
+    from robodyn.robot.urdf.parts import Description
     from robodyn.scene.scene import Scene
 
 STANDARD_INPUT = "-"

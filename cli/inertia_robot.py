@@ -21,8 +21,8 @@ from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.from_shapes import link_from_shapes
 from robodyn.robot.masses.measured import How, Reading
-from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Kind
+from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.view import View, inertial_element
 

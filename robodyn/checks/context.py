@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from robodyn.checks.reading.tree import Tree, build_tree
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
-from robodyn.robot.urdf.description import Description, read_description
+from robodyn.robot.urdf.description import read_description
 from robodyn.robot.urdf.document import Reading
 from robodyn.robot.urdf.packages import Search
+from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.view import View
 from robodyn.support.wording import alternatives, shown
 

@@ -19,7 +19,8 @@ from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import beyond_limits, body_poses, configuration
 from robodyn.robot.model import Joint as ModelJoint
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.description import Description, Geometry, Joint, load_description
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Description, Geometry, Joint
 
 _PACKAGE = re.compile("(package|model)://[^/]")
 

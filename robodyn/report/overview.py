@@ -12,7 +12,7 @@ from robodyn.report.bodies import point_text
 from robodyn.report.check_words import check_line
 from robodyn.report.document import Section, Table, paragraphs
 from robodyn.report.table import Content, number
-from robodyn.robot.urdf.description import Joint, Limit
+from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import shown
 
 _UNITS = {"prismatic": ("m", "N", "m/s")}

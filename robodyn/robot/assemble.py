@@ -10,8 +10,9 @@ import numpy as np
 from robodyn.programs.vectors import product, snapped
 from robodyn.robot.joints import elementary, numbered, placement
 from robodyn.robot.model import Body, Frame, Joint, Model
-from robodyn.robot.urdf.description import Description, Inertial, load_description
-from robodyn.robot.urdf.description import Joint as DescribedJoint
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Description, Inertial
+from robodyn.robot.urdf.parts import Joint as DescribedJoint
 from robodyn.solids.inertia.laws import Inertia, combined, inertia_of
 from robodyn.solids.inertia.validity import unphysical
 from robodyn.support.floats import Floats

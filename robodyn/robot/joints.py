@@ -9,8 +9,8 @@ import numpy as np
 from robodyn.errors import DescriptionError
 from robodyn.programs.vectors import length, rotation_from_rpy, snapped
 from robodyn.robot.model import Joint
-from robodyn.robot.urdf.description import Description, Origin
-from robodyn.robot.urdf.description import Joint as DescribedJoint
+from robodyn.robot.urdf.parts import Description, Origin
+from robodyn.robot.urdf.parts import Joint as DescribedJoint
 from robodyn.support.floats import Floats
 
 WIDTH = {"fixed": (0, 0), "revolute": (1, 1), "prismatic": (1, 1), "floating": (7, 6)}

@@ -16,8 +16,8 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.links import INERTIA
 from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure

@@ -13,7 +13,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror.names import named_pairs
 from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
-from robodyn.robot.urdf.description import Description, Inertial, Joint, Link
+from robodyn.robot.urdf.parts import Description, Inertial, Joint, Link
 from robodyn.support.floats import Floats, first_largest
 
 _NEAR = 2e-3

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from robodyn.robot.urdf.joints import JOINT_TYPES
+from robodyn.robot.urdf.parts import JOINT_TYPES
 from robodyn.robot.urdf.view import InertialView, JointView, LinkView, View
 
 

@@ -5,8 +5,8 @@ Readers refuse other types; some take them for fixed. Types are written in small
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import JOINT_TYPES
 from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.parts import JOINT_TYPES
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 

@@ -6,7 +6,7 @@ what is missing.
 
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.links import INERTIA as ENTRIES
+from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 
 
 @rule(

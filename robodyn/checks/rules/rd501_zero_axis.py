@@ -5,7 +5,7 @@ Readers divide by its length: the joint then turns about NaN, or not at all.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_AXIS
+from robodyn.robot.urdf.parts import WITH_AXIS
 
 
 @rule(

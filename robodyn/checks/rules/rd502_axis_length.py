@@ -8,7 +8,7 @@ from math import hypot
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_AXIS
+from robodyn.robot.urdf.parts import WITH_AXIS
 from robodyn.robot.urdf.source_positions import Span
 
 

@@ -6,7 +6,7 @@ there.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.parts import WITH_RANGE
 
 
 @rule(

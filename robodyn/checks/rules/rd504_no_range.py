@@ -6,8 +6,8 @@ joint is frozen. A stand-in such as 1e16 passes for a range, from which planners
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_RANGE
 from robodyn.robot.urdf.numbers import Numbers
+from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import LimitView
 
 

@@ -5,7 +5,7 @@ URDF asks for it, and urdfdom refuses the robot.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.parts import WITH_RANGE
 
 
 @rule(Severity.ERROR, Stage.DOCUMENT, bad=arm('<axis xyz="0 1 0"/>'), good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'))

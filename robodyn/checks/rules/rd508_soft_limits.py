@@ -6,8 +6,8 @@ the joint meets its end stop at full speed.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_RANGE
 from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.parts import WITH_RANGE
 
 _SLACK = 1e-9
 

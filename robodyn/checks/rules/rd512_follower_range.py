@@ -6,7 +6,7 @@ violate the limits or the coupling, and planners reach positions that the hand d
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.joints import WITH_RANGE
+from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView
 
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'

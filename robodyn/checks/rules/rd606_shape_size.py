@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.links import SIZES
 from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.parts import SIZES
 from robodyn.robot.urdf.view import GeometryView, LinkView
 
 _EXPORT = "export the mesh of this part"

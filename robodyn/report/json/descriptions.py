@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.report.check_words import check_data
 from robodyn.report.json.encode import finite, select, written
-from robodyn.robot.urdf.description import Joint, Limit
+from robodyn.robot.urdf.parts import Joint, Limit
 
 if TYPE_CHECKING:
     from robodyn.checks.overview import Overview

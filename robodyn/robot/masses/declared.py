@@ -13,8 +13,8 @@ from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import Values, beyond_limits, configuration, coordinates, link_poses
 from robodyn.robot.joints import placement
 from robodyn.robot.poses import Pose
-from robodyn.robot.urdf.description import Description, Link
 from robodyn.robot.urdf.geometry import link_named
+from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.validity import Validity, validity

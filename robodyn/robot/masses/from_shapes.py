@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from robodyn.errors import InputError
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
-from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Kind, link_named, link_shapes
+from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh_mass import WATER
 from robodyn.support.wording import shown

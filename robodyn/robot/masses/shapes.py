@@ -10,8 +10,8 @@ import numpy as np
 from robodyn.errors import DescriptionError, RobodynError
 from robodyn.robot.joints import placement
 from robodyn.robot.masses.measured import MeshFile, Outcome
-from robodyn.robot.urdf.description import Description
 from robodyn.robot.urdf.geometry import Shape, missing_mesh
+from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia import solids
 from robodyn.solids.inertia.boxes import Box, around, counted_twice
 from robodyn.solids.inertia.properties import MassProperties, composite

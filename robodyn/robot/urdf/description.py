@@ -11,38 +11,10 @@ from robodyn.robot.urdf.fields import Fields
 from robodyn.robot.urdf.joints import read_joint
 from robodyn.robot.urdf.links import read_link
 from robodyn.robot.urdf.packages import Search
-from robodyn.robot.urdf.parts import (
-    Description,
-    Geometry,
-    Inertial,
-    Joint,
-    Limit,
-    Link,
-    Mimic,
-    Note,
-    Origin,
-    Transmission,
-    Vector,
-)
+from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import content_of
 from robodyn.robot.urdf.structure import by_name, check_mimics, root_link
 from robodyn.robot.urdf.transmissions import read_transmission
-
-__all__ = [
-    "Description",
-    "Geometry",
-    "Inertial",
-    "Joint",
-    "Limit",
-    "Link",
-    "Mimic",
-    "Note",
-    "Origin",
-    "Transmission",
-    "Vector",
-    "load_description",
-    "read_description",
-]
 
 
 def load_description(

@@ -6,12 +6,9 @@ from math import hypot
 
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.fields import Fields
-from robodyn.robot.urdf.parts import Joint, Limit, Mimic, Vector
+from robodyn.robot.urdf.parts import JOINT_TYPES, WITH_AXIS, WITH_RANGE, Joint, Limit, Mimic, Vector
 from robodyn.support.wording import alternatives, shown
 
-JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
-WITH_RANGE = frozenset({"revolute", "prismatic"})
 _DEFAULT_AXIS: Vector = (1.0, 0.0, 0.0)
 _UNIT_TOLERANCE = 1e-6
 

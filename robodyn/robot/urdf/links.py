@@ -6,12 +6,9 @@ from typing import Literal, cast
 
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.fields import Fields
-from robodyn.robot.urdf.parts import Geometry, Inertial, Link, Vector
+from robodyn.robot.urdf.parts import INERTIA, SHAPES, SIZES, Geometry, Inertial, Link, Vector
 from robodyn.support.wording import alternatives, shown
 
-INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
-SHAPES = (*SIZES, "mesh")
 _UNIT: Vector = (1.0, 1.0, 1.0)
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 

@@ -10,6 +10,12 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 ZERO: Vector = (0.0, 0.0, 0.0)
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
+WITH_RANGE = frozenset({"revolute", "prismatic"})
+INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
+SHAPES = (*SIZES, "mesh")
 
 
 @dataclass(frozen=True, slots=True)

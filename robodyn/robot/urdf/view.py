@@ -13,9 +13,8 @@ from functools import cached_property
 from typing import TypeVar
 
 from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.joints import JOINT_TYPES
-from robodyn.robot.urdf.links import INERTIA, SHAPES
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
+from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES
 from robodyn.robot.urdf.source_positions import Span
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}

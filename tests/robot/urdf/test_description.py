@@ -8,18 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robodyn.robot.urdf.description import (
-    Description,
-    Geometry,
-    Inertial,
-    Joint,
-    Limit,
-    Link,
-    Mimic,
-    Origin,
-    Transmission,
-    load_description,
-)
+from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Limit, Link, Mimic, Origin, Transmission
 
 FULL = """<?xml version="1.0"?>
 <robot name="full">

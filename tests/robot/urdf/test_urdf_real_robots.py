@@ -12,8 +12,9 @@ import pytest
 from helpers.peers import pin
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.description import Description, load_description
+from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.document import Element, read_document
+from robodyn.robot.urdf.parts import Description
 
 yourdfpy = pytest.importorskip("yourdfpy")
 
