@@ -192,6 +192,7 @@ def _themed(svg: str) -> str:
     svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg)
+    svg = re.sub(r' style="image-rendering:[^"]*"', "", svg)
     svg = re.sub(r'(?<=style=")font: (bold |)([\d.]+px)[^;"]*', _font, svg)
     svg = re.sub(r'(<svg[^>]*?) width="[\d.]+pt" height="[\d.]+pt"', r"\1", svg, count=1)
     svg = _PATH.sub(_shorter, svg)
