@@ -165,9 +165,15 @@ class AdaptiveSteps:
             )
         try:
             while solver.status == "running":
+                message, finite = None, True
                 with np.errstate(all="ignore"):
-                    message = solver.step()
-                if solver.status == "failed" or not np.isfinite(solver.y).all():
+                    try:
+                        message = solver.step()
+                    except ValueError as error:
+                        if "infs or NaNs" not in str(error):  # what SciPy says of a matrix that it cannot factorise
+                            raise
+                        finite = False
+                if solver.status == "failed" or not (finite and np.isfinite(solver.y).all()):
                     why = f": {message.lower().rstrip('.')}" if message else ", a number overflows"
                     raise InputError(f"{self.name} gives up at {solver.t:.6g} s{why}", remedy=GENTLER)
                 yield solver

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import motion, run
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 URDF = """<robot name="arm">
@@ -55,6 +55,7 @@ COMMANDS = [
 NUMBER = re.compile(r"(?<=[ \"\[>])-?\d+(?:\.\d+)?(?=[ \"\],<\n])")
 FILES = {"robot.urdf": URDF, "scene.toml": SCENE, "part.stl": STL}
 PLACES = [(name, *found.span()) for name, text in FILES.items() for found in NUMBER.finditer(text)]
+VISCOUS = PLACES[[text for text, _, _ in PLACES].index("scene.toml") + 3]
 EXTREMES = st.sampled_from(
     [
         "1e300",
@@ -101,6 +102,7 @@ def answered(arguments: tuple[str, ...], quoted: bool) -> None:
 
 
 @given(st.lists(st.tuples(st.sampled_from(PLACES), EXTREMES), min_size=1, max_size=3), st.sampled_from(COMMANDS))
+@example([(VISCOUS, "1e300")], (*SIMULATE, "--rtol", "1e-4"))
 @settings(deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_extreme_numbers_are_answered(
     changes: list[tuple[tuple[str, int, int], str]], command: tuple[str, ...]
