@@ -27,6 +27,7 @@ from robodyn.robot.urdf.source_positions import BOM, Span
 from robodyn.robot.urdf.view import Subject
 
 __all__ = [
+    "HERE",
     "Context",
     "Edit",
     "Excerpt",
@@ -39,6 +40,7 @@ __all__ = [
     "Stage",
     "excerpt",
     "rule",
+    "text_faults",
 ]
 
 
@@ -77,7 +79,11 @@ class Fix:
     safe: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+HERE = Subject("", "")
+"""The link or joint in which a fault is."""
+
+
+@dataclass(frozen=True, slots=True)
 class Fault:
     """What a check has found.
 
@@ -85,7 +91,7 @@ class Fault:
         at: the attribute (or the start tag) at fault.
         what: what is wrong, with the numbers, without the subject: "the mass is -1 kg, not positive".
         remedy: what to do about it.
-        subject: what it is about; None for the file as a whole.
+        subject: what it is about, if it is not the link or joint that `at` is in; None for the file as a whole.
         measured, bound: the number and what it must keep to, in SI units.
         severity: where it is not the rule's.
         cause: why it is so, where that can be established.
@@ -95,7 +101,7 @@ class Fault:
     at: Span
     what: str
     remedy: str
-    subject: Subject | None = None
+    subject: Subject | None = HERE
     measured: float | None = None
     bound: float | None = None
     severity: Severity | None = None
@@ -104,6 +110,11 @@ class Fault:
 
 
 Faults = Iterable[Fault]
+
+
+def text_faults(context: Context, code: str) -> Faults:
+    """Return what the reader of XML has noted for a rule."""
+    return [Fault(found.at, found.what, found.remedy, None) for found in context.reading.found(code)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,19 +133,28 @@ class Rule:
 
 
 def rule(
-    severity: Severity, stage: Stage, *, bad: str, good: str, explanation: str = ""
+    severity: Severity,
+    stage: Stage = Stage.DOCUMENT,
+    *,
+    good: str,
+    bad: str | tuple[str, str],
+    explanation: str = "",
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function the rule of its module: `rd201_mass_not_positive` is RD201, mass-not-positive.
 
-    The module's docstring is the summary, one sentence, and after a blank line the explanation, which is given here
-    where it has figures in it.
+    The module's docstring is the summary, one sentence, and after a blank line the explanation.
+
+    Args:
+        good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
+        explanation: in place of the docstring's, where it has figures in it.
     """
+    wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
     def decorate(check: Callable[[Context], Faults]) -> Rule:
         code, _, name = check.__module__.rpartition(".")[2].partition("_")
         summary, _, text = (sys.modules[check.__module__].__doc__ or "").partition("\n\n")
         names = code.upper(), name.replace("_", "-")
-        return Rule(*names, severity, stage, summary, explanation or text.strip(), bad, good, check)
+        return Rule(*names, severity, stage, summary, explanation or text.strip(), wrong, good, check)
 
     return decorate
 

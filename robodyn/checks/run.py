@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from robodyn.checks.catalogue import CODES, RULES, instead_of
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
-from robodyn.checks.rule import Fault, Finding, Rule, Severity, Stage, excerpt
+from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, Stage, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
@@ -125,7 +126,7 @@ def check_one(source: Source, options: Options = EVERYTHING, name: str | None = 
     reading = read_one(source, options, name)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     rules = [rule for rule in rules_for(options) if _runs(rule, context)]
-    findings = [_finding(context.reading, rule, fault) for rule in rules for fault in rule.check(context)]
+    findings = [_finding(context, rule, fault) for rule in rules for fault in rule.check(context)]
     left = _without_waived(context, rules, findings)
     return tuple(sorted(left, key=lambda finding: (finding.start, finding.code)))
 
@@ -168,12 +169,14 @@ def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Find
     left, unused = waived(findings, given)
     if unused_waiver.check.code in ran:
         faults = [unused_waiver.unused(waiver, code) for waiver, code in unused if code in ran]
-        left += [_finding(context.reading, unused_waiver.check, fault) for fault in faults]
+        left += [_finding(context, unused_waiver.check, fault) for fault in faults]
     return left
 
 
-def _finding(reading: Reading, rule: Rule, fault: Fault) -> Finding:
-    subject = fault.subject
+def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
+    reading, subject = context.reading, fault.subject
+    if subject is HERE:
+        subject = _part_at(context, fault.at.start)
     return Finding(
         code=rule.code,
         name=rule.name,
@@ -192,3 +195,10 @@ def _finding(reading: Reading, rule: Rule, fault: Fault) -> Finding:
         fix=fault.fix,
         excerpt=excerpt(reading, fault.at),
     )
+
+
+def _part_at(context: Context, start: int) -> Subject | None:
+    """Return the link or joint that this byte of the text is in."""
+    parts = context.reading.root.children
+    k = bisect_right(parts, start, key=lambda part: part.start) - 1
+    return Subject(parts[k].tag, parts[k].get("name") or "") if k >= 0 and parts[k].tag in ("link", "joint") else None

@@ -5,10 +5,9 @@ Nothing after the first such place is checked.
 """
 
 from robodyn.checks.examples import one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule, text_faults
 
 
-@rule(Severity.ERROR, Stage.TEXT, bad=one_link().replace("</link>", ""), good=one_link())
+@rule(Severity.ERROR, Stage.TEXT, good=one_link(), bad=("</link>", ""))
 def check(context: Context) -> Faults:
-    for found in context.reading.found("RD001"):
-        yield Fault(at=found.at, what=found.what, remedy=found.remedy)
+    return text_faults(context, "RD001")

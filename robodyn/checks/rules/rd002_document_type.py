@@ -5,15 +5,14 @@ neither, readers differ in what they do, and robodyn neither expands nor fetches
 """
 
 from robodyn.checks.examples import one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule, text_faults
 
 
 @rule(
     Severity.ERROR,
     Stage.TEXT,
-    bad='<!DOCTYPE robot [<!ENTITY m "2">]>\n' + one_link().replace('"2"', '"&m;"'),
     good=one_link(),
+    bad='<!DOCTYPE robot [<!ENTITY m "2">]>\n' + one_link().replace('"2"', '"&m;"'),
 )
 def check(context: Context) -> Faults:
-    for found in context.reading.found("RD002"):
-        yield Fault(at=found.at, what=found.what, remedy=found.remedy)
+    return text_faults(context, "RD002")

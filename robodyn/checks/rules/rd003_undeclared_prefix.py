@@ -5,7 +5,7 @@ file is refused. tinyxml, and with it urdfdom, does not mind, so that the mistak
 """
 
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Faults, Severity, Stage, rule, text_faults
 
 _EXTENSION = '\n  <drake:joint name="shoulder"/>'
 
@@ -13,9 +13,8 @@ _EXTENSION = '\n  <drake:joint name="shoulder"/>'
 @rule(
     Severity.ERROR,
     Stage.TEXT,
-    bad=arm(more=_EXTENSION),
     good=arm(more=_EXTENSION).replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" '),
+    bad=arm(more=_EXTENSION),
 )
 def check(context: Context) -> Faults:
-    for found in context.reading.found("RD003"):
-        yield Fault(at=found.at, what=found.what, remedy=found.remedy)
+    return text_faults(context, "RD003")

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.reading.grammar import Kind, own_elements
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import alternatives, shown
@@ -17,9 +17,8 @@ from robodyn.support.wording import alternatives, shown
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=one_link(f'<mass value="2"/>{INERTIA}<orgin xyz="0 0 0.1"/>'),
     good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
+    bad=("<origin", "<orgin"),
 )
 def check(context: Context) -> Faults:
     for element, kind, subject in own_elements(context.view.root):
@@ -28,7 +27,7 @@ def check(context: Context) -> Faults:
             if name not in kind.attributes and ":" not in name and name != "xmlns":
                 what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
                 remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
-                yield Fault(at=element.attributes[name].span, subject=subject, what=what, remedy=remedy)
+                yield Fault(element.attributes[name].span, what, remedy, subject=subject)
 
 
 def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator[Fault]:
@@ -38,11 +37,11 @@ def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator
         if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
             what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
             remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
-            yield Fault(at=child.span, subject=subject, what=what, remedy=remedy)
+            yield Fault(child.span, what, remedy, subject=subject)
         elif known and child.tag not in kind.repeated and child.tag in seen:
             first = f"the first is in line {seen[child.tag].line}"
             what = f"a second <{child.tag}> in <{element.tag}>, {first}; readers differ in which they take"
-            yield Fault(at=child.span, subject=subject, what=what, remedy="keep one of them")
+            yield Fault(child.span, what, "keep one of them", subject=subject)
         seen.setdefault(child.tag, child)
 
 

@@ -6,16 +6,11 @@ whole element, an <inertial> for example, and reports success; other readers tak
 
 from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.reading.grammar import own_elements
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import numbers
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=one_link(f'<origin xyz="0 0,1 0"/><mass value="2"/>{INERTIA}'),
-    good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'),
-)
+@rule(Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
 def check(context: Context) -> Faults:
     for element, kind, subject in own_elements(context.view.root):
         for name, count in kind.attributes.items():
@@ -24,7 +19,7 @@ def check(context: Context) -> Faults:
             found = numbers(element, name, count)
             if found.problem is not None:
                 what = f"{name} of <{element.tag}> {found.problem}"
-                yield Fault(at=found.span, subject=subject, what=what, remedy=found.problem.remedy)
+                yield Fault(found.span, what, found.problem.remedy, subject=subject)
             elif not found.given and name in kind.needed:
                 what = f"<{element.tag}> has no attribute '{name}'"
-                yield Fault(at=found.span, subject=subject, what=what, remedy=f'write {name}="..."')
+                yield Fault(found.span, what, f'write {name}="..."', subject=subject)

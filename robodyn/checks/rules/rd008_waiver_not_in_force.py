@@ -7,7 +7,7 @@ and goes on in another way.
 """
 
 from robodyn.checks.examples import one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.checks.waivers import waivers
 
 _IDENTITY = '<mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
@@ -15,12 +15,11 @@ _IDENTITY = '<mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" i
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=one_link(f"<!-- robodyn: allow RD208 -->{_IDENTITY}"),
     good=one_link(f"{_IDENTITY} <!-- robodyn: allow RD208 a test weight, its tensor does not matter -->"),
+    bad=one_link(f"<!-- robodyn: allow RD208 -->{_IDENTITY}"),
 )
 def check(context: Context) -> Faults:
     for waiver in context.once(waivers):
         if not waiver.in_force(context.codes):
             what, remedy = waiver.problem(context.codes)
-            yield Fault(at=waiver.at, what=what, remedy=remedy)
+            yield Fault(waiver.at, what, remedy, subject=None)

@@ -4,14 +4,14 @@ Readers refuse the file, or leave out the joint and everything that hangs on it.
 """
 
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.view import View
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=arm().replace('child link="upper"', 'child link="uper"'), good=arm())
+@rule(Severity.ERROR, good=arm(), bad=('link="upper"', 'link="uper"'))
 def check(context: Context) -> Faults:
     links = context.view.link
     if _explained(context.view):
@@ -24,7 +24,7 @@ def check(context: Context) -> Faults:
             at = joint.element.span if element is None else value_span(element, "link")
             what = f"its {role} is link {shown(name)}, which does not exist" if name else f"it names no {role} link"
             remedy = alternatives(name, links, "links") if name else f'write <{role} link="..."/>'
-            yield Fault(at=at, subject=joint.subject, what=what, remedy=remedy)
+            yield Fault(at, what, remedy)
 
 
 def _explained(view: View) -> bool:

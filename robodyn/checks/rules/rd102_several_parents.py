@@ -6,16 +6,15 @@ it.
 
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.reading.tree import first_above
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import shown
 
 
 @rule(
     Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
     good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
 )
 def check(context: Context) -> Faults:
     above = first_above(context.view)
@@ -28,9 +27,4 @@ def check(context: Context) -> Faults:
         what = (
             f"its child, link {shown(joint.child)}, hangs on joint {shown(first.name)} (line {first.element.line}) too"
         )
-        yield Fault(
-            at=value_span(element, "link"),
-            subject=joint.subject,
-            what=what,
-            remedy="a link has one parent: remove one joint, or correct its child",
-        )
+        yield Fault(value_span(element, "link"), what, "a link has one parent: remove one joint, or correct its child")

@@ -5,7 +5,7 @@ Links in a cycle hang on nothing. Some readers do not notice and recurse until m
 
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.reading.tree import first_above
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.structure import cycles
 from robodyn.support.wording import listed, shown
@@ -13,9 +13,8 @@ from robodyn.support.wording import listed, shown
 
 @rule(
     Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "b", "a")),
     good=arm(more=a_link("a") + a_link("b") + a_joint("to_b", "a", "b") + a_joint("to_a", "upper", "a")),
+    bad=('<parent link="upper"/>', '<parent link="b"/>'),
 )
 def check(context: Context) -> Faults:
     above = first_above(context.view)
@@ -27,9 +26,4 @@ def check(context: Context) -> Faults:
             what = f"link {shown(cycle[0])} is its parent and its child"
         else:
             what = f"it is in a cycle of {len(cycle)} links, each the parent of the one before: {listed(cycle)}"
-        yield Fault(
-            at=value_span(element, "link"),
-            subject=first.subject,
-            what=what,
-            remedy="a URDF is a tree: correct a parent",
-        )
+        yield Fault(value_span(element, "link"), what, "a URDF is a tree: correct a parent")

@@ -6,16 +6,11 @@ another rule of the structure (RD101 to RD107) is broken, its repair comes first
 
 from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.reading.tree import first_above
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.support.wording import listed
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("fore")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-)
+@rule(Severity.ERROR, good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")), bad=arm(more=a_link("fore")))
 def check(context: Context) -> Faults:
     view = context.view
     above = first_above(view)
@@ -23,11 +18,5 @@ def check(context: Context) -> Faults:
     led = all(joint.parent in view.link and joint.child in view.link for joint in view.joints)
     roots = [link for link in view.links if link.name not in above]
     if orderly and led and len(roots) > 1:
-        yield Fault(
-            at=roots[1].name_span,
-            subject=roots[1].subject,
-            what=f"{len(roots)} links have no parent: {listed([link.name for link in roots])}",
-            remedy="join them to one tree",
-            measured=len(roots),
-            bound=1,
-        )
+        what = f"{len(roots)} links have no parent: {listed([link.name for link in roots])}"
+        yield Fault(roots[1].name_span, what, "join them to one tree", measured=len(roots), bound=1)

@@ -6,16 +6,11 @@ Readers refuse the file, or keep one of the two and lose the other without a wor
 from collections.abc import Mapping, Sequence
 
 from robodyn.checks.examples import a_joint, a_link, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.view import JointView, LinkView
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("upper")),
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-)
+@rule(Severity.ERROR, good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")), bad=arm(more=a_link("upper")))
 def check(context: Context) -> Faults:
     return namesakes("link", context.view.links, context.view.link)
 
@@ -25,9 +20,5 @@ def namesakes(kind: str, parts: Sequence[LinkView | JointView], first: Mapping[s
     for part in parts:
         before = first.get(part.name, part)
         if before is not part:
-            yield Fault(
-                at=part.name_span,
-                subject=part.subject,
-                what=f"a second {kind} of this name; the first is in line {before.element.line}",
-                remedy="rename or remove one of them",
-            )
+            what = f"a second {kind} of this name; the first is in line {before.element.line}"
+            yield Fault(part.name_span, what, "rename or remove one of them")

@@ -5,15 +5,15 @@ one.
 """
 
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=arm().replace('<joint name="shoulder" ', "<joint "), good=arm())
+@rule(Severity.ERROR, good=arm(), bad=('name="shoulder" ', ""))
 def check(context: Context) -> Faults:
     view = context.view
     links, joints = (part.element for part in view.links), (part.element for part in view.joints)
     for element in (view.root, *links, *joints):
         if not element.get("name"):
             state = "no name" if element.get("name") is None else "an empty name"
-            yield Fault(at=value_span(element, "name"), what=f"<{element.tag}> has {state}", remedy='write name="..."')
+            yield Fault(value_span(element, "name"), f"<{element.tag}> has {state}", 'write name="..."', subject=None)

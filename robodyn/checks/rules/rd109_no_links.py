@@ -5,11 +5,11 @@ called.
 """
 
 from robodyn.checks.examples import one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad='<robot name="part">\n</robot>\n', good=one_link())
+@rule(Severity.ERROR, good=one_link(), bad='<robot name="part">\n</robot>\n')
 def check(context: Context) -> Faults:
     if not context.view.links:
         what = "the robot has no links"
-        yield Fault(at=context.view.root.span, what=what, remedy="add a <link>", measured=0, bound=1)
+        yield Fault(context.view.root.span, what, "add a <link>", measured=0, bound=1, subject=None)

@@ -7,18 +7,13 @@ the old name in vain; SDF keeps some names for itself and wants each but once am
 import re
 
 from robodyn.checks.examples import arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.view import JointView, LinkView
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-@rule(
-    Severity.NOTE,
-    Stage.DOCUMENT,
-    bad=arm().replace("shoulder", "shoulder/pitch"),
-    good=arm().replace("shoulder", "shoulder_pitch"),
-)
+@rule(Severity.NOTE, good=arm().replace("shoulder", "shoulder_pitch"), bad=('"shoulder_pitch"', '"shoulder/pitch"'))
 def check(context: Context) -> Faults:
     view = context.view
     parts: tuple[LinkView | JointView, ...] = (*view.links, *view.joints)
@@ -28,7 +23,7 @@ def check(context: Context) -> Faults:
             refusal = refusal or "SDF wants different names for a link and a joint"
         if refusal:
             remedy = "use letters, digits and _ only, and each name once"
-            yield Fault(at=part.name_span, subject=part.subject, what=refusal, remedy=remedy)
+            yield Fault(part.name_span, refusal, remedy)
 
 
 def _refusal(name: str) -> str | None:

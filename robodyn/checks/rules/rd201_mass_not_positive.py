@@ -7,22 +7,16 @@ mass; it is a remark where the group carries on to one that has mass, as in a un
 
 from robodyn.checks.bodies.masses import severity_of_zero
 from robodyn.checks.examples import INERTIA, arm, one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=one_link(f'<mass value="-2"/>{INERTIA}'), good=arm())
+@rule(Severity.ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:
             continue
         severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
         if severity is not None:
-            yield Fault(
-                at=link.inertial.mass.span,
-                subject=link.subject,
-                what=f"the mass is {link.mass:g} kg, not positive",
-                remedy="write the mass of the part, or fix the link to one that has mass",
-                measured=link.mass,
-                bound=0.0,
-                severity=severity,
-            )
+            what = f"the mass is {link.mass:g} kg, not positive"
+            remedy = "write the mass of the part, or fix the link to one that has mass"
+            yield Fault(link.inertial.mass.span, what, remedy, measured=link.mass, bound=0.0, severity=severity)

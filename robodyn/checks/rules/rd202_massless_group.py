@@ -14,8 +14,8 @@ from robodyn.support.wording import listed
 @rule(
     Severity.ERROR,
     Stage.TREE,
-    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
     good=arm(more=a_link("tip", "") + a_joint("flange", "upper", "tip", "", "fixed")),
+    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
 )
 def check(context: Context) -> Faults:
     carried = context.once(carried_masses)
@@ -25,12 +25,8 @@ def check(context: Context) -> Faults:
         first = group.links[0]
         onward = carried[group] > 0
         with_it = f" with {listed([link.name for link in group.links[1:]])}" if len(group.links) > 1 else ""
-        yield Fault(
-            at=first.name_span,
-            subject=first.subject,
-            what=f"joint '{group.joint.name}' moves it{with_it}, and it has no mass"
-            + (f"; what hangs on it has {carried[group]:g} kg" if onward else ""),
-            remedy="add an <inertial>" if onward else "add an <inertial>, or make the joint fixed",
-            measured=0.0,
-            severity=Severity.NOTE if onward else Severity.ERROR,
+        what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass" + (
+            f"; what hangs on it has {carried[group]:g} kg" if onward else ""
         )
+        remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
+        yield Fault(first.name_span, what, remedy, measured=0.0, severity=Severity.NOTE if onward else Severity.ERROR)

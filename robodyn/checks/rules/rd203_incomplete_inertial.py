@@ -5,16 +5,11 @@ what is missing.
 """
 
 from robodyn.checks.examples import INERTIA, one_link
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=one_link('<mass value="2"/>'),
-    good=one_link(f'<mass value="2"/>{INERTIA}'),
-)
+@rule(Severity.ERROR, good=one_link(), bad=(INERTIA, ""))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         inertial = link.inertial
@@ -31,4 +26,4 @@ def check(context: Context) -> Faults:
         elif absent:
             lacking.append((inertial.inertia_element, f"<inertia> has no {', '.join(absent)}", f'{absent[0]}="..."'))
         for element, what, remedy in lacking:
-            yield Fault(at=element.span, subject=link.subject, what=what, remedy=f"write {remedy}")
+            yield Fault(element.span, what, f"write {remedy}")

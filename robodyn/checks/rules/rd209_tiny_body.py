@@ -16,8 +16,8 @@ _SPECK = INERTIA.replace("0.01", "1e-8").replace("0.02", "1e-8")
 @rule(
     Severity.WARNING,
     Stage.TREE,
-    bad=arm(more=a_link("tip", f'<mass value="1e-5"/>{_SPECK}') + a_joint("wrist", "upper", "tip")),
     good=arm(more=a_link("tip") + a_joint("wrist", "upper", "tip")),
+    bad=arm(more=a_link("tip", f'<mass value="1e-5"/>{_SPECK}') + a_joint("wrist", "upper", "tip")),
 )
 def check(context: Context) -> Faults:
     limits = context.thresholds
@@ -32,13 +32,8 @@ def check(context: Context) -> Faults:
 
 
 def _fault(group: Group, quantity: str, value: float, bound: float, unit: str) -> Fault:
-    link, inertial = group.heaviest
+    _, inertial = group.heaviest
     numbers = inertial.mass if unit == "kg" else inertial.entries[0]
-    return Fault(
-        at=numbers.span,
-        subject=link.subject,
-        what=f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}",
-        remedy="check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour",
-        measured=value,
-        bound=bound,
-    )
+    what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
+    remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
+    return Fault(numbers.span, what, remedy, measured=value, bound=bound)

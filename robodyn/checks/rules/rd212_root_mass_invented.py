@@ -15,16 +15,12 @@ _MASS = '<inertial><mass value="4"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.0
 @rule(
     Severity.WARNING,
     Stage.TREE,
-    bad=arm().replace('<link name="base"/>', f'<link name="base">{_SHAPE}</link>'),
     good=arm().replace('<link name="base"/>', f'<link name="base">{_MASS}{_SHAPE}</link>'),
+    bad=arm().replace('<link name="base"/>', f'<link name="base">{_SHAPE}</link>'),
 )
 def check(context: Context) -> Faults:
     root = context.tree.root
     shapes = [shape for shape in root.geometries if shape.kind == "collision"]
     if root.inertial is None and shapes:
-        yield Fault(
-            at=root.name_span,
-            subject=root.subject,
-            what="the root has a collision shape and no <inertial>: MuJoCo gives it the mass of water in that shape",
-            remedy="write its <inertial>, or nothing if the base always stands still",
-        )
+        what = "the root has a collision shape and no <inertial>: MuJoCo gives it the mass of water in that shape"
+        yield Fault(root.name_span, what, "write its <inertial>, or nothing if the base always stands still")

@@ -30,8 +30,8 @@ _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the ine
 @rule(
     Severity.ERROR,
     Stage.TREE,
-    bad=a_shaped_link(inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.28"/>'),
     good=a_shaped_link(),
+    bad=a_shaped_link(inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.28"/>'),
 )
 def check(context: Context) -> Faults:
     for body in judged(context):
@@ -105,10 +105,9 @@ def _times(ratio: float) -> str:
 def _fault(body: Body, severity: Severity, what: str, measured: float, bound: float) -> Fault:
     assert body.link.tensor is not None, "it has second moments"
     return Fault(
-        at=body.inertial.entries[widest(body.link.tensor)].span,
-        subject=body.link.subject,
-        what=what,
-        remedy=_ADVICE,
+        body.inertial.entries[widest(body.link.tensor)].span,
+        what,
+        _ADVICE,
         measured=measured,
         bound=bound,
         severity=severity,

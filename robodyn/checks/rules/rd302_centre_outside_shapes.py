@@ -16,7 +16,7 @@ _OFF = 0.05
 """Of the size of the box: as little may be a part that is not drawn."""
 
 
-@rule(Severity.WARNING, Stage.TREE, bad=a_shaped_link(centre="0 0 0.5"), good=a_shaped_link())
+@rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
 def check(context: Context) -> Faults:
     for body in judged(context):
         if body.group is None:
@@ -27,10 +27,9 @@ def check(context: Context) -> Faults:
         moves = context.tree.group[body.link.name].joint is not None
         origin = body.inertial.origin
         yield Fault(
-            at=body.inertial.element.span if origin.element is None else origin.xyz.span,
-            subject=body.link.subject,
-            what=f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across",
-            remedy="check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's",
+            body.inertial.element.span if origin.element is None else origin.xyz.span,
+            f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across",
+            "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's",
             measured=away,
             bound=size,
             severity=Severity.ERROR if away > size and moves else Severity.WARNING,

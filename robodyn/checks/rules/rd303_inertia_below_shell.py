@@ -16,8 +16,8 @@ _LEAST = 0.1
 @rule(
     Severity.WARNING,
     Stage.TREE,
-    bad=a_shaped_link(inertia='<inertia ixx="4e-5" ixy="0" ixz="0" iyy="5e-5" iyz="0" izz="3e-5"/>'),
     good=a_shaped_link(),
+    bad=a_shaped_link(inertia='<inertia ixx="4e-5" ixy="0" ixz="0" iyy="5e-5" iyz="0" izz="3e-5"/>'),
 )
 def check(context: Context) -> Faults:
     for body in judged(context):
@@ -29,11 +29,10 @@ def check(context: Context) -> Faults:
         largest = principal_moments(tensor)[2]
         if 0 < largest < _LEAST * shell:
             yield Fault(
-                at=body.inertial.entries[widest(tensor)].span,
-                subject=body.link.subject,
-                what=f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
+                body.inertial.entries[widest(tensor)].span,
+                f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
                 f"of its mass that fits into its shapes (radius {radius:.3g} m)",
-                remedy="check the unit (kg m^2) and the mass; write the inertia of the part",
+                "check the unit (kg m^2) and the mass; write the inertia of the part",
                 measured=largest,
                 bound=_LEAST * shell,
             )

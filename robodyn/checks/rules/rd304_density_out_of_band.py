@@ -19,8 +19,8 @@ from robodyn.support.wording import figure
 @rule(
     Severity.WARNING,
     Stage.TREE,
-    bad=a_shaped_link(mass="90", inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.1"/>'),
     good=a_shaped_link(),
+    bad=a_shaped_link(mass="90", inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.1"/>'),
 )
 def check(context: Context) -> Faults:
     limits, explained = context.thresholds, context.once(slips)
@@ -35,13 +35,12 @@ def check(context: Context) -> Faults:
         if limits.least_density <= density <= limits.most_density:
             continue
         dense = density > limits.most_density
-        heaviest, inertial = group.heaviest
+        _, inertial = group.heaviest
         yield Fault(
-            at=inertial.mass.span,
-            subject=heaviest.subject,
-            what=f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
+            inertial.mass.span,
+            f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
             f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}",
-            remedy="check the unit of the mass (kg) and the size of the shapes",
+            "check the unit of the mass (kg) and the size of the shapes",
             measured=density,
             bound=limits.most_density if dense else limits.least_density,
         )

@@ -18,18 +18,18 @@ from robodyn.robot.urdf.source_positions import Span
 @rule(
     Severity.ERROR,
     Stage.TREE,
-    bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
     good=a_shaped_link(),
+    bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
 )
 def check(context: Context) -> Faults:
     known = context.once(bodies)
     for name, slip in context.once(slips).items():
         by = f"divide it by {slip.factor:g}" if slip.factor > 1 else f"multiply it by {1 / slip.factor:g}"
         yield Fault(
-            at=_place(known[name], slip.what),
+            _place(known[name], slip.what),
+            slip.sentence,
+            f"{by} if that is so",
             subject=known[name].link.subject,
-            what=slip.sentence,
-            remedy=f"{by} if that is so",
             measured=slip.factor,
             bound=1.0,
         )

@@ -6,17 +6,14 @@ and so it takes the link's shapes (where all are primitives) or its mirror twin 
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import ORIGIN_IMAGE, two_arms
-from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
-
-_WRONG = '<inertia ixx="0.105" ixy="0.006" ixz="-0.038" iyy="0.13" iyz="0.017" izz="0.05"/>'
+from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{_WRONG}'),
     good=two_arms(),
+    bad=(IMAGE, '<inertia ixx="0.105" ixy="0.006" ixz="-0.038" iyy="0.13" iyz="0.017" izz="0.05"/>'),
 )
 def check(context: Context) -> Faults:
-    yield from faults(context, "RD307")
+    return faults(context, "RD307")

@@ -7,17 +7,14 @@ its shapes.
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import ORIGIN_IMAGE, two_arms
-from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
-
-_WRONG = '<inertia ixx="0.19" ixy="0.016" ixz="-0.078" iyy="0.23" iyz="0.037" izz="0.075"/>'
+from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>{_WRONG}'),
     good=two_arms(),
+    bad=(IMAGE, '<inertia ixx="0.19" ixy="0.016" ixz="-0.078" iyy="0.23" iyz="0.037" izz="0.075"/>'),
 )
 def check(context: Context) -> Faults:
-    yield from faults(context, "RD308")
+    return faults(context, "RD308")

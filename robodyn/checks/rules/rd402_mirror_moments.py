@@ -1,7 +1,7 @@
 """A left link has the principal moments of the right one."""
 
 from robodyn.checks.causes.causes import causes
-from robodyn.checks.examples import IMAGE, ORIGIN_IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, two_arms
 from robodyn.checks.mirror.loads import MOMENTS, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import shown
@@ -13,23 +13,20 @@ from robodyn.support.wording import shown
     explanation=f"""A reflection leaves principal moments as they are. Each is divided by the mass of its link, so
 that a wrong mass is RD401's alone, and may differ by {100 * MOMENTS:g} % of the largest. Twins are found as RD401
 says. Where one cause explains the difference, RD306 to RD312 name it instead.""",
-    bad=two_arms(right=f'{ORIGIN_IMAGE}<mass value="2"/>' + IMAGE.replace('"0.02"', '"0.024"')),
     good=two_arms(),
+    bad=(IMAGE, IMAGE.replace('"0.02"', '"0.024"')),
 )
 def check(context: Context) -> Faults:
     for one in context.once(twins):
         if one.moments_apart <= MOMENTS or one.link.name in context.once(causes):
             continue
         left, right = ((mass * moments).tolist() for mass, moments in zip(one.masses, one.moments, strict=True))
-        yield Fault(
-            at=one.inertial.entries[0].span,
-            subject=one.link.subject,
-            what=f"the principal moments are {_listed(right)} kg m^2; those of its mirror twin {shown(one.other)} are "
-            f"{_listed(left)}",
-            remedy="one of the two is wrong, or allow it where the parts differ",
-            measured=one.moments_apart,
-            bound=MOMENTS,
+        what = (
+            f"the principal moments are {_listed(right)} kg m^2; those of its mirror twin {shown(one.other)} are "
+            f"{_listed(left)}"
         )
+        remedy = "one of the two is wrong, or allow it where the parts differ"
+        yield Fault(one.inertial.entries[0].span, what, remedy, measured=one.moments_apart, bound=MOMENTS)
 
 
 def _listed(moments: list[float]) -> str:

@@ -27,8 +27,8 @@ _MAGNITUDE = 0.02
 @rule(
     Severity.WARNING,
     Stage.MODEL,
-    bad=two_arms(right_joint='<axis xyz="0 1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
     good=two_arms(right_joint='<axis xyz="0 -1 0"/>' + ARM_LIMIT.replace("-0.5", "-2").replace('"2"', '"0.5"')),
+    bad=('"0 -1 0"', '"0 1 0"'),
 )
 def check(context: Context) -> Faults:
     for pair in context.once(pairs):
@@ -38,12 +38,9 @@ def check(context: Context) -> Faults:
         view = context.view.joint[right.name]
         direction = _direction(pair)
         if direction is None:
-            yield Fault(
-                at=view.element.span if view.axis.element is None else view.axis.span,
-                subject=view.subject,
-                what=f"the axis is not parallel to the mirror image of that of {shown(left.name)}",
-                remedy="correct one of the two",
-            )
+            what = f"the axis is not parallel to the mirror image of that of {shown(left.name)}"
+            remedy = "correct one of the two"
+            yield Fault(view.element.span if view.axis.element is None else view.axis.span, what, remedy)
             continue
         yield from _limits(pair, view, direction)
 
@@ -75,12 +72,12 @@ def _limits(pair: Pair, view: JointView, direction: int) -> Iterator[Fault]:
             if abs(value - wanted) > slack:
                 what = f"{name} is {value:g}; the mirror image of the range of {twin} is {image[0]:g} to {image[1]:g}"
                 at = value_span(view.limit.element, name)
-                yield Fault(at=at, subject=view.subject, what=what, remedy=_REMEDY, measured=value, bound=wanted)
+                yield Fault(at, what, _REMEDY, measured=value, bound=wanted)
     for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity)):
         if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other)):
             what = f"{name} is {other:g}, that of its mirror twin {twin} is {one:g}"
             at = value_span(view.limit.element, name)
-            yield Fault(at=at, subject=view.subject, what=what, remedy=_REMEDY, measured=other, bound=one)
+            yield Fault(at, what, _REMEDY, measured=other, bound=one)
 
 
 _REMEDY = "correct one of the two, or allow it where the joints differ"

@@ -4,17 +4,12 @@ No position keeps to both limits. Controllers clamp to one of them, and drive th
 there.
 """
 
-from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import WITH_RANGE
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace("-2", "3")),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-)
+@rule(Severity.ERROR, good=arm(), bad=('"-2"', '"3"'))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         if joint.limit is None or joint.limit.range is None or joint.type not in WITH_RANGE:
@@ -24,10 +19,9 @@ def check(context: Context) -> Faults:
             absent = [name for name in ("lower", "upper") if joint.limit.element.get(name) is None]
             default = f" ({absent[0]} is absent, and so 0)" if absent else ""
             yield Fault(
-                at=(joint.limit.lower if joint.limit.lower.given else joint.limit.upper).span,
-                subject=joint.subject,
-                what=f"lower {lower:g} is greater than upper {upper:g}{default}: there is no position",
-                remedy=f'write {absent[0]}="..."' if absent else "exchange the two, or correct a sign",
+                (joint.limit.lower if joint.limit.lower.given else joint.limit.upper).span,
+                f"lower {lower:g} is greater than upper {upper:g}{default}: there is no position",
+                f'write {absent[0]}="..."' if absent else "exchange the two, or correct a sign",
                 measured=lower,
                 bound=upper,
             )

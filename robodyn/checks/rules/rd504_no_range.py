@@ -4,19 +4,14 @@ A revolute or prismatic joint needs lower and upper; an absent one is 0, and wit
 joint is frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples.
 """
 
-from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import Numbers
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import LimitView
 
 
-@rule(
-    Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('lower="-2" upper="2" ', "")),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-)
+@rule(Severity.WARNING, good=arm(), bad=('lower="-2" upper="2" ', ""))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         limit = joint.limit
@@ -25,7 +20,7 @@ def check(context: Context) -> Faults:
         found = _frozen(limit) or _endless(limit, context.thresholds.most_range)
         if found is not None:
             at, what, remedy, measured = found
-            yield Fault(at=at.span, subject=joint.subject, what=what, remedy=remedy, measured=measured)
+            yield Fault(at.span, what, remedy, measured=measured)
 
 
 def _frozen(limit: LimitView) -> tuple[Numbers, str, str, float] | None:

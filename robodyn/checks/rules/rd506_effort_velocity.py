@@ -4,16 +4,11 @@ URDF asks for both. A limit of 0 makes a joint that some simulators can never mo
 do not limit; 1e9 is a stand-in that nothing can be sized against.
 """
 
-from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.examples import arm
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=arm('<axis xyz="0 1 0"/>' + LIMIT.replace('effort="30"', 'effort="0"')),
-    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}'),
-)
+@rule(Severity.WARNING, good=arm(), bad=('"30"', '"0"'))
 def check(context: Context) -> Faults:
     limits = context.thresholds
     for joint in context.view.joints:
@@ -29,11 +24,7 @@ def check(context: Context) -> Faults:
                 what = f"{numbers.attribute} is {value:g}, " + (
                     "a stand-in that limits nothing" if value > 0 else "not positive"
                 )
+            remedy = "write what the drive can do"
             yield Fault(
-                at=numbers.span,
-                subject=joint.subject,
-                what=what,
-                remedy="write what the drive can do",
-                measured=value,
-                bound=most if value is not None and value > 0 else 0.0,
+                numbers.span, what, remedy, measured=value, bound=most if value is not None and value > 0 else 0.0
             )

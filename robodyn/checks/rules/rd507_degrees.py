@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from math import degrees, pi, radians
 
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.numbers import Numbers
 from robodyn.robot.urdf.view import OriginView, Subject
 
@@ -22,9 +22,8 @@ _STEP = 5.0
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=arm(f'<origin rpy="0 0 90"/><axis xyz="0 1 0"/>{LIMIT}'),
     good=arm(f'<origin rpy="0 0 1.5707963267948966"/><axis xyz="0 1 0"/>{LIMIT}'),
+    bad=("1.5707963267948966", "90"),
 )
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
@@ -49,10 +48,10 @@ def _angles(numbers: Numbers, subject: Subject, certain: float = _TURN) -> Itera
     if abs(largest) > _TURN:
         doubtful = abs(largest) <= certain
         yield Fault(
-            at=numbers.span,
+            numbers.span,
+            f"{numbers.attribute} is {largest:g} rad, or {degrees(largest):.5g} degrees: more than a turn",
+            "narrow it, or make the joint continuous" if doubtful else "write radians",
             subject=subject,
-            what=f"{numbers.attribute} is {largest:g} rad, or {degrees(largest):.5g} degrees: more than a turn",
-            remedy="narrow it, or make the joint continuous" if doubtful else "write radians",
             measured=abs(largest),
             bound=2 * pi,
             severity=Severity.NOTE if doubtful else Severity.WARNING,

@@ -5,7 +5,7 @@ the joint meets its end stop at full speed.
 """
 
 from robodyn.checks.examples import LIMIT, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.parts import WITH_RANGE
 
@@ -14,13 +14,10 @@ _SLACK = 1e-9
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=arm(
-        f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-2.5" soft_upper_limit="1.9" k_velocity="9"/>'
-    ),
     good=arm(
         f'<axis xyz="0 1 0"/>{LIMIT}<safety_controller soft_lower_limit="-1.9" soft_upper_limit="1.9" k_velocity="9"/>'
     ),
+    bad=('"-1.9"', '"-2.5"'),
 )
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
@@ -36,16 +33,7 @@ def check(context: Context) -> Faults:
             if value is not None and hard is not None and not inverted and outside * (value - hard) > _SLACK:
                 what = f"the soft {name} limit {value:g} is outside the hard one, {hard:g}"
                 remedy = "move it inside, so that the controller stops before the end stop"
-                yield Fault(
-                    at=soft[name].span, subject=joint.subject, what=what, remedy=remedy, measured=value, bound=hard
-                )
+                yield Fault(soft[name].span, what, remedy, measured=value, bound=hard)
         if lower is not None and upper is not None and lower > upper:
             what = f"the soft lower limit {lower:g} is greater than the soft upper one, {upper:g}"
-            yield Fault(
-                at=soft["lower"].span,
-                subject=joint.subject,
-                what=what,
-                remedy="exchange the two",
-                measured=lower,
-                bound=upper,
-            )
+            yield Fault(soft["lower"].span, what, "exchange the two", measured=lower, bound=upper)

@@ -4,7 +4,7 @@ Readers refuse the robot, or make the follower a free joint that nothing drives.
 """
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.wording import alternatives, shown
@@ -14,9 +14,8 @@ _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"
 
 @rule(
     Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("shoulder", "sholder"))),
     good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
+    bad=('joint="shoulder"', 'joint="sholder"'),
 )
 def check(context: Context) -> Faults:
     joints = context.view.joint
@@ -24,9 +23,6 @@ def check(context: Context) -> Faults:
         if joint.mimic is None or joint.mimic.joint in joints or unexpanded(joint.mimic.joint):
             continue
         name = joint.mimic.joint
-        yield Fault(
-            at=value_span(joint.mimic.element, "joint"),
-            subject=joint.subject,
-            what=f"it mimics joint {shown(name)}, which does not exist" if name else "<mimic> names no joint",
-            remedy=alternatives(name, joints, "joints") if name else 'write joint="..."',
-        )
+        what = f"it mimics joint {shown(name)}, which does not exist" if name else "<mimic> names no joint"
+        remedy = alternatives(name, joints, "joints") if name else 'write joint="..."'
+        yield Fault(value_span(joint.mimic.element, "joint"), what, remedy)

@@ -5,7 +5,7 @@ violate the limits or the coupling, and planners reach positions that the hand d
 """
 
 from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView
 
@@ -14,9 +14,8 @@ _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER.replace("0.5", "1.5"))),
     good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
+    bad=('"0.5"', '"1.5"'),
 )
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
@@ -26,11 +25,10 @@ def check(context: Context) -> Faults:
         beyond = max(own[0] - reached[0], reached[1] - own[1])
         if beyond > context.thresholds.mimic_range:
             yield Fault(
-                at=joint.mimic.multiplier.span,
-                subject=joint.subject,
-                what=f"following joint '{joint.mimic.joint}' through its range, it goes from {reached[0]:.6g} to "
+                joint.mimic.multiplier.span,
+                f"following joint '{joint.mimic.joint}' through its range, it goes from {reached[0]:.6g} to "
                 f"{reached[1]:.6g}, beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}",
-                remedy="correct multiplier or offset, or the limits of one of the two",
+                "correct multiplier or offset, or the limits of one of the two",
                 measured=beyond,
                 bound=context.thresholds.mimic_range,
             )

@@ -10,12 +10,12 @@ from collections.abc import Iterator
 
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.packages import package_of
 from robodyn.support.wording import listed, shown, shown_path
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=a_shaped_link(shape="<mesh/>"), good=a_shaped_link())
+@rule(Severity.ERROR, good=a_shaped_link(), bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"))
 def check(context: Context) -> Faults:
     yield from _unnamed(context)
     names = context.once(mesh_names).values()
@@ -36,9 +36,7 @@ def check(context: Context) -> Faults:
 def _unnamed(context: Context) -> Iterator[Fault]:
     for use in mesh_uses(context):
         if use.geometry.shape is not None and not use.geometry.shape.get("filename"):
-            yield Fault(
-                at=use.at, subject=use.link.subject, what="the mesh names no file", remedy='write filename="..."'
-            )
+            yield Fault(use.at, "the mesh names no file", 'write filename="..."')
 
 
 def _missing(context: Context, name: MeshName) -> Fault:
@@ -69,9 +67,6 @@ def _unknown(names: list[MeshName]) -> Iterator[Fault]:
     packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]
     where = f"of the package {listed(list(dict.fromkeys(packages)))}" if packages else "beside standard input"
     count = "1 mesh is" if len(names) == 1 else f"{len(names)} meshes are"
-    yield Fault(
-        at=names[0].uses[0].at,
-        what=f"{count} not looked at: nothing is known {where}",
-        remedy="say where it is with --package-path" if packages else "check the file by its name",
-        severity=Severity.NOTE,
-    )
+    what = f"{count} not looked at: nothing is known {where}"
+    remedy = "say where it is with --package-path" if packages else "check the file by its name"
+    yield Fault(names[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.meshes.files import STDIN, MeshName, State, mesh_names
-from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Faults, Severity, rule
 from robodyn.robot.urdf.packages import package_of
 
 _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
@@ -19,9 +19,8 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 @rule(
     Severity.WARNING,
-    Stage.DOCUMENT,
-    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
     good=a_mesh("package://part/meshes/part.stl", "visual"),
+    bad=a_mesh("package://part/../meshes/part.stl", "visual"),
 )
 def check(context: Context) -> Faults:
     for name in context.once(mesh_names).values():

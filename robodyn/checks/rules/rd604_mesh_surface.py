@@ -11,12 +11,12 @@ without lid; the good one beside `closed.stl`.
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names
-from robodyn.checks.rule import Context, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Faults, Severity, rule
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
 
-@rule(Severity.WARNING, Stage.DOCUMENT, bad=a_mesh("open.stl"), good=a_mesh("closed.stl"))
+@rule(Severity.WARNING, good=a_mesh("closed.stl"), bad=("closed", "open"))
 def check(context: Context) -> Faults:
     for uri, facts in context.once(all_facts).items():
         name = context.once(mesh_names)[uri]

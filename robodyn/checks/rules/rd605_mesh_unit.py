@@ -7,16 +7,14 @@ unit. The other rules leave it out. The examples stand beside a file `millimetre
 """
 
 from robodyn.checks.meshes.units import mesh_slips
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import shown_path
 
-
-def _scaled(scale: str) -> str:
-    return f"""<robot name="arm">
+_SCALED = """<robot name="arm">
   <link name="base"/>
   <link name="part">
-    <visual><geometry><mesh filename="millimetres.stl" scale="{scale}"/></geometry></visual>
+    <visual><geometry><mesh filename="millimetres.stl" scale="0.001 0.001 0.001"/></geometry></visual>
   </link>
   <joint name="mount" type="fixed">
     <parent link="base"/>
@@ -27,7 +25,7 @@ def _scaled(scale: str) -> str:
 """
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=_scaled("1 1 1"), good=_scaled("0.001 0.001 0.001"))
+@rule(Severity.ERROR, good=_SCALED, bad=("0.001 0.001 0.001", "1 1 1"))
 def check(context: Context) -> Faults:
     reported = set()
     for geometry, slip in context.once(mesh_slips).items():
@@ -36,10 +34,9 @@ def check(context: Context) -> Faults:
             continue
         reported.add((slip.name.uri, scale))
         yield Fault(
-            at=value_span(geometry.shape, "filename" if scale is None else "scale"),
-            subject=slip.link.subject,
-            what=f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}",
-            remedy=_remedy(slip.factor),
+            value_span(geometry.shape, "filename" if scale is None else "scale"),
+            f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}",
+            _remedy(slip.factor),
             measured=slip.longest,
             bound=slip.longest / slip.factor,
         )

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.parts import SIZES
 from robodyn.robot.urdf.view import GeometryView, LinkView
@@ -20,7 +20,7 @@ from robodyn.robot.urdf.view import GeometryView, LinkView
 _EXPORT = "export the mesh of this part"
 
 
-@rule(Severity.ERROR, Stage.DOCUMENT, bad=a_shaped_link(shape='<box size="0.1 0 0.25"/>'), good=a_shaped_link())
+@rule(Severity.ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         for geometry in link.geometries:
@@ -39,14 +39,9 @@ def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
     for attribute in SIZES.get("" if shape is None else shape.tag, ()):
         size = numbers(shape, attribute, 3 if attribute == "size" else 1)
         if shape is not None and size.values is not None and min(size.values) <= 0:
-            yield Fault(
-                at=size.span,
-                subject=link.subject,
-                what=f"the {attribute} of the <{geometry.kind}> {shape.tag} is {_shown(size.values)}, not positive",
-                remedy="write the size in metres, or remove the shape",
-                measured=min(size.values),
-                bound=0.0,
-            )
+            what = f"the {attribute} of the <{geometry.kind}> {shape.tag} is {_shown(size.values)}, not positive"
+            remedy = "write the size in metres, or remove the shape"
+            yield Fault(size.span, what, remedy, measured=min(size.values), bound=0.0)
 
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
@@ -64,10 +59,9 @@ def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
         what, remedy = "turns the mesh by half a turn, which every known program does", f"{_EXPORT}, or turn it by rpy"
     more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
     return Fault(
-        at=numbers(uses[0].geometry.shape, "scale", 3).span,
-        subject=uses[0].link.subject,
-        what=f"the scale {_shown(scale)} {what}{more}",
-        remedy=remedy,
+        numbers(uses[0].geometry.shape, "scale", 3).span,
+        f"the scale {_shown(scale)} {what}{more}",
+        remedy,
         measured=min(scale),
         bound=0.0,
         severity=severity,

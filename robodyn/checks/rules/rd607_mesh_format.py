@@ -2,7 +2,7 @@
 
 from robodyn.checks.consumers.meshes import READS, unread
 from robodyn.checks.examples import a_mesh
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 _KNOWN = "; ".join(
     f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
@@ -13,11 +13,10 @@ _KNOWN = "; ".join(
 
 @rule(
     Severity.NOTE,
-    Stage.DOCUMENT,
     explanation=f"""With a target named, formats of meshes that it does not read are reported, once each. They read
 {_KNOWN}. The examples stand beside the meshes that they name, and are checked for mujoco.""",
-    bad=a_mesh("part.dae"),
     good=a_mesh("part.stl"),
+    bad=("stl", "dae"),
 )
 def check(context: Context) -> Faults:
     """Silent unless a target is named."""
@@ -25,9 +24,5 @@ def check(context: Context) -> Faults:
         for suffix, uses in unread(context, target).items():
             reads = READS[target]
             count = "1 shape has one" if len(uses) == 1 else f"{len(uses)} shapes have one"
-            yield Fault(
-                at=uses[0].at,
-                subject=uses[0].link.subject,
-                what=f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {count}",
-                remedy=f"it reads {' '.join(reads.suffixes)} ({reads.source})",
-            )
+            what = f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {count}"
+            yield Fault(uses[0].at, what, f"it reads {' '.join(reads.suffixes)} ({reads.source})")

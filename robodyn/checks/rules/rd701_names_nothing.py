@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterator
 
 from robodyn.checks.examples import arm
 from robodyn.checks.reading.srdf import Named, names_in_srdf, srdf_of
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.view import Subject
@@ -25,17 +25,12 @@ _PAIRS_ONLY = frozenset({"disable_collisions", "enable_collisions", "disable_def
 _TRANSMISSION = """
   <transmission name="drive">
     <type>transmission_interface/SimpleTransmission</type>
-    <joint name="{}"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+    <joint name="shoulder"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
     <actuator name="motor"><mechanicalReduction>50</mechanicalReduction></actuator>
   </transmission>"""
 
 
-@rule(
-    Severity.ERROR,
-    Stage.DOCUMENT,
-    bad=arm(more=_TRANSMISSION.format("sholder")),
-    good=arm(more=_TRANSMISSION.format("shoulder")),
-)
+@rule(Severity.ERROR, good=arm(more=_TRANSMISSION), bad=('<joint name="shoulder"><', '<joint name="sholder"><'))
 def check(context: Context) -> Faults:
     view = context.view
     both = {**view.link, **view.joint}
@@ -48,10 +43,10 @@ def check(context: Context) -> Faults:
             if used.name not in remedies:
                 remedies[used.name] = alternatives(used.name, names, "joints" if used.kind == "joint" else "links")
             yield Fault(
-                at=value_span(used.element, used.attribute),
+                value_span(used.element, used.attribute),
+                f"there is no {used.kind} {shown(used.name)} in the robot",
+                remedies[used.name],
                 subject=Subject(owner.tag, owner.get("name") or owner.get("reference") or ""),
-                what=f"there is no {used.kind} {shown(used.name)} in the robot",
-                remedy=remedies[used.name],
             )
     yield from _in_srdf(context)
 
@@ -84,10 +79,10 @@ def _in_srdf(context: Context) -> Iterator[Fault]:
     for used in found if same else found[:1]:
         names: Collection[str] = view.link if used.kind == "link" else view.joint
         yield Fault(
-            at=view.root.span,
-            subject=Subject("SRDF", path.name),
-            what=f"there is no {used.kind} {shown(used.name)} in the robot; <{used.element.tag}> of its line "
+            view.root.span,
+            f"there is no {used.kind} {shown(used.name)} in the robot; <{used.element.tag}> of its line "
             f"{used.element.line} names it{more}",
-            remedy=alternatives(used.name, names, f"{used.kind}s"),
+            alternatives(used.name, names, f"{used.kind}s"),
+            subject=Subject("SRDF", path.name),
             severity=None if same and used.element.tag not in _PAIRS_ONLY else Severity.WARNING,
         )

@@ -16,8 +16,8 @@ FACTOR = 1000.0
     explanation=f"""A limit of more than {FACTOR:g} times the weight of the whole robot, hanging where the joint's
 farthest part can be (5 cm away at least), was never meant to limit anything: saturation, planning and sizing against
 it say nothing. Greater ones still, which stand for no limit at all, are RD506's.""",
-    bad=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="90000" velocity="3"/>'),
     good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
+    bad=('"900"', '"90000"'),
 )
 def check(context: Context) -> Faults:
     bounds = context.once(gravity_bounds)
@@ -29,11 +29,11 @@ def check(context: Context) -> Faults:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
         yield Fault(
-            at=value_span(limit.element, "effort"),
-            subject=context.view.joint[joint.name].subject,
-            what=f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
+            value_span(limit.element, "effort"),
+            f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
             f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}",
-            remedy="write what the actuator can give",
+            "write what the actuator can give",
+            subject=context.view.joint[joint.name].subject,
             measured=joint.effort,
             bound=FACTOR * most,
         )

@@ -16,8 +16,8 @@ STEP = 1e-3
 Euler with a longer step than 2 J / b overshoots more with every step; the rule asks for {STEP:g} s. Real joints have
 the inertia of a rotor times the square of the gear ratio, which most descriptions leave out. J is taken at the
 middle of the ranges.""",
-    bad=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="50"/>'),
     good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
+    bad=('"1"', '"50"'),
 )
 def check(context: Context) -> Faults:
     for joint, inertia in context.once(reflected_inertias):
@@ -28,11 +28,10 @@ def check(context: Context) -> Faults:
         dynamics = view.element.find("dynamics")
         unit = "kg" if joint.kind == "prismatic" else "kg m^2"
         yield Fault(
-            at=view.element.span if dynamics is None else value_span(dynamics, "damping"),
-            subject=view.subject,
-            what=f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
+            view.element.span if dynamics is None else value_span(dynamics, "damping"),
+            f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
             f"diverges with steps above {step:.2g} s",
-            remedy="add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
+            "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
             "damping, or integrate implicitly",
             measured=step,
             bound=STEP,

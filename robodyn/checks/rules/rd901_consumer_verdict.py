@@ -23,8 +23,8 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
     explanation=f"""One remark for each program asked for ({", ".join(TARGETS)}) with its verdict: loads, alters, or
 rejects and why. Without being asked, only rejections are reported. What is known, and from where:
 {_KNOWN}""",
-    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
+    bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
 )
 def check(context: Context) -> Faults:
     """The verdict of every program that is asked for; without being asked, only that one rejects the file."""
@@ -39,11 +39,9 @@ def _fault(context: Context, one: Opinion) -> Fault:
     shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
     reasons = [f"{fact.does} ({_listed([what for _, what in found])})" for fact, found in shown]
     sources = dict.fromkeys(fact.source for fact, _ in shown)
-    return Fault(
-        at=shown[0][1][0][0] if shown else context.view.root.span,
-        what=f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else ""),
-        remedy=f"known from {'; '.join(sources)}" if sources else "nothing to do",
-    )
+    what = f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else "")
+    remedy = f"known from {'; '.join(sources)}" if sources else "nothing to do"
+    return Fault(shown[0][1][0][0] if shown else context.view.root.span, what, remedy, subject=None)
 
 
 def _listed(names: list[str]) -> str:
