@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import signal
-import sys
 import warnings
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing
+from functools import partial
 from importlib import import_module
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
-from threading import current_thread, main_thread
 from typing import Any
 
 from robodyn.cli.batch.jobs import Job, Setup
@@ -20,52 +15,7 @@ from robodyn.errors import InputError
 from robodyn.loads.many import Outcome
 from robodyn.support.extras import need
 from robodyn.support.files import remove_abandoned
-
-ATTEMPTS = 2
-"""Processes that may die of one job before it is given up."""
-_PATIENCE = 5.0
-"""Seconds that a process has to clear up before it is killed."""
-
-
-class _Worker:
-    """A process, this end of the pipe to it, and the number of the job that it works on."""
-
-    def __init__(self, setup: Setup) -> None:
-        spawn = get_context("spawn")
-        self.connection, other = spawn.Pipe()
-        self.process = spawn.Process(target=_serve, args=(other, setup), daemon=True)
-        with ignore_sigint():
-            self.process.start()
-        other.close()
-        self.number = -1
-
-    def send(self, job: Job | None) -> None:
-        """Give a job, or None to end; that the process has died is found out when it should answer."""
-        with suppress(OSError):
-            self.connection.send(job)
-
-    def end(self, job: Job) -> None:
-        """Let the process clear up and end, and remove what it has not: killed, or under Windows, it cannot."""
-        self.process.join(_PATIENCE)
-        if self.process.is_alive():
-            self.process.kill()
-            self.process.join()
-        self.connection.close()
-        for path in (job.table, job.document):
-            remove_abandoned(path)
-
-
-@contextmanager
-def ignore_sigint() -> Iterator[None]:
-    """Processes that are started meanwhile do not hear interruptions, which the terminal sends to all of them."""
-    if current_thread() is not main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+from robodyn.support.processes import Death, in_processes
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
@@ -73,61 +23,21 @@ def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple
 
     When the iterator is closed early, by an interruption for example, processes remove what they have half-written.
     """
-    waiting = deque(range(len(jobs)))
-    attempts = [0] * len(jobs)
-    workers: dict[Connection, _Worker] = {}
 
-    def give(worker: _Worker) -> None:
-        worker.number = waiting.popleft()
-        attempts[worker.number] += 1
-        worker.send(jobs[worker.number])
+    def clear(number: int) -> None:
+        """Remove what the process has not: killed, or under Windows, it cannot."""
+        for path in (jobs[number].table, jobs[number].document):
+            remove_abandoned(path)
 
-    try:
-        while waiting or workers:
-            while waiting and len(workers) < count:
-                worker = _Worker(setup)
-                workers[worker.connection] = worker
-                give(worker)
-            for connection in wait(list(workers)):
-                worker = workers[connection]  # type: ignore[index]
-                number = worker.number
-                try:
-                    yield number, worker.connection.recv()
-                except (EOFError, OSError):
-                    if attempts[number] < ATTEMPTS:
-                        waiting.appendleft(number)
-                    else:
-                        yield number, failed(jobs[number], _death(jobs[number], worker))
-                else:
-                    if waiting:
-                        give(worker)
-                        continue
-                    worker.send(None)
-                del workers[worker.connection]
-                worker.end(jobs[number])
-    finally:
-        for worker in workers.values():
-            worker.process.terminate()
-        for worker in workers.values():
-            worker.end(jobs[worker.number])
+    with closing(in_processes(partial(_run_quietly, setup), [(job,) for job in jobs], count, "spawn", clear)) as work:
+        for number, found in work:
+            job = jobs[number]
+            yield number, failed(job, f"{job.name}: {found}") if isinstance(found, Death) else found
 
 
-def _death(job: Job, worker: _Worker) -> str:
-    worker.process.join(_PATIENCE)
-    how = f"signal {-code}" if (code := worker.process.exitcode or 0) < 0 else f"status {code}"
-    return f"{job.name}: its process died {ATTEMPTS} times, at last by {how} (is there enough memory?)"
-
-
-def _serve(connection: Connection, setup: Setup) -> None:
-    """Work until there is no more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
+def _run_quietly(setup: Setup, job: Job) -> Outcome:
     warnings.simplefilter("ignore")
-    try:
-        while (job := connection.recv()) is not None:
-            connection.send(run_job(setup, job))
-    except (EOFError, BrokenPipeError):
-        pass  # the other end has gone
+    return run_job(setup, job)
 
 
 PATIENCE = 10

@@ -69,7 +69,7 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     """
     shared_out = worth_processes([task.source for task in tasks])
     each: Iterable[tuple[Finding, ...] | InputError] = (
-        each_in_a_process(_check, tasks, None) if shared_out else (_check(task, None) for task in tasks)
+        each_in_a_process(_check, [(task,) for task in tasks]) if shared_out else map(_check, tasks)
     )
     files, found, unread = list[str](), list[Finding](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
@@ -97,7 +97,7 @@ def fix_task(task: Task, unsafe: bool = False) -> Fixed:
     return fixed(data, name, lambda text: check_one(text, task.options, name), unsafe=unsafe)
 
 
-def _check(task: Task, _: None) -> tuple[Finding, ...] | InputError:
+def _check(task: Task) -> tuple[Finding, ...] | InputError:
     try:
         return check_one(task.source, task.options)
     except InputError as error:

@@ -6,6 +6,7 @@ import os
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import starmap
 
 from robodyn.checks.catalogue import CODES, RULES, instead_of
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
@@ -106,12 +107,15 @@ def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING)
     given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
     rules_for(options)
     files = files_of(given)
-    if worth_processes(files):
-        found = list(each_in_a_process(check_one, files, options))
-    else:
-        found = [check_one(file, options) for file in files]
     names = tuple("<stdin>" if isinstance(file, bytes) else file for file in files)
-    return Checked(names, tuple(finding for findings in found for finding in findings))
+    calls = [(file, options) for file in files]
+    found = list[Finding]()
+    outcomes = each_in_a_process(check_one, calls) if worth_processes(files) else starmap(check_one, calls)
+    for name, each in zip(names, outcomes, strict=True):
+        if isinstance(each, InputError):
+            raise InputError(each.what, file=name)
+        found += each
+    return Checked(names, tuple(found))
 
 
 def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Reading:

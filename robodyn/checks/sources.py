@@ -5,14 +5,13 @@ from __future__ import annotations
 import glob
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
+from contextlib import closing
+from typing import Any, TypeVar
 
 from robodyn.errors import InputError
 from robodyn.support.threads import cores, processes
 
 R = TypeVar("R")
-T = TypeVar("T")
-O = TypeVar("O")
 _LEAST_WORK = 500_000
 """Bytes of XML in files that take longer to check than processes take to start: half a second."""
 _MESH = 5_000
@@ -65,10 +64,14 @@ def _work(file: str | bytes) -> int:
     return len(data) + _MESH * data.count(b"<mesh")
 
 
-def each_in_a_process(work: Callable[[T, O], R], files: Sequence[T], options: O) -> Iterator[R]:
-    """Yield `work(file, options)` of every file, in their order, on all cores, as they are done."""
-    from concurrent.futures import ProcessPoolExecutor
-    from itertools import repeat
+def each_in_a_process(work: Callable[..., R], calls: Sequence[tuple[Any, ...]]) -> Iterator[R | InputError]:
+    """Yield `work(*call)` of every call, in their order, on all cores; an error of a call that processes died of."""
+    from robodyn.support.processes import Death, in_processes
 
-    with ProcessPoolExecutor(processes(len(files))) as pool:
-        yield from pool.map(work, files, repeat(options))
+    found: dict[int, R | InputError] = {}
+    with closing(in_processes(work, calls, processes(len(calls)))) as done:
+        for number in range(len(calls)):
+            while number not in found:
+                other, outcome = next(done)
+                found[other] = InputError(str(outcome)) if isinstance(outcome, Death) else outcome
+            yield found.pop(number)

@@ -116,15 +116,10 @@ def _model_name() -> str:
 
 def tried_apart() -> Trial:
     """Return the trial in a process of its own, which machine code that does not suit the processor would end."""
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
+    from robodyn.support.processes import Death, in_processes
 
-    try:
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            return pool.submit(trial).result()
-    except BrokenProcessPool:
-        return Trial("machine code ends the process", True, 0.0)
+    ((_, found),) = in_processes(trial, [()], 1, "spawn")
+    return Trial("machine code ends the process", True, 0.0) if isinstance(found, Death) else found
 
 
 def _executors(tried: Trial) -> Iterator[Line]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from robodyn.simulation.rows import Piece, pieces
 from robodyn.simulation.stiffness import with_friction
 from robodyn.simulation.table import Signal, Source, read_table
 from robodyn.support.floats import Floats
-from robodyn.support.threads import cores
+from robodyn.support.threads import cores, in_threads
 
 TOGETHER = 64
 """Rollouts whose states go through all steps together: they stay in the first cache."""
@@ -114,11 +113,7 @@ def rollouts(
         return slots[:, : own - 1, : len(begun)]
 
     starts = range(0, count, TOGETHER)
-    if min(workers, len(starts)) == 1:
-        parts = list(map(part, starts))
-    else:
-        with ThreadPoolExecutor(workers) as pool:
-            parts = list(pool.map(part, starts))
+    parts = in_threads(part, starts, min(workers, len(starts)))
     states = np.concatenate(parts, axis=2).transpose(0, 2, 1)
     nq = model.nq
     time: Floats = np.arange(float(len(states))) * (every * step)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from queue import Queue
 from threading import Thread
@@ -37,7 +37,18 @@ def processes(jobs: int, asked: int | None = None, platform: str = sys.platform)
 
 
 Item = TypeVar("Item")
+Result = TypeVar("Result")
 _END = object()
+
+
+def in_threads(work: Callable[[Item], Result], items: Iterable[Item], threads: int | None = None) -> list[Result]:
+    """Return `work(item)` of every item, in their order, by so many threads; None is one for each processor."""
+    if threads == 1:
+        return list(map(work, items))
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+        return list(pool.map(work, items))
 
 
 def prefetch(items: Iterator[Item]) -> Iterator[Item]:

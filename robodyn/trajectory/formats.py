@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from io import BytesIO
 from typing import Any, BinaryIO
 
 import numpy as np
 
 from robodyn.support.floats import Floats
+from robodyn.support.threads import in_threads
 
 LARGE = 150_000
 """Cells above which importing polars (0.1 s) costs less than writing without it."""
@@ -25,12 +26,9 @@ def lines_plain(values: Floats) -> bytes:
     return "".join(",".join(map(shortest, row)) + "\n" for row in values.tolist()).encode()
 
 
-def lines_fast(values: Floats) -> Iterator[bytes]:
+def lines_fast(values: Floats) -> list[bytes]:
     """Rows of values (N, k) as lines of CSV, through polars: it works on so few rows in one thread only."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    with ThreadPoolExecutor(PARTS) as pool:
-        yield from pool.map(_lines, np.array_split(values, PARTS))
+    return in_threads(_lines, np.array_split(values, PARTS), PARTS)
 
 
 def _lines(values: Floats) -> bytes:

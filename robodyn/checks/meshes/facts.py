@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from robodyn.errors import MeshError
 from robodyn.support.cache import Key, ObjectCache, cache_folder
+from robodyn.support.threads import in_threads
 
 Triple = tuple[float, float, float]
 NOTHING = (0.0, 0.0, 0.0)
@@ -127,8 +126,7 @@ def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
     if not wanted:
         return {}
     folder = cache_folder()
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return dict(zip(wanted, pool.map(lambda path: _kept(path, folder), wanted), strict=True))
+    return dict(zip(wanted, in_threads(lambda path: _kept(path, folder), wanted), strict=True))
 
 
 def _kept(path: Path, folder: Path | None) -> MeshFacts:

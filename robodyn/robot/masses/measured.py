@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import TypedDict
 from robodyn.errors import RobodynError
 from robodyn.robot.urdf.parts import Vector
 from robodyn.solids.mesh_mass import Part, mass_properties
+from robodyn.support.threads import in_threads
 
 MeshFile = tuple[Path, Vector]
 """A file, and the scale to read it with."""
@@ -69,5 +68,4 @@ class Reading:
                 finally:
                     tick()
 
-            with ThreadPoolExecutor(self.workers or os.cpu_count()) as pool:
-                return dict(zip(wanted, pool.map(measure, wanted), strict=True))
+            return dict(zip(wanted, in_threads(measure, wanted, self.workers), strict=True))

@@ -18,8 +18,9 @@ from helpers.command_line import command
 from helpers.terminals import on_terminal
 
 from robodyn.cli.batch.jobs import jobs_of
-from robodyn.cli.batch.workers import ATTEMPTS, worked_here
+from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.torques_batch import _setup
+from robodyn.support.processes import ATTEMPTS
 
 OPTIONS = {"reactions": False, "sizing": False, "momentum": None}
 
