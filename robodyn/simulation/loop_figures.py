@@ -19,7 +19,7 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar, total
+from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.singular import Singular, passed
@@ -97,8 +97,8 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         wrenches=wrenches.reshape(len(columns), count, 6),
         gap=largest[0],
         slip=largest[1],
-        equations=len(of) + len(closing.dropped),
-        dropped=tuple(f"{closure.loop.name} {equation.about}" for closure, equation in closing.dropped),
+        equations=len(of) + len(chain.dropped),
+        dropped=tuple(f"{closure.loop.name} {equation.about}" for closure, equation in chain.dropped),
         rank=rank,
         freedoms=plan.model.n - rank,
         stabilised=kept,
@@ -122,13 +122,9 @@ def loop_program(equations: Equations) -> Program:
         sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
         terms = applied(equations.plan.effects, sample, equations.scene)
         tau = equations.drives(state.q, state.qd, given)
-        here, left = chain.equations(sample), iter(chain.accelerations(sample, terms, tau)[1])
-        wrenches: list[Scalar] = []
-        for closure, place in zip(chain.closures, here.places, strict=True):
-            parts = [(equation, next(left)) for equation in closure.equations]
-            wrenches += [total(equation.force()[i] * value for equation, value in parts) for i in range(3)]
-            wrenches += [total(equation.moment(place.B)[i] * value for equation, value in parts) for i in range(3)]
-        return [*wrenches, *here.error, *here.rate]
+        here = chain.equations(sample)
+        wrenches = chain.wrenches(here, chain.accelerations(sample, terms, tau)[1])
+        return [*(x for wrench in wrenches for part in wrench for x in part), *here.error, *here.rate]
 
     return trace(outputs)
 

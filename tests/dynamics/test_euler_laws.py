@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
-from helpers.oracles import EPS, random_state, worst
-from helpers.small_robots import chain
-
-from robodyn.dynamics.recursions.euler import (
+from helpers.euler_laws import (
     about_body_point,
     about_fixed_point,
     about_mass_centre,
-    acceleration_of_point,
     angular_momentum,
     first_law,
     inertia_about,
     inertia_about_centre,
     moment_about,
 )
+from helpers.oracles import EPS, random_state, worst
+from helpers.small_robots import chain
+
+from robodyn.dynamics.recursions.euler import acceleration_of_point
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.programs.dual import Dual, rate_of, value_of
 from robodyn.programs.vectors import cross, rotation_from_quaternion, skew

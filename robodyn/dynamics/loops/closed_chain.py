@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.loops.closure import Closure, Held, Relative, held
+from robodyn.dynamics.loops.closure import Closure, Equations, held
+from robodyn.dynamics.loops.equation import Equation
 from robodyn.dynamics.loops.least_change import LeastChange
 from robodyn.dynamics.plan import loads
 from robodyn.dynamics.recursions.composite_body import Root, SingularError, composite_body, rates_inward
 from robodyn.errors import InputError
-from robodyn.programs.vectors import Array, Scalar, vector
+from robodyn.programs.vectors import Array, Scalar, total, vector
 from robodyn.robot.model import Joint, Model
+from robodyn.robot.motion_types import Wrench
 
 EXACT = 2.0**-34
 """Softness of accelerations: above what rounding leaves of equations that depend on each other, and no more, because
 forces along directions that are about to be lost still count."""
 
 
-class Equations(NamedTuple):
-    """phi = 0 at one sample, equation by equation.
+class Dropped(NamedTuple):
+    """An equation that others of its loop imply wherever the robot stands."""
 
-    Attributes:
-        places: of each closure.
-        error, rate: phi [m or rad] and phi' = J qd.
-        bias: J' qd.
-        J: by rate; those of a floating joint are along its body's axes.
-    """
-
-    places: list[Relative]
-    error: list[Scalar]
-    rate: list[Scalar]
-    bias: list[Scalar]
-    J: list[dict[int, Scalar]]
+    closure: Closure
+    equation: Equation
 
 
 class Solver(NamedTuple):
@@ -62,6 +54,7 @@ class ClosedChain:
         rotors: n reflected rotor inertias.
         sizes: by equation, how long its column of C^-1 J^T may be, M being C C^T.
         baumgarte: 1/s; 0 for none.
+        dropped: the equations that are not kept.
     """
 
     model: Model
@@ -69,18 +62,41 @@ class ClosedChain:
     rotors: tuple[float, ...]
     sizes: tuple[float, ...]
     baumgarte: float = 0.0
+    dropped: tuple[Dropped, ...] = ()
 
     @property
     def count(self) -> int:
         """Equations."""
         return len(self.sizes)
 
+    def keeping(self, rows: Collection[int]) -> ClosedChain:
+        """Return the chain with these of its equations alone; the others are dropped."""
+        closures, dropped, at = [], list(self.dropped), 0
+        for closure in self.closures:
+            own = list(enumerate(closure.equations, at))
+            closures.append(replace(closure, equations=tuple(equation for k, equation in own if k in rows)))
+            dropped += [Dropped(closure, equation) for k, equation in own if k not in rows]
+            at += len(own)
+        sizes = tuple(size for k, size in enumerate(self.sizes) if k in rows)
+        return replace(self, closures=tuple(closures), sizes=sizes, dropped=tuple(dropped))
+
     def equations(self, sample: Sample) -> Equations:
         """Return the equations of all closures, one after another."""
         joints = sample.motions()
-        places = [closure.relative(self.model, joints) for closure in self.closures]
-        parts = [held(closure, place) for closure, place in zip(self.closures, places, strict=True)]
-        return Equations(places, *(_all(part[k] for part in parts) for k in range(len(Held._fields))))
+        parts: list[tuple[Any, ...]] = [
+            held(closure, closure.relative(self.model, joints)) for closure in self.closures
+        ]
+        return Equations(*([x for part in parts for x in part[k]] for k in range(len(Equations._fields))))
+
+    def wrenches(self, here: Equations, multipliers: Iterable[Scalar]) -> Iterator[Wrench]:
+        """Yield what the other link of each closure does to its link, at its point, in the axes of the other."""
+        left = iter(multipliers)
+        for closure, place in zip(self.closures, here.places, strict=True):
+            parts = [(equation.force(), equation.moment(place.B), next(left)) for equation in closure.equations]
+            f = [total(force[i] * value for force, _, value in parts) for i in range(3)]
+            yield Wrench(
+                vector(*f), vector(*(total(moment[i] * value for _, moment, value in parts) for i in range(3)))
+            )
 
     def solver(self, sample: Sample, terms: Terms, J: Sequence[dict[int, Scalar]], softness: float) -> Solver:
         """Return what solves `M a - J^T lambda = f`, `J a = b` at a sample.
@@ -139,7 +155,3 @@ class ClosedChain:
         free = [(i, joint) for i, joint in joints if joint.kind == "floating"]
         motions = sample.motions() if free else []
         return [(slice(joint.rate + 3, joint.rate + 6), joint.R.T @ motions[i].R) for i, joint in free]
-
-
-def _all(lists: Iterable[list[Scalar]]) -> list[Scalar]:
-    return [value for values in lists for value in values]

@@ -191,7 +191,7 @@ def _open(closing: Closing, q: Floats) -> InputError:
 def _check_dropped(closing: Closing, q: Floats) -> None:
     """Raise if an equation that was dropped does not hold."""
     motions = closing.at_rest(q.tolist()).motions()
-    for closure, equation in closing.dropped:
+    for closure, equation in closing.chain.dropped:
         place = closure.relative(closing.model, motions)
         error = float(equation.of(place.d, place.B))
         if abs(error) > MISFIT * _reach(closing):

@@ -15,7 +15,7 @@ from math import factorial
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.loops.closed_chain import ClosedChain
-from robodyn.dynamics.loops.find import Dropped, Found, jacobian
+from robodyn.dynamics.loops.find import jacobian
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.programs.vectors import Array, Scalar, cross, product, sqrt, vector
 from robodyn.robot.model import Model
@@ -102,19 +102,11 @@ class Closing:
     """The loops of a plan.
 
     Attributes:
-        found: their equations; `necessary.closing` leaves out those that others imply.
+        chain: with their equations; `necessary.closing` leaves out those that others imply.
     """
 
     plan: Plan
-    found: Found
-
-    @property
-    def chain(self) -> ClosedChain:
-        return self.found.chain
-
-    @property
-    def dropped(self) -> tuple[Dropped, ...]:
-        return self.found.dropped
+    chain: ClosedChain
 
     @property
     def model(self) -> Model:

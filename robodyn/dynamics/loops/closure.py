@@ -144,16 +144,24 @@ def _twists(model: Model, i: int, before: Placed, here: Placed, point: Array) ->
     return [Twist(axis, cross(axis, point - here.p)) if joint.kind == "revolute" else Twist(ZERO, axis)]
 
 
-class Held(NamedTuple):
-    """Equations at one configuration: their errors, the rates of these, what the motion alone adds, and J by rate."""
+class Equations(NamedTuple):
+    """phi = 0 at one sample, equation by equation.
 
+    Attributes:
+        places: of each closure.
+        error, rate: phi [m or rad] and phi' = J qd.
+        bias: J' qd.
+        J: by rate; those of a floating joint are along its body's axes.
+    """
+
+    places: list[Relative]
     error: list[Scalar]
     rate: list[Scalar]
     bias: list[Scalar]
     J: list[dict[int, Scalar]]
 
 
-def held(closure: Closure, here: Relative) -> Held:
+def held(closure: Closure, here: Relative) -> Equations:
     """phi, phi' = J qd, J' qd and J of a closure."""
 
     def of(twist: Twist) -> list[Scalar]:
@@ -163,7 +171,8 @@ def held(closure: Closure, here: Relative) -> Held:
     spin = skew(here.speed.w)
     turned = (skew(here.bias.w) + spin @ spin) @ here.B
     columns = {rate: of(twist) for rate, twist in here.columns.items()}
-    return Held(
+    return Equations(
+        [here],
         [equation.of(here.d, here.B) for equation in closure.equations],
         of(here.speed),
         [equation.of(here.bias.v, turned) for equation in closure.equations],

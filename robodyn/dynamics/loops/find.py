@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.loops.closed_chain import EXACT, ClosedChain
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
-from robodyn.dynamics.loops.equation import Equation, equations_of
+from robodyn.dynamics.loops.equation import equations_of
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.programs.vectors import product
@@ -29,22 +28,8 @@ NOTHING = 1e-8
 """A smaller part of the largest is what rounding leaves of nothing, or a hinge that is meant to be parallel."""
 
 
-class Dropped(NamedTuple):
-    """An equation that others of its loop imply wherever the robot stands."""
-
-    closure: Closure
-    equation: Equation
-
-
-class Found(NamedTuple):
-    """A closed chain, and the equations that were dropped."""
-
-    chain: ClosedChain
-    dropped: tuple[Dropped, ...]
-
-
 @lru_cache(maxsize=16)
-def closed_chain(plan: Plan) -> Found:
+def closed_chain(plan: Plan) -> ClosedChain:
     """Return the closed chain of a model in a scene.
 
     Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
@@ -53,20 +38,17 @@ def closed_chain(plan: Plan) -> Found:
     """
     model, scene = aligned(plan.model), plan.scene
     every = [closure_of(model, loop) for loop in scene.loops]
-    whole = ClosedChain(model, tuple(every), tuple(reflected(model, scene)), (1.0,) * sum(map(_size, every)))
+    sizes = [len(closure.equations) for closure in every]
+    whole = ClosedChain(model, tuple(every), tuple(reflected(model, scene)), (1.0,) * sum(sizes), scene.baumgarte)
     samples = [Sample(model, q, (0.0,) * model.n, (0.0,) * model.n) for q in _trials(model)]
     rows = np.array([jacobian(whole, sample) for sample in samples])
-    kept, dropped, at = [], [], 0
-    for closure in every:
-        own = rows[:, at : at + _size(closure)]
-        stay = independent(own.transpose(1, 0, 2).reshape(_size(closure), -1))
-        kept.append(replace(closure, equations=tuple(closure.equations[k] for k in stay)))
-        left = [k for k in range(_size(closure)) if k not in stay]
-        dropped += [Dropped(closure, closure.equations[k]) for k in left]
-        at += _size(closure)
-    chain = replace(whole, closures=tuple(kept), sizes=(1.0,) * sum(map(_size, kept)), baumgarte=scene.baumgarte)
+    kept: set[int] = set()
+    for at, size in zip(np.cumsum([0, *sizes]).tolist(), sizes, strict=False):
+        own = rows[:, at : at + size].transpose(1, 0, 2).reshape(size, -1)
+        kept |= {at + k for k in independent(own)}
+    chain = whole.keeping(kept)
     largest = np.max([_sizes(chain, sample, plan) for sample in samples], axis=0)
-    return Found(replace(chain, sizes=tuple(largest.tolist())), tuple(dropped))
+    return replace(chain, sizes=tuple(largest.tolist()))
 
 
 def closure_of(model: Model, loop: Loop) -> Closure:
@@ -132,7 +114,3 @@ def _trials(model: Model) -> list[tuple[float, ...]]:
             part = drawn[:, joint.coordinate + 3 : joint.coordinate + 7]
             part /= np.sqrt((part * part).sum(axis=1))[:, None]
     return [tuple(row.tolist()) for row in drawn]
-
-
-def _size(closure: Closure) -> int:
-    return len(closure.equations)

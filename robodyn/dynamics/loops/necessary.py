@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from robodyn.dynamics.initial_state import initial_state
+from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.closed_start import closed_near, closed_start
 from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.find import Dropped, Found, closed_chain, independent
+from robodyn.dynamics.loops.find import closed_chain, independent
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import across
@@ -30,30 +30,22 @@ def closing(plan: Plan) -> Closing:
 
 
 @lru_cache(maxsize=16)
-def necessary(plan: Plan) -> Found:
+def necessary(plan: Plan) -> ClosedChain:
     """The closed chain without equations that depend on others where the motion begins and at closed places nearby.
 
     Steps leave the loops by a little, and there such equations contradict each other. Where the rank is less at the
     start alone, as for four-bars that lie flat, all are kept.
     """
-    found = closed_chain(plan)
-    closing = Closing(plan, found)
+    chain = closed_chain(plan)
+    closing = Closing(plan, chain)
     begun = _begun(closing)
     if begun is None:
-        return found
+        return chain
     J = closing.jacobian(begun.tolist())
     rank = _rank(J)
-    if rank == found.chain.count or any(_rank(closing.jacobian(q.tolist())) > rank for q in _nearby(closing, begun, J)):
-        return found
-    kept = set(independent(J, FEW))
-    closures, dropped, at = [], list(found.dropped), 0
-    for closure in found.chain.closures:
-        rows = range(at, at + len(closure.equations))
-        closures.append(replace(closure, equations=tuple(closure.equations[k - at] for k in rows if k in kept)))
-        dropped += [Dropped(closure, closure.equations[k - at]) for k in rows if k not in kept]
-        at += len(closure.equations)
-    sizes = tuple(found.chain.sizes[k] for k in sorted(kept))
-    return Found(replace(found.chain, closures=tuple(closures), sizes=sizes), tuple(dropped))
+    if rank == chain.count or any(_rank(closing.jacobian(q.tolist())) > rank for q in _nearby(closing, begun, J)):
+        return chain
+    return chain.keeping(independent(J, FEW))
 
 
 def _begun(closing: Closing) -> Floats | None:

@@ -118,19 +118,15 @@ def by_the_tree(robot: Posed, rank: int, solution: Solution) -> tuple[Floats, li
     Args:
         rank: of the loops' equations.
     """
-    chain = closed_chain(plan(robot.model, robot.scene)).chain
+    chain = closed_chain(plan(robot.model, robot.scene))
     sample = replace(robot.sample, model=chain.model)
     terms = applied(bias_plan(robot.model, robot.scene).effects, sample, robot.scene)
     qdd, multipliers = chain.accelerations(sample, terms, list(robot.tau))
     if chain.count > rank:
         return np.array(qdd, dtype=float), loop_wrenches(robot.system, robot.at, solution.reactions.tolist())
-    left, out = iter(multipliers), []
-    for closure, place in zip(chain.closures, chain.equations(sample).places, strict=True):
-        parts = [(equation, next(left)) for equation in closure.equations]
-        force = np.sum([equation.force() * value for equation, value in parts], axis=0)
-        moment = np.sum([equation.moment(place.B) * value for equation, value in parts], axis=0)
-        out += _on_both(robot, closure, Wrench(force, moment))
-    return np.array(qdd, dtype=float), out
+    wrenches = chain.wrenches(chain.equations(sample), multipliers)
+    each = [_on_both(robot, *pair) for pair in zip(chain.closures, wrenches, strict=True)]
+    return np.array(qdd, dtype=float), [pair for both in each for pair in both]
 
 
 def _on_both(robot: Posed, closure: Closure, acting: Wrench) -> list[tuple[int, Wrench]]:

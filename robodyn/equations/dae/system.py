@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.equations import Equation, Sum, drifts, stacked
 from robodyn.equations.dae.state import State
-from robodyn.programs.vectors import ZERO, Array, Scalar, cross, narrowed, product, skew
+from robodyn.programs.vectors import ZERO, Array, Scalar, cross, narrowed, product
 from robodyn.robot.motion_types import Wrench
 from robodyn.solids.inertia.laws import Inertia
 
@@ -113,15 +113,8 @@ def matrices(
     return Matrices(M, f, G, gamma, S, sigma, forces, armature)
 
 
-def about_centre(inertia: Inertia) -> Array:
-    """I_c = I_o + m [c][c] (parallel axes)."""
-    c = inertia.centre_of_mass
-    I: Array = inertia.I + inertia.m * product(skew(c), skew(c))
-    return I
-
-
 def _mass(system: System) -> Array:
-    blocks = [about_centre(inertia) for inertia in system.inertias]
+    blocks = [inertia.about_centre for inertia in system.inertias]
     count = 6 * len(blocks)
     M = np.zeros((count, count), dtype=np.result_type(*blocks, *(type(b.m) for b in system.inertias)))
     for i, (inertia, I_c) in enumerate(zip(system.inertias, blocks, strict=True)):
@@ -135,7 +128,7 @@ def _forces(system: System, at: State, gravity: Array, wrenches: Sequence[tuple[
     """(moment about the mass centre in the body's axes, force in the ground's) on each body, gyroscopic terms too."""
     moments, forces = [], []
     for inertia, speed in zip(system.inertias, at.speeds, strict=False):
-        moments.append(-cross(speed.w, about_centre(inertia) @ speed.w))
+        moments.append(-cross(speed.w, inertia.about_centre @ speed.w))
         forces.append(inertia.m * gravity)
     for i, (force, moment) in wrenches:
         moments[i] = moments[i] + moment - cross(system.centres[i], force)

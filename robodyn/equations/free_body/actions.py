@@ -9,19 +9,14 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import at_rest
-from robodyn.dynamics.recursions.euler import (
-    about_mass_centre,
-    acceleration_of_point,
-    first_law,
-    inertia_about_centre,
-)
+from robodyn.dynamics.recursions.euler import acceleration_of_point, euler
 from robodyn.equations.free_body.types import Action
 from robodyn.programs.vectors import ZERO, narrowed, product
 from robodyn.robot.model import Joint, Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.robot.poses import Acceleration, Pose, Velocity
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.laws import Inertia
+from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 
 _LETTERS = {
@@ -43,8 +38,8 @@ def inertial(body: Inertia, moving: Velocity, speeding: Acceleration) -> Action:
     """-m a_c at the mass centre and -dH_c/dt: what balances the rest, as d'Alembert has it."""
     c = body.centre_of_mass
     a_c = acceleration_of_point(speeding.a, c, moving.w, speeding.wd)
-    moment = -about_mass_centre(inertia_about_centre(body.I, body.m, c), moving.w, speeding.wd)
-    return Action("inertial", "inertia", "its motion", ("-ma", "-dH"), c, -first_law(body.m, a_c), moment)
+    moment = -euler(about_centre(body.I, body.m, c), moving.w, speeding.wd)
+    return Action("inertial", "inertia", "its motion", ("-ma", "-dH"), c, -(body.m * a_c), moment)
 
 
 class Applied(NamedTuple):

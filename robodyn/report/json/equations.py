@@ -122,7 +122,6 @@ def _counts(found: Dae) -> dict[str, Any]:
 
 
 def _body(found: Dae, i: int) -> dict[str, Any]:
-    from robodyn.equations.dae.system import about_centre
 
     robot, solution = found.robot, found.solution
     inertia, place = robot.system.inertias[i], robot.at.places[i]
@@ -132,7 +131,7 @@ def _body(found: Dae, i: int) -> dict[str, Any]:
         "name": robot.model.bodies[i].name,
         "mass": float(inertia.m),
         "com": inertia.centre_of_mass,
-        "inertia": about_centre(inertia),
+        "inertia": inertia.about_centre,
         "rotation": place.R,
         "centre": place.c - robot.at.places[-1].c,
         **select(robot.at.speeds[i], "w v"),

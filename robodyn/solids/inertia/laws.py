@@ -65,11 +65,16 @@ class Inertia(NamedTuple):
         """c = mc / m [m]; the origin where there is no mass."""
         return self.mc / self.m if self.m else ZERO
 
+    @property
+    def about_centre(self) -> Array:
+        """The inertia matrix about the centre of mass, in the same axes [kg m^2]."""
+        return about_centre(self.I, self.m, self.centre_of_mass)
+
 
 MASSLESS = Inertia(0.0, ZERO, np.zeros((3, 3)))
 
 
-def inertia_of(m: float, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = ZERO) -> Inertia:
+def inertia_of(m: Scalar, c: Array, I_c: Array, R: Array = IDENTITY, p: Array = ZERO) -> Inertia:
     """Return the moments of a body whose frame stands at rotation R and origin p, about the origin of the outer frame.
 
     With c' = R c + p: `m`, `m c'`, `R I_c R^T - m [c'][c']`, the inertia rotation law and the parallel axis theorem.
@@ -97,7 +102,7 @@ def combined(bodies: Iterable[Inertia]) -> Inertia:
 _ORTHOGONAL = 1e-9
 
 
-def parallel_axis(I_c: Array, m: float, d: Array) -> Array:
+def parallel_axis(I_c: Array, m: Scalar, d: Array) -> Array:
     """I = I_c + m (|d|^2 1 - d d^T), the inertia about a point at distance d from the centre of mass.
 
     The parallel axis theorem of Huygens and Steiner, as `robodyn.solids.inertia.laws.inertia_of` has it for a whole
@@ -113,7 +118,7 @@ def parallel_axis(I_c: Array, m: float, d: Array) -> Array:
     return inertia_of(m, d, I_c).I
 
 
-def about_centre(I: Array, m: float, d: Array) -> Array:
+def about_centre(I: Array, m: Scalar, d: Array) -> Array:
     """I_c = I - m (|d|^2 1 - d d^T), the parallel axis theorem backwards: from a point to the centre of mass.
 
     Args:

@@ -28,7 +28,7 @@ def dense(entries, n):
 def solved(model, scene, q, qd, tau):
     """qdd, lambda, and J in the ground's axes of a fixed-base robot."""
     a_plan = plan(model, scene)
-    chain = closed_chain(a_plan).chain
+    chain = closed_chain(a_plan)
     sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
     qdd, multipliers = chain.accelerations(sample, applied(a_plan.effects, sample, scene), tau.tolist())
     here = chain.equations(sample)
@@ -56,7 +56,7 @@ def test_a_free_robot_that_is_tied_to_the_ground(kind):
     q[3:7] /= np.linalg.norm(q[3:7])
     qdd, multipliers, _, _ = solved(model, scene, q, qd, np.zeros(model.n))
     needed = robodyn.inverse_dynamics(model, q, qd, qdd)
-    chain = closed_chain(plan(model, scene)).chain
+    chain = closed_chain(plan(model, scene))
     sample = Sample(chain.model, tuple(q.tolist()), tuple(qd.tolist()), (0.0,) * model.n)
     place, equations = chain.equations(sample).places[0], chain.closures[0].equations
     force = sum(value * equation.force() for value, equation in zip(multipliers, equations, strict=True))
@@ -124,7 +124,7 @@ def test_a_loop_with_a_follower_in_it():
     assert np.abs(needed - tau - J.T @ multipliers).max() <= 1e-13 * np.abs(needed).max()
     assert np.abs(J @ qdd + bias).max() <= 1e-13 * np.abs(bias).max()
     step = 1e-6
-    chain = closed_chain(plan(model, scene)).chain
+    chain = closed_chain(plan(model, scene))
     errors = [
         chain.equations(Sample(chain.model, tuple((q + sign * step * qd).tolist()), (0.0, 0.0), (0.0, 0.0))).error[0]
         for sign in (-1, 1)

@@ -20,7 +20,7 @@ KINDS = ("point", "hinge", "weld")
 
 def sampled(model, scene, seed=1):
     """A closed chain, a sample of it, and its rates along the axes that J is written in."""
-    chain = closed_chain(plan(model, scene)).chain
+    chain = closed_chain(plan(model, scene))
     rng = np.random.default_rng(seed)
     q, qd = rng.uniform(-1, 1, model.nq), rng.normal(size=model.n)
     own = qd.copy()
@@ -81,7 +81,7 @@ def test_planar_loops_drop_what_the_plane_implies():
         ("B1", "along y"),
         ("B2", "along y"),
     ]
-    assert [len(closure.equations) for closure in found.chain.closures] == [2, 2]
+    assert [len(closure.equations) for closure in found.closures] == [2, 2]
 
 
 @pytest.mark.parametrize(("kind", "left"), [("point", 2), ("hinge", 2), ("weld", 3)])
@@ -94,7 +94,7 @@ def test_planar_loops_in_an_oblique_plane(kind, left):
     axes = {"axis": axis, "to_axis": axis} if kind == "hinge" else {}
     loop = Loop("tie", "l3", (0.8, -0.6, 0), "l0", (1.6, -1.2, 0), kind, **axes)
     found = closed_chain(plan(built(*parts), Scene(loops=(loop,))))
-    assert len(found.chain.closures[0].equations) == left
+    assert len(found.closures[0].equations) == left
 
 
 def test_rows_that_span_the_others():

@@ -63,7 +63,7 @@ def test_a_wrong_inertia_would_unbalance_it(monkeypatch):
     """The balance can fail: the inertial forces do not come from the recursion that gives the reactions."""
     from robodyn.equations.free_body import actions
 
-    monkeypatch.setattr(actions, "inertia_about_centre", lambda I, m, r: 1.001 * I)
+    monkeypatch.setattr(actions, "about_centre", lambda I, m, r: 1.001 * I)
     assert taken_apart(robot("puma560"))[1].residual_moment > 1e-6
 
 
