@@ -10,12 +10,12 @@ import numpy as np
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import at_rest
 from robodyn.dynamics.recursions.euler import acceleration_of_point, euler
-from robodyn.equations.free_body.types import Action
+from robodyn.equations.free_body.types import Action, JointRow
 from robodyn.programs.vectors import ZERO, narrowed, product
-from robodyn.robot.model import Joint, Model
+from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.robot.poses import Acceleration, Pose, Velocity
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import GROUND, Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 
@@ -78,57 +78,40 @@ def torques_at_joints(effects: tuple[Effect, ...], sample: Sample, scene: Scene)
     return {name: torques for name, torques in found.items() if torques}
 
 
-class Cut(NamedTuple):
-    """What the parent of a body does to it at its joint, in the body's axes at its origin.
-
-    Attributes:
-        wrench: all of it; force, moment: the part that the joint's surfaces transmit.
-        along: the part along the axis, N m or N; drive: what the actuator supplies of it, and `others` take up.
-    """
-
-    joint: Joint
-    wrench: Wrench
-    force: Floats
-    moment: Floats
-    along: float | None
-    drive: float
-    others: dict[str, float]
-
-
-def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int, float]]) -> Cut:
+def cut(i: int, model: Model, wrench: Wrench, torques: Mapping[str, Mapping[int, float]]) -> JointRow:
     """Return the wrench at the joint of body i, taken apart."""
-    joint, (f, n) = model.bodies[i].joint, wrench
-    if joint.kind == "fixed":
-        return Cut(joint, wrench, f, n, None, 0.0, {})
+    joint, parent, (f, n) = model.bodies[i].joint, model.parents[i], wrench
+    drive, others = None, {}
     if joint.kind == "floating":
-        return Cut(joint, wrench, np.zeros(3), np.zeros(3), None, 0.0, {})
-    others = {name: float(by_body[i]) for name, by_body in torques.items() if by_body.get(i, 0.0)}
-    turning = joint.kind == "revolute"
-    along = float(product(joint.axis, n if turning else f))
-    drive = along + sum(others.values())
-    force, moment = (f, n - along * joint.axis) if turning else (f - along * joint.axis, n)
-    return Cut(joint, wrench, force, moment, along, drive, others)
+        f, n = np.zeros(3), np.zeros(3)
+    elif joint.kind != "fixed":
+        others = {name: float(by_body[i]) for name, by_body in torques.items() if by_body.get(i, 0.0)}
+        turning = joint.kind == "revolute"
+        along = float(product(joint.axis, n if turning else f))
+        drive = along + sum(others.values())
+        f, n = (f, n - along * joint.axis) if turning else (f - along * joint.axis, n)
+    carrier = model.bodies[parent].name if parent >= 0 else GROUND
+    return JointRow(i, joint.name, carrier, model.bodies[i].name, joint.kind, joint.axis, wrench, f, n, drive, others)
 
 
-def at_joint(number: int, at: Cut, by: str, motion: Motion | None = None, sign: float = 1.0) -> Iterator[Action]:
+def at_joint(at: JointRow, by: str, motion: Motion | None = None, sign: float = 1.0) -> Iterator[Action]:
     """Yield what a joint does to the body that it carries, or with `motion` and -1 to that body's parent."""
     R, p = (motion.R, motion.p) if motion is not None else (np.eye(3), np.zeros(3))
     minus = "" if sign > 0 else "-"
 
     def action(kind: str, what: str, letters: tuple[str, str], f: Floats, n: Floats) -> Action:
-        symbols = (f"{minus}{letters[0]}{number}", f"{minus}{letters[1]}{number}")
+        symbols = (f"{minus}{letters[0]}{at.number}", f"{minus}{letters[1]}{at.number}")
         return Action(kind, what, by, symbols, p, sign * product(R, f), sign * product(R, n))
 
-    joint = at.joint
-    if joint.kind == "floating":
-        yield action("drive", f"what moves {joint.name}", ("D", "T"), *at.wrench)
+    if at.kind == "floating":
+        yield action("drive", f"what moves {at.name}", ("D", "T"), *at.wrench)
         return
-    yield action("reaction", f"reaction, {joint.name}", ("R", "M"), at.force, at.moment)
-    if at.along is None:
+    yield action("reaction", f"reaction, {at.name}", ("R", "M"), at.force, at.moment)
+    if at.drive is None:
         return
     parts = {"drive": at.drive, **{name: -torque for name, torque in at.others.items()}}
     for kind, value in parts.items():
-        vector = value * joint.axis
-        f, n = (ZERO, vector) if joint.kind == "revolute" else (vector, ZERO)
-        letter = _LETTERS.get(kind, "D" if joint.kind == "prismatic" else "T")
-        yield action(kind, f"{kind}, {joint.name}", (letter, letter), f, n)
+        vector = value * at.axis
+        f, n = (ZERO, vector) if at.kind == "revolute" else (vector, ZERO)
+        letter = _LETTERS.get(kind, "D" if at.kind == "prismatic" else "T")
+        yield action(kind, f"{kind}, {at.name}", (letter, letter), f, n)

@@ -13,7 +13,6 @@ from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.equations.free_body.actions import (
     Applied,
-    Cut,
     applied_wrenches,
     at_joint,
     cut,
@@ -30,9 +29,6 @@ from robodyn.robot.motion_types import Motion
 from robodyn.robot.poses import accelerations, poses, velocities
 from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
-
-GROUND = "ground"
-_FREEDOM = {"fixed": 0, "revolute": 1, "prismatic": 1, "floating": 6}
 
 
 def free_bodies(
@@ -81,7 +77,7 @@ def free_bodies(
 
 
 def _cut_free(
-    model: Model, terms: Terms, joints: list[Motion], cuts: list[Cut], around: list[Applied]
+    model: Model, terms: Terms, joints: list[Motion], cuts: list[JointRow], around: list[Applied]
 ) -> Iterator[FreeBody]:
     """Yield each body with what acts on it."""
     parents = model.parents
@@ -94,16 +90,18 @@ def _cut_free(
         acting: list[Action] = [
             *([weight(own, where[i], terms.gravity), inertial(own, moving[i], speeding[i])] if heavy else []),
             *(action for k, action in around if k == i),
-            *at_joint(i, cuts[i], model.bodies[body.parent].name if i else GROUND),
+            *at_joint(cuts[i], cuts[i].parent),
         ]
         for k in children:
-            acting += at_joint(k, cuts[k], model.bodies[k].name, joints[k], -1.0)
+            acting += at_joint(cuts[k], model.bodies[k].name, joints[k], -1.0)
         ends = tuple((k, joints[k].p) for k in children)
         links = tuple(name for name, frame in model.links.items() if frame.body == i)
         yield FreeBody(i, body.name, links, float(own.m), own.centre_of_mass, where[i], tuple(acting), ends)
 
 
-def _found(scene: Scene, sample: Sample, bodies: tuple[FreeBody, ...], cuts: list[Cut], tau: list[float]) -> FreeBodies:
+def _found(
+    scene: Scene, sample: Sample, bodies: tuple[FreeBody, ...], cuts: list[JointRow], tau: list[float]
+) -> FreeBodies:
     model = sample.model
     tiny = np.finfo(float).tiny
     force_scale = max((np.abs(a.force).max() for body in bodies for a in body.actions), default=0.0)
@@ -116,25 +114,9 @@ def _found(scene: Scene, sample: Sample, bodies: tuple[FreeBody, ...], cuts: lis
         dict(zip(model.rates, sample.qdd, strict=True)),
         scene.gravity,
         bodies,
-        tuple(_row(model, i, at) for i, at in enumerate(cuts)),
+        tuple(cuts),
         dict(zip(model.rates, map(float, tau), strict=True)),
         max(float(np.abs(body.force).max()) for body in bodies) / max(float(force_scale), tiny),
         max(float(np.abs(body.moment).max()) for body in bodies) / max(float(moment_scale), tiny),
         model.notes,
-    )
-
-
-def _row(model: Model, i: int, at: Cut) -> JointRow:
-    joint, parent = at.joint, model.parents[i]
-    return JointRow(
-        i,
-        joint.name,
-        model.bodies[parent].name if parent >= 0 else GROUND,
-        model.bodies[i].name,
-        joint.kind,
-        joint.axis,
-        _FREEDOM[joint.kind],
-        at.force,
-        at.moment,
-        None if at.along is None else at.drive,
     )

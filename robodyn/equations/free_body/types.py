@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from robodyn.programs.vectors import cross
+from robodyn.robot.motion_types import Wrench
 from robodyn.robot.poses import Pose
 from robodyn.support.floats import Floats
 
@@ -82,10 +84,10 @@ class JointRow:
         number: of the body that it carries; parent, child: names of bodies ("ground" below the base).
         kind: "fixed" (the base only), "revolute", "prismatic" or "floating".
         axis: (3,) in the child's axes, zeros without one.
-        freedom: f.
-        force, moment: (3,) what the joint's surfaces transmit to the child, in its axes at its origin [N, N m]; nothing
-            along the axis of a hinge (moment) or slide (force).
+        wrench: on the child, all of it, in its axes at its origin; force, moment: (3,) what the joint's surfaces
+            transmit of it [N, N m]; nothing along the axis of a hinge (moment) or slide (force).
         drive: along the axis, what the actuator supplies there [N m or N]; None without an axis.
+        others: by effect, what takes up part of the drive.
     """
 
     number: int
@@ -94,10 +96,16 @@ class JointRow:
     child: str
     kind: str
     axis: Floats
-    freedom: int
+    wrench: Wrench
     force: Floats
     moment: Floats
     drive: float | None
+    others: Mapping[str, float]
+
+    @property
+    def freedom(self) -> int:
+        """f."""
+        return {"fixed": 0, "floating": 6}.get(self.kind, 1)
 
     @property
     def reactions(self) -> int:
