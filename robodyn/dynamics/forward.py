@@ -15,16 +15,16 @@ from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.articulated_body import articulated_body
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.recursions.elimination import RESIST, aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Array, Scalar, vector
 from robodyn.robot.kinematics import motions
-from robodyn.robot.model import Joint, Model
-from robodyn.robot.motion_types import Wrench
+from robodyn.robot.model import Model
+from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest
@@ -61,19 +61,23 @@ def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: S
     for i, torque in terms.at_joint.items():
         joint = model.bodies[i].joint
         forces[joint.rate] = forces[joint.rate] - joint.multiplier * torque
-    free = [(joint, joint.R.T @ joints[i].R) for i, joint in _floating(model)]
-    for joint, turn in free:
-        place = slice(joint.rate + 3, joint.rate + 6)
-        forces[place] = turn.T @ np.array(forces[place])
-    qdd = articulated_body(model, joints, terms.inertias, biases, forces, rotors)
-    for joint, turn in free:
-        place = slice(joint.rate + 3, joint.rate + 6)
-        qdd[place] = turn @ np.array(qdd[place])
-    return qdd
+    free = floating_turns(model, joints)
+    qdd = articulated_body(model, joints, terms.inertias, biases, turned(forces, free, back=True), rotors)
+    return turned(qdd, free)
 
 
-def _floating(model: Model) -> list[tuple[int, Joint]]:
-    return [(i, body.joint) for i, body in enumerate(model.bodies) if body.joint.kind == "floating"]
+def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, Array]]:
+    """Return the places of the rates of each floating joint's position, and the turn from body's to parent's axes."""
+    free = [(body.joint, joint.R) for body, joint in zip(model.bodies, joints, strict=True)]
+    return [(slice(j.rate + 3, j.rate + 6), j.R.T @ R) for j, R in free if j.kind == "floating"]
+
+
+def turned(values: Sequence[Scalar], turns: list[tuple[slice, Array]], back: bool = False) -> list[Scalar]:
+    """Return rates or forces, those of floating joints' positions turned to the axes of the parent, or back."""
+    out = list(values)
+    for place, turn in turns:
+        out[place] = (turn.T if back else turn) @ vector(*out[place])
+    return out
 
 
 def forward_dynamics(
@@ -123,9 +127,6 @@ def forward_dynamics(
     return out
 
 
-REMEDY = "give a link that it carries mass and inertia, or the joint a rotor"
-
-
 @lru_cache(maxsize=16)
 def acceleration_runner(a_plan: Plan) -> Runner:
     """Return the plan's qdd, ready to run."""
@@ -141,7 +142,7 @@ def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], 
     bad = np.all(finite, axis=0) & ~np.isfinite(qdd.reshape(-1, model.n)).all(axis=1)
     for k in np.flatnonzero(bad)[:1]:
         M = mass_matrix(model, sources["q"][k], scene=scene)
-        raise InputError(f"sample {k} has no finite accelerations: {_weakest(model, M[None])}", remedy=REMEDY)
+        raise InputError(f"sample {k} has no finite accelerations: {_weakest(model, M[None])}", remedy=RESIST)
 
 
 def _weakest(model: Model, M: Floats) -> str:

@@ -11,8 +11,9 @@ from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import accelerations
-from robodyn.dynamics.loops import necessary
-from robodyn.dynamics.loops.closing import Closing, local_rates, moved, unit
+from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
+from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import dual_state, momenta
@@ -72,14 +73,14 @@ class Equations:
         return aligned(self.model)
 
     @cached_property
-    def closing(self) -> Closing | None:
+    def chain(self) -> ClosedChain | None:
         """The scene's loops, if it has any."""
-        return necessary.closing(self.plan) if self.scene.loops else None
+        return necessary(self.plan) if self.scene.loops else None
 
     def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
         """Return the state after a step, with unit quaternions and on the loops."""
         q = unit(self.model, q)
-        return (q, list(qd)) if self.closing is None else self.closing.settled(q, qd)
+        return (q, list(qd)) if self.chain is None else self.chain.settled(q, qd)
 
     @cached_property
     def curves(self) -> tuple[Curve, ...]:
@@ -131,10 +132,10 @@ class Equations:
         sample = self.sample(self._aligned, q, qd, given)
         terms = applied(self.plan.effects if effects is None else effects, sample, self.scene)
         tau = self.drives(q, qd, given)
-        if self.closing is None:
+        if self.chain is None:
             qdd = accelerations(sample, terms, tau, reflected(self.model, self.scene))
         else:
-            qdd, _ = self.closing.chain.accelerations(sample, terms, tau)
+            qdd, _ = self.chain.accelerations(sample, terms, tau)
         power: Scalar = 0.0 - power_lost(self.plan, sample, terms, sample.motions())
         for torque, rate in zip(tau, qd, strict=True):
             power = power + torque * rate

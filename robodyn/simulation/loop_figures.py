@@ -10,9 +10,9 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.inverse import runner_of
-from robodyn.dynamics.loops import necessary
-from robodyn.dynamics.loops.closing import Closing
+from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.find import NOTHING
+from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
@@ -79,9 +79,8 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     """
     if not plan.scene.loops:
         return None
-    closing = necessary.closing(plan)
-    chain, count = closing.chain, len(plan.scene.loops)
-    rank = _rank(closing, motion.states[0])
+    chain, count = necessary(plan), len(plan.scene.loops)
+    rank = _rank(chain, motion.states[0])
     runner = _ready(plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
@@ -91,7 +90,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     for found, values in zip(largest, (errors, rates), strict=True):
         np.maximum.at(found, of, np.abs(values).max(axis=0))
     kept = "projection after each step" if projected else "not stabilised, for which the scene has baumgarte"
-    kept = f"Baumgarte's terms at {chain.baumgarte:g}/s" if chain.baumgarte else kept
+    kept = f"Baumgarte's terms at {plan.scene.baumgarte:g}/s" if plan.scene.baumgarte else kept
     return LoopFigures(
         names=tuple(loop.name for loop in plan.scene.loops),
         wrenches=wrenches.reshape(len(columns), count, 6),
@@ -114,8 +113,7 @@ def _ready(plan: Plan, columns: int) -> Runner:
 
 def loop_program(equations: Equations) -> Program:
     """Return the program of each loop's wrench, then of phi and phi' by equation."""
-    closing = necessary.closing(equations.plan)
-    chain = closing.chain
+    chain = necessary(equations.plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         state, given = equations.state(tape), equations.given(tape)
@@ -129,8 +127,8 @@ def loop_program(equations: Equations) -> Program:
     return trace(outputs)
 
 
-def _rank(closing: Closing, state: Floats) -> int:
-    J = closing.jacobian(state[: closing.model.nq].tolist())
+def _rank(chain: ClosedChain, state: Floats) -> int:
+    J = chain.jacobian(chain.sample(state[: chain.model.nq].tolist()))
     return int(np.linalg.matrix_rank(J, tol=NOTHING * np.linalg.norm(J, 2))) if J.size else 0
 
 
@@ -144,7 +142,7 @@ def check_closed(plan: Plan, q: Floats, qd: Floats) -> None:
     Raises:
         InputError: the first row that is not, with its error.
     """
-    chain = necessary.closing(plan).chain
+    chain = necessary(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         here = chain.equations(replace(plan.sample(tape), model=chain.model, qdd=(0.0,) * plan.model.n))

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.inverse import runner_of
-from robodyn.dynamics.loops import necessary
-from robodyn.dynamics.loops.closing import Closing
-from robodyn.dynamics.loops.necessary import FEW
+from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.necessary import FEW, necessary
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.program import trace
@@ -46,41 +45,41 @@ def start_doubts(plan: Plan, state: Floats) -> tuple[Doubt, ...]:
     """
     if not plan.scene.loops:
         return ()
-    closing, model = necessary.closing(plan), plan.model
+    chain, model = necessary(plan), plan.model
     q, qd = state[: model.nq].tolist(), state[model.nq : model.nq + model.n]
-    left, across = _lost(closing, q)
+    left, across = _lost(chain, q)
     if not left.shape[1]:
         return ()
-    freedoms, usual = across.shape[1], model.n - closing.chain.count
+    freedoms, usual = across.shape[1], model.n - chain.count
     leave = f"the loops leave {freedoms} degrees of freedom where the motion begins, and {usual} nearby"
-    missed = float(np.abs(_turned(closing, q, qd, left)).max())
+    missed = float(np.abs(_turned(chain, q, qd, left)).max())
     if missed > KEPT * max(float(qd @ qd), 1e-300):
         what = f"{leave}: with the speeds given they come apart at {missed:.3g} m/s^2 or rad/s^2, whatever happens"
-        raise InputError(what, remedy=_ways(plan, closing, q, qd, left, across))
+        raise InputError(what, remedy=_ways(plan, chain, q, qd, left, across))
     how = "they follow the speeds given, and errors fall only with the step" if qd.any() else "at rest none is marked"
     said = f"{leave}: ways part there, and which one is taken is assumed ({how}); begin a little away from there"
     return (Doubt("by one of several motions that are possible (assumed)", said),)
 
 
-def _lost(closing: Closing, q: list[float]) -> tuple[Floats, Floats]:
+def _lost(chain: ClosedChain, q: list[float]) -> tuple[Floats, Floats]:
     """(equations, lost) and (n, freedoms): what the equations do not ask for, and the speeds that they leave."""
-    U, values, V = np.linalg.svd(closing.jacobian(q))
+    U, values, V = np.linalg.svd(chain.jacobian(chain.sample(q)))
     rank = int((values > FEW * values.max(initial=0.0)).sum())
     return U[:, rank:], V[rank:].T
 
 
-def _turned(closing: Closing, q: list[float], qd: Floats, left: Floats) -> Floats:
+def _turned(chain: ClosedChain, q: list[float], qd: Floats, left: Floats) -> Floats:
     """u^T J' qd of each u."""
-    bias = np.array(closing.chain.equations(closing.sample(q, qd.tolist())).bias, dtype=float)
+    bias = np.array(chain.equations(chain.sample(q, qd.tolist())).bias, dtype=float)
     return np.asarray(bias @ left)
 
 
-def _ways(plan: Plan, closing: Closing, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:
+def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floats, across: Floats) -> str:
     """Return a remedy that names the speeds of the ways on, where two numbers and one equation are left."""
     away = "begin a little away from there"
     if left.shape[1] != 1 or across.shape[1] != 2:
         return away
-    a, c, both = (float(_turned(closing, q, across @ x, left)[0]) for x in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)))
+    a, c, both = (float(_turned(chain, q, across @ x, left)[0]) for x in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0)))
     ways = [across @ x for x in _lines(a, both - a - c, c)]
     names = plan.model.rates
     first = next((names.index(name) for name in plan.scene.initial_qd), int(np.argmax(np.abs(qd))))
@@ -109,8 +108,7 @@ def passed(plan: Plan, motion: Motion) -> tuple[Singular, ...]:
     Along a smooth motion J = U S V^T has smooth singular values that may change their sign: from one record to a later
     one J_2, the eigenvalues of S^-1 U^T J_2 V are near 1 but for those, which become negative.
     """
-    closing = necessary.closing(plan)
-    chain, n = closing.chain, plan.model.n
+    chain, n = necessary(plan), plan.model.n
     if not chain.count:
         return ()
     rows = max(int(WORK / (20 * n * chain.count**2)), 2)
@@ -155,10 +153,10 @@ def _jacobians(plan: Plan, states: Floats) -> Floats:
 
 @lru_cache(maxsize=16)
 def _ready(plan: Plan) -> Runner:
-    equations, closing = Equations(plan), necessary.closing(plan)
+    equations, chain = Equations(plan), necessary(plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        rows = closing.chain.equations(closing.at_rest(equations.state(tape).q)).J
+        rows = chain.equations(chain.sample(equations.state(tape).q)).J
         return [row.get(rate, 0.0) for row in rows for rate in range(plan.model.n)]
 
     return runner_of(trace(outputs), plan, {STATE: equations.width})

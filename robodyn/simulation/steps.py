@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from robodyn.dynamics.loops.closing import moved, unit
+from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.scalar import Tape

@@ -188,7 +188,7 @@ MUTATIONS = {
         ("dynamics/loops/least_change.py", "c * lower - s * upper", "c * lower + s * upper"),
         ("dynamics/loops/least_change.py", "c * change[i]", "change[i]"),
         ("dynamics/loops/closed_chain.py", "0.0 - bias", "bias"),
-        ("dynamics/loops/closed_chain.py", "turn @ vector(*out[place])", "turn.T @ vector(*out[place])"),
+        ("dynamics/forward.py", "turn.T if back else turn", "turn if back else turn"),
         ("dynamics/recursions/composite_body.py", "share * 2.0 if other == rate else share", "share"),
         (
             "dynamics/recursions/composite_body.py",

@@ -4,22 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
 from robodyn.dynamics.loops.least_change import LeastChange
-from robodyn.dynamics.plan import loads
-from robodyn.dynamics.recursions.composite_body import Root, SingularError, composite_body, rates_inward
-from robodyn.errors import InputError
+from robodyn.dynamics.loops.local_coordinates import moved, unit
+from robodyn.dynamics.plan import applied, loads
+from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.programs.vectors import Array, Scalar, total, vector
-from robodyn.robot.model import Joint, Model
+from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Wrench
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
 
 EXACT = 2.0**-34
 """Softness of accelerations: above what rounding leaves of equations that depend on each other, and no more, because
 forces along directions that are about to be lost still count."""
+GENTLE = 2.0**-10
+"""Softness of corrections: near a configuration at which the equations depend on each other, errors of rounding in the
+direction that is lost are left alone, where an exact correction would blow them up."""
+CORRECTIONS = 2
+"""Of the positions after each step, with one factorisation: each divides their error by the inverse of the step's."""
 
 
 class Dropped(NamedTuple):
@@ -49,25 +62,32 @@ class ClosedChain:
     """A model with closures: `M qdd + bias = tau + J^T lambda`, `J qdd = -J' qd`.
 
     Attributes:
-        model: of `aligned`.
-        closures: with the equations that are kept.
-        rotors: n reflected rotor inertias.
+        model: of `aligned`; scene: it has these loops.
+        closures: with the equations that are kept; `necessary` leaves out those that others imply.
         sizes: by equation, how long its column of C^-1 J^T may be, M being C C^T.
-        baumgarte: 1/s; 0 for none.
         dropped: the equations that are not kept.
     """
 
     model: Model
+    scene: Scene
     closures: tuple[Closure, ...]
-    rotors: tuple[float, ...]
     sizes: tuple[float, ...]
-    baumgarte: float = 0.0
     dropped: tuple[Dropped, ...] = ()
 
     @property
     def count(self) -> int:
         """Equations."""
         return len(self.sizes)
+
+    @cached_property
+    def _rotors(self) -> list[float]:
+        """The reflected rotor inertias (n)."""
+        return reflected(self.model, self.scene)
+
+    def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:
+        """Return a sample without accelerations, and without speeds if there are none."""
+        nothing = (0.0,) * self.model.n
+        return Sample(self.model, tuple(q), nothing if qd is None else tuple(qd), nothing)
 
     def keeping(self, rows: Collection[int]) -> ClosedChain:
         """Return the chain with these of its equations alone; the others are dropped."""
@@ -87,6 +107,11 @@ class ClosedChain:
             held(closure, closure.relative(self.model, joints)) for closure in self.closures
         ]
         return Equations(*([x for part in parts for x in part[k]] for k in range(len(Equations._fields))))
+
+    def jacobian(self, sample: Sample) -> Floats:
+        """Return (equations, n) J at a sample of floats."""
+        rows = [[row.get(rate, 0.0) for rate in range(self.model.n)] for row in self.equations(sample).J]
+        return np.array(rows, dtype=float).reshape(self.count, self.model.n)
 
     def wrenches(self, here: Equations, multipliers: Iterable[Scalar]) -> Iterator[Wrench]:
         """Yield what the other link of each closure does to its link, at its point, in the axes of the other."""
@@ -108,16 +133,8 @@ class ClosedChain:
             InputError: nothing resists a joint.
         """
         n = self.model.n
-        try:
-            root = Root(
-                composite_body(self.model, sample.motions(), terms.inertias, self.rotors), rates_inward(self.model)
-            )
-        except SingularError as error:
-            name = self.model.rates[error.unknown]
-            what = f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined'
-            raise InputError(
-                what, remedy="give a link that it carries mass and inertia, or the joint a rotor"
-            ) from None
+        M = composite_body(self.model, sample.motions(), terms.inertias, self._rotors)
+        root = Root(M, rates_inward(self.model), self.model.rates)
         columns = [root.inward([row.get(rate, 0.0) for rate in range(n)]) for row in J]
         rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]
         return Solver(root, LeastChange(rows, [softness * size for size in self.sizes]))
@@ -130,28 +147,43 @@ class ClosedChain:
             terms: without acceleration.
             tau: n scalars.
         """
-        b, here = self.baumgarte, self.equations(sample)
+        b, here = self.scene.baumgarte, self.equations(sample)
         free = [torque - other for torque, other in zip(tau, loads(sample, terms).tau, strict=True)]
         rows = zip(here.bias, here.rate, here.error, strict=True)
         wanted = [0.0 - bias - 2.0 * b * rate - b * b * error for bias, rate, error in rows]
-        qdd, multipliers = self.solver(sample, terms, here.J, EXACT).solve(self._along_bodies(sample, free), wanted)
+        qdd, multipliers = self.solver(sample, terms, here.J, EXACT).solve(
+            turned(free, self._floating(sample), back=True), wanted
+        )
         return self.along_parents(sample, qdd), multipliers
 
-    def along_parents(self, sample: Sample, rates: Sequence[Scalar]) -> list[Scalar]:
-        """Rates, those of a floating joint's position turned from its body's axes to its parent's."""
-        out = list(rates)
-        for place, turn in self._floating(sample):
-            out[place] = turn @ vector(*out[place])
-        return out
+    def inertial(self, sample: Sample) -> Terms:
+        """Return inertias alone."""
+        return applied([payload.EFFECT], sample, self.scene)
 
-    def _along_bodies(self, sample: Sample, forces: Sequence[Scalar]) -> list[Scalar]:
-        out = list(forces)
-        for place, turn in self._floating(sample):
-            out[place] = turn.T @ vector(*out[place])
-        return out
+    def settled(self, q: Sequence[Scalar], qd: Sequence[Scalar]) -> tuple[list[Scalar], list[Scalar]]:
+        """The state on the loops that is nearest in kinetic energy, for any scalar; with Baumgarte's terms, the same.
+
+        `M u - J^T mu = 0`, `J u = -phi` for positions, twice with the J of the first; `J u = -phi'` for speeds.
+        """
+        if self.scene.baumgarte:
+            return list(q), list(qd)
+        first = self.sample(q, qd)
+        here = self.equations(first)
+        solver = self.solver(first, self.inertial(first), here.J, GENTLE)
+
+        def step(errors: Sequence[Scalar]) -> list[Scalar]:
+            found, _ = solver.solve([0.0] * self.model.n, [0.0 - error for error in errors])
+            return self.along_parents(first, found)
+
+        for _ in range(CORRECTIONS):
+            q = unit(self.model, moved(self.model, q, step(here.error)))
+            here = self.equations(self.sample(q, qd))
+        return list(q), [rate + more for rate, more in zip(qd, step(here.rate), strict=True)]
+
+    def along_parents(self, sample: Sample, rates: Sequence[Scalar]) -> list[Scalar]:
+        """Return the rates, those of a floating joint's position turned from its body's axes to its parent's."""
+        return turned(rates, self._floating(sample))
 
     def _floating(self, sample: Sample) -> list[tuple[slice, Array]]:
-        joints: list[tuple[int, Joint]] = [(i, body.joint) for i, body in enumerate(self.model.bodies)]
-        free = [(i, joint) for i, joint in joints if joint.kind == "floating"]
-        motions = sample.motions() if free else []
-        return [(slice(joint.rate + 3, joint.rate + 6), joint.R.T @ motions[i].R) for i, joint in free]
+        free = any(body.joint.kind == "floating" for body in self.model.bodies)
+        return floating_turns(self.model, sample.motions()) if free else []

@@ -8,8 +8,9 @@ from math import atan2
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.loops.closing import Closing, moved, unit
-from robodyn.dynamics.loops.find import NOTHING, closed_chain, jacobian
+from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.find import NOTHING, closed_chain
+from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.linear import shortest
@@ -38,15 +39,15 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
 
     Accuracy: 1e-13 m or rad, for links of up to a metre.
     """
-    closing = Closing(plan, closed_chain(plan))
+    chain = closed_chain(plan)
     model, scene = plan.model, plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
-    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(closing, q, _others(model.n, kept)))
+    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(chain, q, _others(model.n, kept)))
     if closed is None:
-        raise _open(closing, q)
-    _check_dropped(closing, closed)
+        raise _open(chain, q)
+    _check_dropped(chain, closed)
     given = [model.rates.index(name) for name in scene.initial_qd]
-    rolling = _keeping(given, lambda kept: _rolling(closing, closed, qd, _others(model.n, kept)))
+    rolling = _keeping(given, lambda kept: _rolling(chain, closed, qd, _others(model.n, kept)))
     if rolling is None:
         raise InputError("the loops allow no speeds near those given", remedy="give [initial] qd of fewer joints")
     return np.array([*closed, *rolling, *state[model.nq + model.n :]])
@@ -88,37 +89,37 @@ def _others(n: int, given: Sequence[int]) -> list[int]:
     return [rate for rate in range(n) if rate not in given]
 
 
-def _closed(closing: Closing, q: Floats, free: Sequence[int]) -> Floats | None:
+def _closed(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
     """q with the loops closed by moving the free coordinates alone; None if that fails."""
-    model, still = closing.model, (0.0,) * closing.model.n
-    reach = _reach(closing)
+    model = chain.model
+    reach = _reach(chain)
     for _ in range(TRIES):
-        sample = closing.sample(q.tolist(), still)
-        error, J = _left(closing, sample)
+        sample = chain.sample(q.tolist())
+        error, J = _left(chain, sample)
         if np.abs(error).max(initial=0.0) <= CLOSED * reach:
             return q
         moving = _moving(J, free)
         step = np.zeros(model.n)
         step[moving] = _shortest(J[:, moving], -error)
         step *= min(1.0, LONGEST / (np.abs(step).max(initial=0.0) + 1e-300))
-        moves = closing.chain.along_parents(sample, step.tolist())
+        moves = chain.along_parents(sample, step.tolist())
         q = np.array(unit(model, moved(model, q.tolist(), moves)), dtype=float)
     return None
 
 
-def closed_near(closing: Closing, q: Floats, moves: Floats) -> Floats | None:
+def closed_near(chain: ClosedChain, q: Floats, moves: Floats) -> Floats | None:
     """Return the closed place nearest to q after some moves; None if there is none."""
-    sample = closing.at_rest(q.tolist())
-    there = unit(closing.model, moved(closing.model, q.tolist(), closing.chain.along_parents(sample, moves.tolist())))
-    return _closed(closing, np.array(there, dtype=float), range(closing.model.n))
+    sample = chain.sample(q.tolist())
+    there = unit(chain.model, moved(chain.model, q.tolist(), chain.along_parents(sample, moves.tolist())))
+    return _closed(chain, np.array(there, dtype=float), range(chain.model.n))
 
 
-def _left(closing: Closing, sample: Sample) -> tuple[Floats, Floats]:
+def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
     """phi and J; of a weld the rotation vector of the turn that is left, as its equations hold at half a turn too."""
-    here, J = closing.chain.equations(sample), jacobian(closing.chain, sample)
+    here, J = chain.equations(sample), chain.jacobian(sample)
     error = np.array(here.error, dtype=float)
     at = 0
-    for closure, place in zip(closing.chain.closures, here.places, strict=True):
+    for closure, place in zip(chain.closures, here.places, strict=True):
         turn = rotation_from_rpy(*closure.loop.rpy)
         for k, equation in enumerate(closure.equations, at):
             if closure.loop.kind == "weld" and equation.unit == "rad":
@@ -143,16 +144,15 @@ def _rotation_vector(R: Floats) -> Floats:
     return np.asarray(axis * atan2(sine, cosine) * (1.0 if product(axis, v) >= -NOTHING else -1.0))
 
 
-def _rolling(closing: Closing, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
+def _rolling(chain: ClosedChain, q: Floats, qd: Floats, free: Sequence[int]) -> Floats | None:
     """qd with J qd = 0, the free speeds changed as little as possible; None if they cannot do it alone."""
-    chain = closing.chain
-    sample = closing.sample(q.tolist(), qd.tolist())
-    J, rate = jacobian(chain, sample), np.array(chain.equations(sample).rate, dtype=float)
+    sample = chain.sample(q.tolist(), qd.tolist())
+    J, rate = chain.jacobian(sample), np.array(chain.equations(sample).rate, dtype=float)
     moving = _moving(J, free)
-    change = np.zeros(closing.model.n)
+    change = np.zeros(chain.model.n)
     change[moving] = _shortest(J[:, moving], -rate)
     left = np.abs(product(J, change) + rate).max(initial=0.0)
-    if left > CLOSED * _reach(closing) * max(1.0, np.abs(qd).max(initial=0.0)):
+    if left > CLOSED * _reach(chain) * max(1.0, np.abs(qd).max(initial=0.0)):
         return None
     rolling: Floats = qd + np.array(chain.along_parents(sample, change.tolist()), dtype=float)
     return rolling
@@ -169,17 +169,17 @@ def _shortest(J: Floats, right: Floats) -> Floats:
     return shortest(J, right, NOTHING)
 
 
-def _reach(closing: Closing) -> float:
+def _reach(chain: ClosedChain) -> float:
     """m; the longest offset between joints, at least 1."""
-    lengths = [body.joint.p for body in closing.model.bodies]
-    lengths += [np.array(point) for c in closing.chain.closures for point in (c.loop.point, c.loop.to_point)]
+    lengths = [body.joint.p for body in chain.model.bodies]
+    lengths += [np.array(point) for c in chain.closures for point in (c.loop.point, c.loop.to_point)]
     return float(np.abs(lengths).max(initial=1.0))
 
 
-def _open(closing: Closing, q: Floats) -> InputError:
+def _open(chain: ClosedChain, q: Floats) -> InputError:
     """Return which loop is open by how much where the scene begins."""
-    errors = closing.chain.equations(closing.at_rest(q.tolist())).error
-    rows = [(closure.loop.name, equation) for closure in closing.chain.closures for equation in closure.equations]
+    errors = chain.equations(chain.sample(q.tolist())).error
+    rows = [(closure.loop.name, equation) for closure in chain.closures for equation in closure.equations]
     worst = int(np.argmax(np.abs(errors)))
     name, equation = rows[worst]
     return InputError(
@@ -188,13 +188,13 @@ def _open(closing: Closing, q: Floats) -> InputError:
     )
 
 
-def _check_dropped(closing: Closing, q: Floats) -> None:
+def _check_dropped(chain: ClosedChain, q: Floats) -> None:
     """Raise if an equation that was dropped does not hold."""
-    motions = closing.at_rest(q.tolist()).motions()
-    for closure, equation in closing.chain.dropped:
-        place = closure.relative(closing.model, motions)
+    motions = chain.sample(q.tolist()).motions()
+    for closure, equation in chain.dropped:
+        place = closure.relative(chain.model, motions)
         error = float(equation.of(place.d, place.B))
-        if abs(error) > MISFIT * _reach(closing):
+        if abs(error) > MISFIT * _reach(chain):
             raise InputError(
                 f'loop "{closure.loop.name}" cannot close: it misses by {abs(error):.3g} {equation.unit} '
                 f"{equation.about} of {closure.loop.to}, wherever the joints stand",

@@ -7,13 +7,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.loops.closed_chain import EXACT, ClosedChain
 from robodyn.dynamics.loops.closure import GROUND_FRAME, Closure
 from robodyn.dynamics.loops.equation import equations_of
-from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
@@ -39,15 +37,15 @@ def closed_chain(plan: Plan) -> ClosedChain:
     model, scene = aligned(plan.model), plan.scene
     every = [closure_of(model, loop) for loop in scene.loops]
     sizes = [len(closure.equations) for closure in every]
-    whole = ClosedChain(model, tuple(every), tuple(reflected(model, scene)), (1.0,) * sum(sizes), scene.baumgarte)
-    samples = [Sample(model, q, (0.0,) * model.n, (0.0,) * model.n) for q in _trials(model)]
-    rows = np.array([jacobian(whole, sample) for sample in samples])
+    whole = ClosedChain(model, scene, tuple(every), (1.0,) * sum(sizes))
+    samples = [whole.sample(q) for q in _trials(model)]
+    rows = np.array([whole.jacobian(sample) for sample in samples])
     kept: set[int] = set()
     for at, size in zip(np.cumsum([0, *sizes]).tolist(), sizes, strict=False):
         own = rows[:, at : at + size].transpose(1, 0, 2).reshape(size, -1)
         kept |= {at + k for k in independent(own)}
     chain = whole.keeping(kept)
-    largest = np.max([_sizes(chain, sample, plan) for sample in samples], axis=0)
+    largest = np.max([_sizes(chain, sample) for sample in samples], axis=0)
     return replace(chain, sizes=tuple(largest.tolist()))
 
 
@@ -71,15 +69,6 @@ def _outward(model: Model, i: int) -> tuple[int, ...]:
     return tuple(reversed(path))
 
 
-def jacobian(chain: ClosedChain, sample: Sample) -> Floats:
-    """(equations, n) J at a sample of floats."""
-    J = np.zeros((len(chain.sizes), chain.model.n))
-    for row, values in zip(J, chain.equations(sample).J, strict=True):
-        for rate, value in values.items():
-            row[rate] = value
-    return J
-
-
 def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
     """The places of rows that span all but a part `nothing` of them, by elimination with the largest row first."""
     left, found = rows.copy(), []
@@ -96,10 +85,9 @@ def independent(rows: Floats, nothing: float = NOTHING) -> list[int]:
     return sorted(found)
 
 
-def _sizes(chain: ClosedChain, sample: Sample, plan: Plan) -> Floats:
+def _sizes(chain: ClosedChain, sample: Sample) -> Floats:
     """(equations,) lengths of the columns of C^-1 J^T, M being C C^T."""
-    terms = applied([payload.EFFECT], sample, plan.scene)
-    rows = chain.solver(sample, terms, chain.equations(sample).J, EXACT).least.A
+    rows = chain.solver(sample, chain.inertial(sample), chain.equations(sample).J, EXACT).least.A
     squares = np.zeros(len(chain.sizes))
     for row in rows:
         for k, value in row.items():

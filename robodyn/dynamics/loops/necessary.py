@@ -9,7 +9,6 @@ import numpy as np
 from robodyn.dynamics.initial_state import initial_state
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.closed_start import closed_near, closed_start
-from robodyn.dynamics.loops.closing import Closing
 from robodyn.dynamics.loops.find import closed_chain, independent
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
@@ -24,11 +23,6 @@ FEW = 1e-6
 """Singular values of J that are a smaller part of the largest count as none: loops are closed to rounding there."""
 
 
-def closing(plan: Plan) -> Closing:
-    """Return what closes the loops of a plan, by the equations that are necessary."""
-    return Closing(plan, necessary(plan))
-
-
 @lru_cache(maxsize=16)
 def necessary(plan: Plan) -> ClosedChain:
     """The closed chain without equations that depend on others where the motion begins and at closed places nearby.
@@ -37,31 +31,30 @@ def necessary(plan: Plan) -> ClosedChain:
     start alone, as for four-bars that lie flat, all are kept.
     """
     chain = closed_chain(plan)
-    closing = Closing(plan, chain)
-    begun = _begun(closing)
+    begun = _begun(plan)
     if begun is None:
         return chain
-    J = closing.jacobian(begun.tolist())
+    J = chain.jacobian(chain.sample(begun.tolist()))
     rank = _rank(J)
-    if rank == chain.count or any(_rank(closing.jacobian(q.tolist())) > rank for q in _nearby(closing, begun, J)):
+    nearby = (chain.jacobian(chain.sample(q.tolist())) for q in _nearby(chain, begun, J))
+    if rank == chain.count or any(_rank(near) > rank for near in nearby):
         return chain
     return chain.keeping(independent(J, FEW))
 
 
-def _begun(closing: Closing) -> Floats | None:
+def _begun(plan: Plan) -> Floats | None:
     """q where the motion begins; None where it cannot."""
-    model, scene = closing.plan.model, closing.plan.scene
     try:
-        return closed_start(closing.plan, initial_state(model, scene))[: model.nq]
+        return closed_start(plan, initial_state(plan.model, plan.scene))[: plan.model.nq]
     except InputError:
         return None
 
 
-def _nearby(closing: Closing, q: Floats, J: Floats) -> list[Floats]:
+def _nearby(chain: ClosedChain, q: Floats, J: Floats) -> list[Floats]:
     """Closed places that motions which the loops allow lead to."""
     free = across(J, FEW)
     drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
-    places = [closed_near(closing, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
+    places = [closed_near(chain, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
+from robodyn.dynamics.recursions.elimination import unresisted
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
 from robodyn.robot.model import Model
 from robodyn.robot.motion_types import Motion
@@ -26,14 +27,6 @@ def known_zero(value: Scalar) -> bool:
     return isinstance(value, float) and value == 0.0
 
 
-class SingularError(ArithmeticError):
-    """A pivot is exactly zero; `unknown` says which."""
-
-    def __init__(self, unknown: int) -> None:
-        super().__init__(f"unknown {unknown} has no equation")
-        self.unknown = unknown
-
-
 class Pivot(NamedTuple):
     """An unknown that was eliminated: 1 / sqrt(D), and what it takes of each unknown that is left."""
 
@@ -45,18 +38,18 @@ class Pivot(NamedTuple):
 class Root:
     """A = C C^T with `C = L sqrt(D)`, in a given order of unknowns."""
 
-    def __init__(self, entries: Entries, order: Sequence[int]) -> None:
+    def __init__(self, entries: Entries, order: Sequence[int], names: Sequence[str]) -> None:
         """
         Args:
-            entries: of A; order: of all its unknowns.
+            entries: of A; order: of all its unknowns; names: of these.
 
         Raises:
-            SingularError: a pivot is zero.
+            InputError: a pivot is exactly zero.
         """
         rows: dict[int, dict[int, Scalar]] = {unknown: {} for unknown in order}
         for (i, j), value in entries.items():
             rows[i][j] = rows[j][i] = value
-        self.pivots = [_eliminated(unknown, rows) for unknown in order]
+        self.pivots = [_eliminated(unknown, rows, names) for unknown in order]
 
     def inward(self, right: Sequence[Scalar]) -> list[Scalar]:
         """C^-1 right."""
@@ -75,12 +68,12 @@ class Root:
         return x
 
 
-def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]]) -> Pivot:
+def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]], names: Sequence[str]) -> Pivot:
     """Takes an unknown out of the rows that are left."""
     row = rows.pop(unknown)
     D = row.pop(unknown, 0.0)
     if known_zero(D):
-        raise SingularError(unknown)
+        raise unresisted(names[unknown])
     inverse = 1.0 / D
     shares = {j: row[j] * inverse for j in sorted(row)}
     for j, share in shares.items():

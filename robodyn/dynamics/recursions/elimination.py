@@ -17,6 +17,7 @@ from robodyn.support.floats import Floats
 
 ROUNDING = 2.0**-48
 """A smaller share of a body's inertia is what rounding leaves of none."""
+RESIST = "give a link that it carries mass and inertia, or the joint a rotor"
 
 
 class Solved(NamedTuple):
@@ -147,10 +148,14 @@ def _check(D: Scalar, A: Array, name: str) -> None:
     """Refuses a joint that nothing resists, where that is known beforehand."""
     known = [abs(x) for x in np.diag(A) if isinstance(x, float)]
     if D == 0 or (isinstance(D, float) and abs(D) <= ROUNDING * max(known, default=0.0)):
-        raise InputError(
-            f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined',
-            remedy="give a link that it carries mass and inertia, or the joint a rotor",
-        )
+        raise unresisted(name)
+
+
+def unresisted(name: str) -> InputError:
+    """Return the error of a joint that nothing resists."""
+    return InputError(
+        f'joint "{name}" moves nothing that has inertia, so its acceleration is not defined', remedy=RESIST
+    )
 
 
 UNDECIDED = 1e-6

@@ -10,45 +10,44 @@ from helpers.closed_chains import crank_slider, four_bars, spatial_loop
 
 import robodyn
 from robodyn.dynamics.initial_state import initial_state
-from robodyn.dynamics.loops import necessary
 from robodyn.dynamics.loops.closed_start import closed_start
-from robodyn.dynamics.loops.find import jacobian
+from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 
 
 def started(model, scene):
-    """q and qd that a motion begins with, and the closing."""
-    closing = necessary.closing(plan(model, scene))
-    state = closed_start(closing.plan, initial_state(model, scene))
-    return state[: model.nq], state[model.nq : model.nq + model.n], closing
+    """q and qd that a motion begins with, and the chain."""
+    a_plan = plan(model, scene)
+    state = closed_start(a_plan, initial_state(model, scene))
+    return state[: model.nq], state[model.nq : model.nq + model.n], necessary(a_plan)
 
 
 def test_given_coordinates_stay_and_the_others_are_found():
     model, scene = crank_slider()
     exact = scene.initial_q
-    q, qd, closing = started(model, replace(scene, initial_q={"main": 0.7}))
+    q, qd, chain = started(model, replace(scene, initial_q={"main": 0.7}))
     names = model.coordinates
     assert q[names.index("main")] == 0.7
     assert qd[names.index("main")] == 2.0
     found = dict(zip(names, q.tolist(), strict=True))
     reach = exact["rail"] - 0.3 * np.cos(0.7)
     assert abs(found["rail"] - 0.3 * np.cos(0.7)) == pytest.approx(reach, rel=1e-12)
-    sample = closing.sample(q.tolist(), qd.tolist())
-    assert np.abs(np.array(closing.chain.equations(sample).error, dtype=float)).max() <= 1e-13
-    assert np.abs(jacobian(closing.chain, sample) @ qd).max() <= 1e-13
+    sample = chain.sample(q.tolist(), qd.tolist())
+    assert np.abs(np.array(chain.equations(sample).error, dtype=float)).max() <= 1e-13
+    assert np.abs(chain.jacobian(sample) @ qd).max() <= 1e-13
 
 
 @pytest.mark.parametrize("kind", ["point", "hinge", "weld"])
 def test_residual_of_spatial_loops(kind):
-    q, _, closing = started(*spatial_loop(3, kind))
-    sample = closing.sample(q.tolist(), (0.0,) * len(q))
-    assert np.abs(np.array(closing.chain.equations(sample).error, dtype=float)).max() <= 1e-13
+    q, _, chain = started(*spatial_loop(3, kind))
+    sample = chain.sample(q.tolist(), (0.0,) * len(q))
+    assert np.abs(np.array(chain.equations(sample).error, dtype=float)).max() <= 1e-13
     if kind == "weld":
-        assert np.trace(closing.chain.equations(sample).places[0].B) > -1
-        turn = robodyn.programs.vectors.rotation_from_rpy(*closing.chain.closures[0].loop.rpy)
-        assert np.allclose(closing.chain.equations(sample).places[0].B.astype(float), turn, atol=1e-12)
+        assert np.trace(chain.equations(sample).places[0].B) > -1
+        turn = robodyn.programs.vectors.rotation_from_rpy(*chain.closures[0].loop.rpy)
+        assert np.allclose(chain.equations(sample).places[0].B.astype(float), turn, atol=1e-12)
 
 
 def test_what_had_to_change_is_said():

@@ -10,7 +10,7 @@ from helpers.small_robots import built, joint, link
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.loops.closure import Closure
 from robodyn.dynamics.loops.equation import equations_of
-from robodyn.dynamics.loops.find import closed_chain, closure_of, independent, jacobian
+from robodyn.dynamics.loops.find import closed_chain, closure_of, independent
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.recursions.momentum import dual_state
 from robodyn.scene.scene import Loop, Scene
@@ -40,7 +40,7 @@ def test_rates_are_those_of_dual_numbers(kind, moving, to):
     for ours, theirs in ((here.rate, dual.error), (here.bias, dual.rate)):
         expected = np.array([value.rate for value in theirs], dtype=float)
         assert np.abs(np.array(ours, dtype=float) - expected).max() <= 50 * np.finfo(float).eps * np.abs(expected).max()
-    assert np.abs(jacobian(chain, sample) @ qd - np.array(here.rate, dtype=float)).max() <= 1e-14 * np.abs(qd).max() * 4
+    assert np.abs(chain.jacobian(sample) @ qd - np.array(here.rate, dtype=float)).max() <= 1e-14 * np.abs(qd).max() * 4
 
 
 @pytest.mark.parametrize("kind", KINDS)
