@@ -146,7 +146,7 @@ class Context:
         if self.reading.document is None:
             return None
         try:
-            description = read_description(self.reading.document)
+            description = read_description(self.reading.document, self.view)
             return replace(description, search=self.search, data=self.reading.data)
         except DescriptionError:
             return None

@@ -16,7 +16,6 @@ from robodyn.checks.meshes.units import mesh_slips
 from robodyn.checks.reading.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.poses import Pose
-from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.boxes import Box, around
 from robodyn.support.floats import Floats
@@ -63,7 +62,7 @@ def solids(context: Context) -> Solids:
 def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> tuple[Box, float | None] | None:
     assert geometry.shape is not None, "it is a mesh"
     known = facts.get(geometry.shape.get("filename") or "")
-    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     ends = np.array((known.lo, known.hi)) * np.array(scale)
@@ -148,11 +147,9 @@ def half_size(geometry: GeometryView) -> Floats | None:
     if shape is None or shape.tag == "mesh":
         return None
     if shape.tag == "box":
-        size = numbers(shape, "size", 3).values
+        size = geometry.sizes[0].values
         return None if size is None else np.array(size) / 2.0
-    radius, length = numbers(shape, "radius", 1).value, numbers(shape, "length", 1).value
-    if shape.tag == "sphere":
-        length = 0.0
+    radius, length = geometry.sizes[0].value, 0.0 if shape.tag == "sphere" else geometry.sizes[1].value
     if radius is None or length is None:
         return None
     cap = 0.0 if shape.tag == "cylinder" else radius

@@ -7,7 +7,6 @@ from typing import Any
 
 from robodyn.checks.bodies.masses import principal_moments
 from robodyn.checks.context import Context
-from robodyn.robot.urdf.numbers import numbers, value_span
 from robodyn.robot.urdf.source_positions import Span
 from robodyn.robot.urdf.view import JointView
 
@@ -76,9 +75,8 @@ def types(*kinds: str) -> Callable[[Context], Iterator[Found]]:
 
 def friction(context: Context) -> Iterator[Found]:
     for joint in context.view.joints:
-        element = joint.element.find("dynamics")
-        if element is not None and numbers(element, "friction", 1).value:
-            yield value_span(element, "friction"), f"joint '{joint.name}'"
+        if joint.friction.value:
+            yield joint.friction.span, f"joint '{joint.name}'"
 
 
 def mimic_leader(context: Context) -> Iterator[Found]:
@@ -118,13 +116,9 @@ def _range(joint: JointView) -> tuple[float, float] | None:
     return joint.limit.range if limited and joint.limit is not None else None
 
 
-def _damping(joint: JointView) -> float | None:
-    return numbers(joint.element.find("dynamics"), "damping", 1).value
-
-
 _VALUES: dict[str, Callable[[JointView], Any]] = {
     "axis": lambda joint: joint.axis.values if joint.moves else None,
     "range": _range,
     "mimic": lambda joint: joint.mimic,
-    "damping": _damping,
+    "damping": lambda joint: joint.damping.value,
 }

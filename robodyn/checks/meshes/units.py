@@ -8,7 +8,6 @@ from math import dist
 
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names
-from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.view import GeometryView, LinkView
 
 _LONGEST, _SHORTEST = 20.0, 1e-3
@@ -50,7 +49,7 @@ def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
 def longest(geometry: GeometryView, uri: str, context: Context) -> float | None:
     """Return the longest side of the box of a mesh, scaled [m]; None where it is not known."""
     known = context.once(all_facts).get(uri)
-    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     return max(abs(factor) * (hi - lo) for factor, lo, hi in zip(scale, known.lo, known.hi, strict=True))
@@ -73,7 +72,7 @@ def _mistaken(side: float, twin: float | None, reach: float) -> tuple[float, str
 
 
 def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
-    scale = numbers(geometry.shape, "scale", 3).or_default(1.0, 1.0, 1.0)
+    scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     sizes = sorted(map(abs, scale or (1.0,)))
     if sizes[0] > 0 and _UNEVEN[0] <= sizes[-1] / sizes[0] <= _UNEVEN[1]:
         return sizes[-1] / sizes[0], "its scale differs by a factor of 1000 between axes"

@@ -8,6 +8,10 @@ from robodyn.checks.examples import INERTIA, one_link
 from robodyn.checks.reading.grammar import own_elements
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import numbers
+from robodyn.robot.urdf.xml_reader import unexpanded
+
+_LONGEST = 2000
+"""Characters of an attribute of numbers."""
 
 
 @rule(Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
@@ -16,8 +20,11 @@ def check(context: Context) -> Faults:
         for name, count in kind.attributes.items():
             if not count:
                 continue
-            found = numbers(element, name, count)
-            if found.problem is not None:
+            found, text = numbers(element, name, count), element.get(name) or ""
+            if len(text) > _LONGEST:
+                what = f"{name} of <{element.tag}> has {len(text)} characters"
+                yield Fault(found.span, what, f"write {count} numbers", subject=subject)
+            elif found.problem is not None and not unexpanded(text):
                 what = f"{name} of <{element.tag}> {found.problem}"
                 yield Fault(found.span, what, found.problem.remedy, subject=subject)
             elif not found.given and name in kind.needed:

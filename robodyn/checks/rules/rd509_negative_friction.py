@@ -6,15 +6,12 @@ simulation diverges.
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.urdf.numbers import numbers
 
 
 @rule(Severity.ERROR, good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'), bad=('"0.1"', '"-0.1"'))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
-        dynamics = joint.element.find("dynamics")
-        for name in ("damping", "friction"):
-            found = numbers(dynamics, name, 1)
+        for found in (joint.damping, joint.friction):
             if found.value is not None and found.value < 0:
-                what = f"the {name} is {found.value:g}, and feeds energy in"
+                what = f"the {found.attribute} is {found.value:g}, and feeds energy in"
                 yield Fault(found.span, what, "write it without the sign", measured=found.value, bound=0.0)

@@ -13,8 +13,6 @@ from collections.abc import Iterator
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.urdf.numbers import numbers
-from robodyn.robot.urdf.parts import SIZES
 from robodyn.robot.urdf.view import GeometryView, LinkView
 
 _EXPORT = "export the mesh of this part"
@@ -27,7 +25,7 @@ def check(context: Context) -> Faults:
             yield from _sizes(link, geometry)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
-        scale = numbers(use.geometry.shape, "scale", 3).values
+        scale = use.geometry.scale.values
         if use.geometry.shape is not None and scale is not None and min(scale) <= 0:
             scaled.setdefault((use.geometry.shape.get("filename") or "", scale), []).append(use)
     for (_, scale), uses in scaled.items():
@@ -36,12 +34,11 @@ def check(context: Context) -> Faults:
 
 def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
     shape = geometry.shape
-    for attribute in SIZES.get("" if shape is None else shape.tag, ()):
-        size = numbers(shape, attribute, 3 if attribute == "size" else 1)
+    for size in geometry.sizes:
         if shape is not None and size.values is not None and min(size.values) <= 0:
-            what = f"the {attribute} of the <{geometry.kind}> {shape.tag} is {_shown(size.values)}, not positive"
+            what = f"the {size.attribute} of the <{geometry.kind}> {shape.tag} is {_shown(size.values)}"
             remedy = "write the size in metres, or remove the shape"
-            yield Fault(size.span, what, remedy, measured=min(size.values), bound=0.0)
+            yield Fault(size.span, f"{what}, not positive", remedy, measured=min(size.values), bound=0.0)
 
 
 def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
@@ -59,7 +56,7 @@ def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
         what, remedy = "turns the mesh by half a turn, which every known program does", f"{_EXPORT}, or turn it by rpy"
     more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
     return Fault(
-        numbers(uses[0].geometry.shape, "scale", 3).span,
+        uses[0].geometry.scale.span,
         f"the scale {_shown(scale)} {what}{more}",
         remedy,
         measured=min(scale),

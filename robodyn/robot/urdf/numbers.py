@@ -7,12 +7,11 @@ from math import isfinite
 
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.source_positions import Span
-from robodyn.robot.urdf.xml_reader import unexpanded
 from robodyn.support.floats import LARGEST, SMALLEST
 from robodyn.support.wording import shown
 
-_LONGEST = 2000
-"""Characters of the longest attribute that is read as numbers."""
+TEXT = ""
+"""The name that stands for the text of an element where its attributes are named."""
 
 
 class NumbersError(ValueError):
@@ -49,8 +48,9 @@ def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
         raise _not_numbers(text)
     if len(numbers) != count:
         raise NumbersError(f"has {len(numbers)} numbers, not {count}: {shown(text)}", f"write {_numerals(count)}")
-    if any(number and not SMALLEST <= abs(number) <= LARGEST for number in numbers):
-        return tuple(_settled(number, text, tag) for number in numbers)
+    for number in numbers:
+        if number and not SMALLEST <= abs(number) <= LARGEST:
+            return tuple(_settled(number, text, tag) for number in numbers)
     return numbers
 
 
@@ -73,9 +73,9 @@ def _numerals(count: int) -> str:
     return "one number" if count == 1 else f"{count} numbers with blanks between them"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Numbers:
-    """The numbers of one attribute: `values` is None where it is absent (`given` is False) or cannot be read.
+    """The numbers of one attribute, or what is wrong with them: `values` is None where it is absent or has a `problem`.
 
     `element` is None where the element that would hold the attribute is absent, too.
     """
@@ -83,7 +83,7 @@ class Numbers:
     element: Element | None
     attribute: str
     given: bool
-    values: tuple[float, ...] | None
+    values: tuple[float, ...] | None = None
     problem: NumbersError | None = None
 
     @property
@@ -103,13 +103,11 @@ class Numbers:
 
 
 def numbers(element: Element | None, attribute: str, count: int) -> Numbers:
-    if element is None or (text := element.values.get(attribute)) is None:
-        return Numbers(element, attribute, False, None)
-    if unexpanded(text):
-        return Numbers(element, attribute, True, None)
+    """Return the numbers of an attribute, or of the element's `TEXT`, with what is wrong with them as data."""
+    text = None if element is None else element.text if attribute == TEXT else element.values.get(attribute)
+    if element is None or text is None:
+        return Numbers(element, attribute, False)
     try:
-        if len(text) > _LONGEST:
-            raise NumbersError(f"has {len(text)} characters", f"write {count} numbers")
         return Numbers(element, attribute, True, parse_numbers(text, count, element.tag))
     except NumbersError as error:
         return Numbers(element, attribute, True, None, error)

@@ -6,8 +6,8 @@ from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, S
 from itertools import islice
 from typing import Protocol, TypeVar
 
-from robodyn.robot.urdf.fields import Fields
 from robodyn.robot.urdf.parts import Joint, Link
+from robodyn.robot.urdf.strict import Strict
 from robodyn.support.wording import alternatives, listed, shown
 
 _MOST_SHOWN = 6
@@ -24,66 +24,66 @@ N = TypeVar("N", bound=_Named)
 K = TypeVar("K", bound=Hashable)
 
 
-def by_name(parts: Iterable[N], kind: str, fields: Fields) -> dict[str, N]:
+def by_name(parts: Iterable[N], kind: str, strict: Strict) -> dict[str, N]:
     """Return the parts by name; no name may stand for two."""
     named: dict[str, N] = {}
     for part in parts:
         first = named.setdefault(part.name, part)
         if first is not part:
             what = f"a second {kind} {shown(part.name)}, the first is in line {first.line}"
-            raise fields.error(part.line, what, "rename one of them")
+            raise strict.error(part.line, what, "rename one of them")
     return named
 
 
-def root_link(links: Mapping[str, Link], joints: Sequence[Joint], fields: Fields) -> str:
+def root_link(links: Mapping[str, Link], joints: Sequence[Joint], strict: Strict) -> str:
     """Return the name of the one link without a parent, after checking that the joints make a tree of the links."""
     if not links:
-        raise fields.error(1, "the robot has no links", "add a <link>")
-    above = _joint_above(links, joints, fields)
+        raise strict.error(1, "the robot has no links", "add a <link>")
+    above = _joint_above(links, joints, strict)
     for cycle in cycles({child: joint.parent for child, joint in above.items()}):
         first = min((above[link] for link in cycle), key=lambda joint: joint.line)
         start = cycle.index(first.parent)
         downward = [*cycle[start::-1], *cycle[:start:-1]]
         what = f"links hang on each other in a cycle: {_round(downward)}"
-        raise fields.error(first.line, what, "a URDF must be a tree")
+        raise strict.error(first.line, what, "a URDF must be a tree")
     roots = [link for link in links if link not in above]
     if len(roots) > 1:
         what = f"{len(roots)} links have no parent: {listed(roots)}"
-        raise fields.error(links[roots[1]].line, what, "join them to one tree; a URDF has one root link")
+        raise strict.error(links[roots[1]].line, what, "join them to one tree; a URDF has one root link")
     return roots[0]
 
 
-def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], fields: Fields) -> None:
+def check_mimics(joints: Mapping[str, Joint], lines: Mapping[str, int], strict: Strict) -> None:
     """Check that mimic joints follow joints that lead somewhere; `lines` are those of the <mimic> elements."""
     masters = {joint.name: joint.mimic.joint for joint in joints.values() if joint.mimic is not None}
     for name, master in masters.items():
         if master not in joints:
             what = f"joint {shown(name)} mimics joint {shown(master)}, which does not exist"
-            raise fields.error(lines[name], what, alternatives(master, joints, "joints"))
+            raise strict.error(lines[name], what, alternatives(master, joints, "joints"))
         if master == name:
-            raise fields.error(lines[name], f"joint {shown(name)} mimics itself", "name another joint")
+            raise strict.error(lines[name], f"joint {shown(name)} mimics itself", "name another joint")
     for cycle in cycles(masters):
         what = f"joints mimic each other in a cycle: {_round(cycle)}"
-        raise fields.error(min(lines[name] for name in cycle), what, "let one of them be free")
+        raise strict.error(min(lines[name] for name in cycle), what, "let one of them be free")
 
 
-def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], fields: Fields) -> dict[str, Joint]:
+def _joint_above(links: Mapping[str, Link], joints: Iterable[Joint], strict: Strict) -> dict[str, Joint]:
     """Return for each link but the roots the joint that it hangs on."""
     above: dict[str, Joint] = {}
     for joint in joints:
         for role, link in (("parent", joint.parent), ("child", joint.child)):
             if link not in links:
-                raise _dangling(joint, role, link, links, fields)
+                raise _dangling(joint, role, link, links, strict)
         first = above.setdefault(joint.child, joint)
         if first is not joint:
             what = f"link {shown(joint.child)} hangs on two joints: {shown(first.name)} (line {first.line})"
-            raise fields.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
+            raise strict.error(joint.line, f"{what} and {shown(joint.name)}", "a link has one parent; remove one joint")
     return above
 
 
-def _dangling(joint: Joint, role: str, link: str, links: Collection[str], fields: Fields) -> Exception:
+def _dangling(joint: Joint, role: str, link: str, links: Collection[str], strict: Strict) -> Exception:
     what = f"the {role} of joint {shown(joint.name)} is link {shown(link)}, which does not exist"
-    return fields.error(joint.line, what, alternatives(link, links, "links"))
+    return strict.error(joint.line, what, alternatives(link, links, "links"))
 
 
 def cycles(successor: Mapping[K, K]) -> Iterator[list[K]]:

@@ -1,8 +1,9 @@
 """Links, joints and numbers of a document as far as they can be read.
 
-Strict reading (`robodyn.robot.urdf.description`) raises at the first fault. Rules read through this view instead:
-nothing in it raises, what is missing or unreadable is None, and every part knows the element it comes from. Of several
-children with one tag the first counts, as in urdfdom. Numbers are read when they are first asked for.
+Nothing in this view raises: what is missing or unreadable is None, what is wrong with a number is data, and every part
+knows the element it comes from. Of several children with one tag the first counts, as in urdfdom. Each attribute is
+read once, when it is first asked for. Rules report the faults; strict reading (`robodyn.robot.urdf.description`) takes
+its values out of the same view, and raises the first.
 """
 
 from __future__ import annotations
@@ -14,11 +15,11 @@ from typing import TypeVar
 
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
-from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES
+from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES, SIZES
 from robodyn.robot.urdf.source_positions import Span
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
-P = TypeVar("P", bound="_Part")
+P = TypeVar("P", bound="Part")
 N = TypeVar("N", bound="_Named")
 
 
@@ -38,7 +39,7 @@ def _number(name: str, count: int = 1, child: str = "") -> cached_property[Numbe
 def _text(name: str, child: str = "") -> cached_property[str]:
     """Return an attribute of the part's element, or of its first child with that tag; empty where it is missing."""
 
-    def read(part: _Part) -> str:
+    def read(part: Part) -> str:
         element = part.element.find(child) if child else part.element
         return (element and element.get(name)) or ""
 
@@ -60,7 +61,7 @@ class OriginView:
         self.element = owner.find("origin")
 
 
-class _Part:
+class Part:
     """One element, and the pose in it."""
 
     def __init__(self, element: Element) -> None:
@@ -71,7 +72,7 @@ class _Part:
         return OriginView(self.element)
 
 
-class InertialView(_Part):
+class InertialView(Part):
     """<inertial>: `mass_element` and `inertia_element` are None where it has none."""
 
     mass = _number("value", child="mass")
@@ -95,7 +96,7 @@ class InertialView(_Part):
         return values if len(values) == len(INERTIA) else None
 
 
-class GeometryView(_Part):
+class GeometryView(Part):
     """<visual> or <collision> (`kind`), and the first shape in it."""
 
     @property
@@ -107,8 +108,21 @@ class GeometryView(_Part):
         geometry = self.element.find("geometry")
         return None if geometry is None else next((child for child in geometry.children if child.tag in SHAPES), None)
 
+    @cached_property
+    def sizes(self) -> tuple[Numbers, ...]:
+        """The sizes of a primitive."""
+        if self.shape is None:
+            return ()
+        names = SIZES.get(self.shape.tag, ())
+        return tuple(numbers(self.shape, name, 3 if name == "size" else 1) for name in names)
 
-class LimitView(_Part):
+    @cached_property
+    def scale(self) -> Numbers:
+        """The scale of a mesh."""
+        return numbers(self.shape, "scale", 3)
+
+
+class LimitView(Part):
     """<limit>."""
 
     lower = _number("lower")
@@ -123,7 +137,7 @@ class LimitView(_Part):
         return None if lower is None or upper is None else (lower[0], upper[0])
 
 
-class MimicView(_Part):
+class MimicView(Part):
     """<mimic>; the multiplier of an absent attribute is 1, the offset 0."""
 
     joint = _text("joint")
@@ -131,7 +145,7 @@ class MimicView(_Part):
     offset = _number("offset")
 
 
-class _Named(_Part):
+class _Named(Part):
     """<link> or <joint>; what is missing of its texts is empty."""
 
     name = _text("name")
@@ -171,6 +185,8 @@ class JointView(_Named):
     parent = _text("link", "parent")
     child = _text("link", "child")
     axis = _number("xyz", 3, "axis")
+    damping = _number("damping", child="dynamics")
+    friction = _number("friction", child="dynamics")
     limit = _child("limit", LimitView)
     mimic = _child("mimic", MimicView)
 

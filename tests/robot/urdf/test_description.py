@@ -8,8 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robodyn.robot.urdf.description import load_description
+from robodyn.errors import DescriptionError
+from robodyn.robot.urdf.description import load_description, read_description
+from robodyn.robot.urdf.document import read_document
 from robodyn.robot.urdf.parts import Description, Geometry, Inertial, Joint, Limit, Link, Mimic, Origin, Transmission
+from robodyn.robot.urdf.view import View
 
 FULL = """<?xml version="1.0"?>
 <robot name="full">
@@ -92,6 +95,25 @@ def test_everything_is_read_in_the_order_of_the_file() -> None:
         Joint("grip", "prismatic", "arm", "finger", mimic=Mimic("swing", -2.0, 0.5), line=29),
     )
     assert robot.transmissions == (Transmission("drive", "swing", -62.5, 2e-4, 33),)
+
+
+def test_strict_reading_takes_the_values_of_the_view_and_raises_its_faults() -> None:
+    document = read_document(FULL.encode())
+    view = View(document.root)
+    one, other = read_description(document, view), read_description(document)
+    assert (one.links, one.joints, one.notes) == (other.links, other.joints, other.notes)
+    limit = view.joint["swing"].limit
+    assert limit is not None
+    limit.effort.values = (31.0,)
+    assert read_description(document, view).joints[0].limit == Limit(-1, 2, 31, 4)
+
+    document = read_document(FULL.replace('effort="30"', 'effort="30 N"').encode())
+    view = View(document.root)
+    limit = view.joint["swing"].limit
+    assert limit is not None
+    assert (limit.range, limit.effort.value) == ((-1, 2), None)
+    with pytest.raises(DescriptionError, match=f"'effort' in <limit> of joint 'swing' {limit.effort.problem}"):
+        read_description(document, view)
 
 
 def test_every_default_is_on_record() -> None:
