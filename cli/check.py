@@ -11,9 +11,9 @@ import click
 
 from robodyn.checks.compare.baseline import compared, write_baseline
 from robodyn.checks.context import Asked
-from robodyn.checks.project import Task, check_tasks, fix_task, tasks_for
+from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Severity
-from robodyn.checks.run import Checked, Options
+from robodyn.checks.run import Checked, Options, Task, check_tasks
 from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together

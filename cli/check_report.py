@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import click
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.project import Task
-from robodyn.checks.run import Checked
+from robodyn.checks.run import Checked, Task
 from robodyn.cli.screen import page
 from robodyn.report.check import check_text
 from robodyn.report.json.descriptions import check_json

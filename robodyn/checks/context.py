@@ -122,12 +122,15 @@ class Context:
         """Links, joints and numbers, as far as they can be read. From stage DOCUMENT on."""
         return View(self.reading.root)
 
+    def reaches(self, stage: int) -> bool:
+        """Return whether the file can be read as far as a stage of `robodyn.checks.rule` asks for."""
+        needed = (lambda: self.reading.document, lambda: self.tree_or_none, lambda: self.model_or_none)
+        return all(there() is not None for there in needed[:stage])
+
     @cached_property
     def tree(self) -> Tree:
         """The tree of links and its rigid groups. From stage TREE on."""
-        tree = self.tree_or_none
-        assert tree is not None, "the stage TREE has been reached"
-        return tree
+        return _there(self.tree_or_none)
 
     @cached_property
     def tree_or_none(self) -> Tree | None:
@@ -135,14 +138,8 @@ class Context:
         return build_tree(self.view)
 
     @cached_property
-    def description(self) -> Description:
-        """The strict reading. From stage MODEL on."""
-        description = self.description_or_none
-        assert description is not None, "the stage MODEL has been reached"
-        return description
-
-    @cached_property
     def description_or_none(self) -> Description | None:
+        """The strict reading."""
         if self.reading.document is None:
             return None
         try:
@@ -154,9 +151,7 @@ class Context:
     @cached_property
     def model(self) -> Model:
         """The assembled robot. From stage MODEL on."""
-        model = self.model_or_none
-        assert model is not None, "the stage MODEL has been reached"
-        return model
+        return _there(self.model_or_none)
 
     @cached_property
     def model_or_none(self) -> Model | None:
@@ -168,3 +163,8 @@ class Context:
             return assemble(self.description_or_none)
         except DescriptionError:
             return None
+
+
+def _there(value: T | None) -> T:
+    assert value is not None, "the stage has been reached"
+    return value

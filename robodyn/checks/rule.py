@@ -7,7 +7,7 @@ yields one `Fault` for each thing that is wrong, and never raises. What it may r
     TEXT      `context.reading`: the bytes, and what is wrong with them as XML
     DOCUMENT  `context.view`: links, joints and numbers as far as they can be read; names may lead nowhere
     TREE      `context.tree` as well: one tree, one root, rigid groups; every name is unique and leads somewhere
-    MODEL     `context.description` and `context.model` as well
+    MODEL     `context.model` as well
 
 A rule runs only where its stage is reached, so that one defect gives no second error. Within its stage a rule is silent
 about what another rule reports: a number that cannot be read is None in the view, and is RD007's alone.

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import os
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import starmap
 
 from robodyn.checks.catalogue import CODES, RULES, instead_of
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
-from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, Stage, excerpt
+from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
 from robodyn.robot.urdf.document import Reading, read
+from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import content_of, is_xacro
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import shown
 
 Source = str | os.PathLike[str] | bytes
+STDIN = "<stdin>"
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,24 @@ class Checked:
         return replace(self, findings=tuple(finding for finding in self.findings if finding.subject == subject))
 
 
+@dataclass(frozen=True)
+class Task:
+    """A file, or the bytes of standard input, and how to check it."""
+
+    source: str | bytes
+    options: Options
+
+    @property
+    def name(self) -> str:
+        """The file as findings show it."""
+        if isinstance(self.source, bytes):
+            return STDIN
+        return self.source + EXPANDED if is_xacro(self.source) else self.source
+
+    def reading(self) -> Reading:
+        return read_one(self.source, self.options)
+
+
 def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> tuple[Finding, ...]:
     """Return the findings in one or several descriptions, in the order of the files and of their text.
 
@@ -99,23 +118,41 @@ def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> 
     Raises:
         InputError: a file cannot be read, nothing matches a pattern, or there is no such rule.
     """
-    return check_all(sources, options).findings
-
-
-def check_all(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> Checked:
-    """Check files, with their names. Many files are shared out among processes, one for each core."""
     given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
     rules_for(options)
-    files = files_of(given)
-    names = tuple("<stdin>" if isinstance(file, bytes) else file for file in files)
-    calls = [(file, options) for file in files]
-    found = list[Finding]()
-    outcomes = each_in_a_process(check_one, calls) if worth_processes(files) else starmap(check_one, calls)
-    for name, each in zip(names, outcomes, strict=True):
-        if isinstance(each, InputError):
-            raise InputError(each.what, file=name)
-        found += each
-    return Checked(names, tuple(found))
+    checked = check_tasks([Task(file, options) for file in files_of(given)])
+    if checked.unread:
+        raise checked.unread[0].error
+    return checked.findings
+
+
+def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
+    """Return the findings in all of them; many files are shared out among processes, one for each core.
+
+    One that cannot be read stops no other.
+
+    Args:
+        tasks: the files.
+        done: called after each.
+    """
+    shared_out = worth_processes([task.source for task in tasks])
+    each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
+    files, found, unread = list[str](), list[Finding](), list[Unread]()
+    for task, outcome in zip(tasks, each, strict=True):
+        if isinstance(outcome, InputError):
+            unread.append(Unread(task.name, outcome))
+        else:
+            files.append(task.name)
+            found += outcome
+        done()
+    return Checked(tuple(files), tuple(found), tuple(unread))
+
+
+def _outcome(task: Task) -> tuple[Finding, ...] | InputError:
+    try:
+        return check_one(task.source, task.options)
+    except InputError as error:
+        return error
 
 
 def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Reading:
@@ -129,7 +166,7 @@ def check_one(source: Source, options: Options = EVERYTHING, name: str | None = 
     """Return the findings in one file or its bytes, in the order of the text."""
     reading = read_one(source, options, name)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
-    rules = [rule for rule in rules_for(options) if _runs(rule, context)]
+    rules = [rule for rule in rules_for(options) if context.reaches(rule.stage)]
     findings = [_finding(context, rule, fault) for rule in rules for fault in rule.check(context)]
     left = _without_waived(context, rules, findings)
     return tuple(sorted(left, key=lambda finding: (finding.start, finding.code)))
@@ -147,21 +184,6 @@ def rules_for(options: Options) -> tuple[Rule, ...]:
             raise InputError(what, remedy=instead_of(given, RULES))
     select, ignore = options.select or ("",), options.ignore
     return tuple(rule for rule in RULES if rule.code.startswith(select) and not rule.code.startswith(ignore))
-
-
-def stage_reached(context: Context) -> Stage:
-    """Return how far the file can be read."""
-    if context.reading.document is None:
-        return Stage.TEXT
-    if context.tree_or_none is None:
-        return Stage.DOCUMENT
-    return Stage.TREE
-
-
-def _runs(rule: Rule, context: Context) -> bool:
-    stage = stage_reached(context)
-    modelled = rule.stage is Stage.MODEL and stage is Stage.TREE and context.model_or_none is not None
-    return rule.stage <= stage or modelled
 
 
 def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:

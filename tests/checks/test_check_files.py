@@ -10,7 +10,7 @@ from helpers.planted_defects import HEALTHY
 
 import robodyn
 from robodyn.checks import sources
-from robodyn.checks.run import Options, check, check_all, check_one, rules_for
+from robodyn.checks.run import Checked, Options, Task, check, check_one, check_tasks, rules_for
 from robodyn.errors import InputError
 
 BAD = '<robot name="r"><link name="a"/><link name="a"/></robot>'
@@ -24,6 +24,10 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "more" / "c.urdf").write_text(BAD)
     (tmp_path / "notes.xml").write_text("<a>")
     return tmp_path
+
+
+def check_all(*given: Path | str) -> Checked:
+    return check_tasks([Task(file, Options()) for file in sources.files_of(given)])
 
 
 def test_the_function_of_the_package(folder: Path) -> None:
@@ -40,7 +44,7 @@ def test_a_folder_means_every_urdf_below_it(folder: Path) -> None:
 
 def test_patterns_and_several_files(folder: Path) -> None:
     assert check_all(f"{folder}/*.urdf").files == (f"{folder}/a.urdf", f"{folder}/b.urdf")
-    checked = check_all([f"{folder}/more/c.urdf", f"{folder}/a.urdf", f"{folder}/more/c.urdf"])
+    checked = check_all(f"{folder}/more/c.urdf", f"{folder}/a.urdf", f"{folder}/more/c.urdf")
     assert checked.files == (f"{folder}/more/c.urdf", f"{folder}/a.urdf")
     assert [finding.file for finding in checked.findings] == list(checked.files)
 

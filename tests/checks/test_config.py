@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from helpers.clean_arm import IDENTITY, arm
 
-from robodyn.checks import project
+from robodyn.checks import run
 from robodyn.checks.config import parse_config
 from robodyn.checks.context import DEFAULT
-from robodyn.checks.project import check_tasks, tasks_for
-from robodyn.checks.run import Options
+from robodyn.checks.project import tasks_for
+from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError
 
 TABLE = "[tool.robodyn.check]\n"
@@ -122,7 +122,7 @@ def test_settings_reach_every_process(robot: Path, monkeypatch: pytest.MonkeyPat
     other.write_text(PLANTED)
     (robot.parent / "robodyn.toml").write_text(f'{TABLE}ignore = ["RD208"]')
     alone = check_tasks(tasks_for([str(other), str(robot)]))
-    monkeypatch.setattr(project, "worth_processes", lambda files: True)
+    monkeypatch.setattr(run, "worth_processes", lambda files: True)
     shared = check_tasks(tasks_for([str(other), str(robot)]))
     assert shared == alone
     assert [finding.code for finding in shared.findings] == ["RD208", "RD502", "RD502"]

@@ -13,9 +13,9 @@ import pytest
 import xacro
 from helpers.clean_arm import IDENTITY, arm
 
-from robodyn.checks.project import check_tasks, fix_task, tasks_for
+from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options
+from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError
 from robodyn.robot.urdf.xacro import expanded
 
