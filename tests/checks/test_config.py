@@ -8,9 +8,8 @@ import pytest
 from helpers.clean_arm import IDENTITY, arm
 
 from robodyn.checks import run
-from robodyn.checks.config import parse_config
 from robodyn.checks.context import DEFAULT
-from robodyn.checks.project import tasks_for
+from robodyn.checks.project import parse_config, tasks_for
 from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError
 

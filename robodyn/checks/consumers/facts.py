@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
 
 from robodyn.checks.bodies.masses import principal_moments
 from robodyn.checks.context import Context
+from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.source_positions import Span
-from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.view import JointView, LinkView
 
 Found = tuple[Span, str]
+"""A place, and what is there."""
+Find = Callable[[Context], Iterable[Found]]
 _TINY = 1e-15
 _SLACK = 1e-6
 _FREEDOM = {"fixed": 0, "planar": 3, "floating": 6}
+
+
+def _part(part: LinkView | JointView, element: Element | None = None) -> Found:
+    """Return a link or joint at its start tag, or at that of an element in it."""
+    return (element or part.element).span, f"{part.subject.kind} '{part.name}'"
 
 
 def massless(context: Context) -> Iterator[Found]:
@@ -22,61 +29,53 @@ def massless(context: Context) -> Iterator[Found]:
         heavy = [link for link in group.links if link.mass]
         inert = len(heavy) > 1 or any(any(link.tensor or ()) for link in heavy)
         if group.mass is not None and (group.mass <= _TINY or not inert):
-            yield group.links[0].element.span, f"link '{group.links[0].name}'"
+            yield _part(group.links[0])
 
 
-def no_mass(context: Context) -> Iterator[Found]:
-    """Yield links without mass that a joint moves."""
-    for group in context.tree.groups[1:]:
-        if not group.links[0].mass:
-            yield group.links[0].element.span, f"link '{group.links[0].name}'"
+def no_mass(context: Context) -> Iterable[Found]:
+    """Return links without mass that a joint moves."""
+    return [_part(group.links[0]) for group in context.tree.groups[1:] if not group.links[0].mass]
 
 
 def unphysical(context: Context) -> Iterator[Found]:
     """Yield tensors that no body has, also of the root and of links without mass; a tensor of zeros counts as none."""
     for link in context.tree.links:
-        if link.tensor is None or not any(link.tensor):
+        if link.inertial is None or link.tensor is None or not any(link.tensor):
             continue
         small, middle, large = principal_moments(link.tensor)
         if small <= 0.0 or small + middle < (1.0 - _SLACK) * large:
-            assert link.inertial is not None, "it has a tensor"
-            yield link.inertial.element.span, f"link '{link.name}'"
+            yield _part(link, link.inertial.element)
 
 
 def no_tensor(context: Context) -> Iterator[Found]:
     for link in context.view.links:
         inertial = link.inertial
         if inertial is not None and (inertial.inertia_element is None or inertial.mass_element is None):
-            yield inertial.element.span, f"link '{link.name}'"
+            yield _part(link, inertial.element)
 
 
-def root_mass(context: Context) -> Iterator[Found]:
-    root = context.tree.root
-    if root.mass:
-        yield root.element.span, f"link '{root.name}'"
+def root(holds: Callable[[LinkView], object]) -> Find:
+    """Return the root, if something holds of it."""
+    return lambda context: [_part(context.tree.root)] if holds(context.tree.root) else []
 
 
-def free_base(context: Context) -> Iterator[Found]:
-    root = context.tree.root
-    if root.name != "world":
-        yield root.element.span, f"link '{root.name}'"
+def joints(holds: Callable[[JointView], object]) -> Find:
+    """Return the joints of which something holds."""
+    return lambda context: [_part(joint) for joint in context.view.joints if holds(joint)]
 
 
-def types(*kinds: str) -> Callable[[Context], Iterator[Found]]:
-    """Yield joints of some types."""
+def ranges(holds: Callable[[float, float], bool]) -> Find:
+    """Return the joints of whose lower and upper limit something holds."""
 
-    def find(context: Context) -> Iterator[Found]:
-        for joint in context.view.joints:
-            if joint.type in kinds:
-                yield joint.element.span, f"joint '{joint.name}'"
+    def limited(joint: JointView) -> bool:
+        limit = joint.limit if joint.type in ("revolute", "prismatic") else None
+        return limit is not None and limit.range is not None and holds(*limit.range)
 
-    return find
+    return joints(limited)
 
 
-def friction(context: Context) -> Iterator[Found]:
-    for joint in context.view.joints:
-        if joint.friction.value:
-            yield joint.friction.span, f"joint '{joint.name}'"
+def friction(context: Context) -> Iterable[Found]:
+    return [(joint.friction.span, _part(joint)[1]) for joint in context.view.joints if joint.friction.value]
 
 
 def mimic_leader(context: Context) -> Iterator[Found]:
@@ -86,39 +85,15 @@ def mimic_leader(context: Context) -> Iterator[Found]:
             continue
         leader = context.view.joint.get(joint.mimic.joint)
         if leader is None or _FREEDOM.get(leader.type, 1) != _FREEDOM.get(joint.type, 1):
-            yield joint.mimic.element.span, f"joint '{joint.name}'"
+            yield _part(joint, joint.mimic.element)
 
 
-def NAME(context: Context) -> Iterator[Found]:
-    """Yield the robot, where it has no name."""
-    root = context.view.root
-    if not root.get("name"):
-        yield root.span, "the robot"
+def nameless(context: Context) -> Iterable[Found]:
+    """Return the robot, where it has no name."""
+    return [] if context.view.root.get("name") else [(context.view.root.span, "the robot")]
 
 
-def where(what: str, holds: Callable[[Any], bool]) -> Callable[[Context], Iterator[Found]]:
-    """Yield links and joints of which something is given, and is so."""
-
-    def find(context: Context) -> Iterator[Found]:
-        parts: tuple[Any, ...] = context.view.joints
-        if what == "name":
-            parts = (*context.view.links, *parts)
-        for part in parts:
-            value = part.name if what == "name" else _VALUES[what](part)
-            if value is not None and holds(value):
-                yield part.element.span, f"{part.subject.kind} '{part.name}'"
-
-    return find
-
-
-def _range(joint: JointView) -> tuple[float, float] | None:
-    limited = joint.type in ("revolute", "prismatic") and joint.limit is not None
-    return joint.limit.range if limited and joint.limit is not None else None
-
-
-_VALUES: dict[str, Callable[[JointView], Any]] = {
-    "axis": lambda joint: joint.axis.values if joint.moves else None,
-    "range": _range,
-    "mimic": lambda joint: joint.mimic,
-    "damping": lambda joint: joint.damping.value,
-}
+def odd_names(context: Context) -> Iterable[Found]:
+    """Return links and joints whose names are no identifiers: of letters, digits and _."""
+    parts: tuple[LinkView | JointView, ...] = (*context.view.links, *context.view.joints)
+    return [_part(part) for part in parts if not part.name.isidentifier()]

@@ -5,13 +5,13 @@ That meshes cannot be read is reported only of programs that are asked for: near
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from os.path import splitext
 from typing import NamedTuple
 
+from robodyn.checks.consumers.facts import Find, Found
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshUse, State, mesh_names, mesh_uses
-from robodyn.robot.urdf.source_positions import Span
 
 
 class Reads(NamedTuple):
@@ -42,22 +42,18 @@ def unread(context: Context, target: str) -> dict[str, list[MeshUse]]:
     return found
 
 
-Found = tuple[Span, str]
-
-
-def unread_meshes(target: str) -> Callable[[Context], Iterator[Found]]:
-    """Yield meshes in a format that a program does not read."""
+def unread_meshes(target: str) -> Find:
+    """Return meshes in a format that a program does not read."""
 
     def find(context: Context) -> Iterator[Found]:
         for suffix, uses in unread(context, target).items() if target in context.asked.targets else ():
-            for use in uses:
-                yield _use(use, suffix or "no suffix")
+            yield from (_use(use, suffix or "no suffix") for use in uses)
 
     return find
 
 
-def missing_meshes(target: str, *kinds: str) -> Callable[[Context], Iterator[Found]]:
-    """Yield meshes that are not there."""
+def missing_meshes(target: str, *kinds: str) -> Find:
+    """Return meshes that are not there."""
 
     def find(context: Context) -> Iterator[Found]:
         for name in context.once(mesh_names).values() if target in context.asked.targets else ():
@@ -81,9 +77,8 @@ def uris(context: Context) -> Iterator[Found]:
 
 def visuals(context: Context) -> Iterator[Found]:
     for link in context.view.links:
-        for geometry in link.geometries:
-            if geometry.kind == "visual":
-                yield geometry.element.span, f"link '{link.name}'"
+        visual = [geometry for geometry in link.geometries if geometry.kind == "visual"]
+        yield from ((geometry.element.span, f"link '{link.name}'") for geometry in visual)
 
 
 def _use(use: MeshUse, what: str) -> Found:

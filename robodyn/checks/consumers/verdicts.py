@@ -2,29 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntEnum
+from operator import eq, gt
 
-from robodyn.checks.consumers.facts import (
-    NAME,
-    free_base,
-    friction,
-    massless,
-    mimic_leader,
-    no_mass,
-    no_tensor,
-    root_mass,
-    types,
-    unphysical,
-    where,
-)
+from robodyn.checks.consumers import facts
+from robodyn.checks.consumers.facts import Find, Found, joints, ranges, root
 from robodyn.checks.consumers.meshes import missing_meshes, unread_meshes, uris, visuals
 from robodyn.checks.context import Context
-from robodyn.robot.urdf.source_positions import Span
-
-Found = tuple[Span, str]
-"""A place, and what is there."""
 
 
 class Verdict(IntEnum):
@@ -43,7 +28,7 @@ class Fact:
     verdict: Verdict
     does: str
     source: str
-    find: Callable[[Context], Iterator[Found]]
+    find: Find
 
 
 _MUJOCO = "MuJoCo 4.0, run; its XML reference, compiler"
@@ -53,38 +38,45 @@ _GZ = "gz-common 6, MeshManager"
 _KDL = "kdl_parser.cpp"
 _ISAAC = "Isaac Sim 5, URDF importer and its ImportConfig"
 _REJECTS, _ALTERS = Verdict.REJECTS, Verdict.ALTERS
+_NO_AXIS = joints(lambda joint: joint.moves and joint.axis.values == (0, 0, 0))
+_MIMIC = joints(lambda joint: joint.mimic)
+_FIXED = joints(lambda joint: joint.type == "fixed")
+_FLOATING = joints(lambda joint: joint.type == "floating")
+_DRIVEN = joints(lambda joint: (joint.damping.value or 0.0) < 0)
+_HEAVY_ROOT = root(lambda link: link.mass)
+_FREE_ROOT = root(lambda link: link.name != "world")
 
 FACTS = (
-    Fact("mujoco", _REJECTS, "wants mass and inertia in what moves", _MUJOCO, massless),
-    Fact("mujoco", _REJECTS, "wants principal moments that a body can have", _MUJOCO, unphysical),
-    Fact("mujoco", _REJECTS, "wants <mass> and <inertia> in <inertial>", _MUJOCO, no_tensor),
-    Fact("mujoco", _REJECTS, "wants an axis that is not zero", _MUJOCO, where("axis", lambda v: v == (0, 0, 0))),
+    Fact("mujoco", _REJECTS, "wants mass and inertia in what moves", _MUJOCO, facts.massless),
+    Fact("mujoco", _REJECTS, "wants principal moments that a body can have", _MUJOCO, facts.unphysical),
+    Fact("mujoco", _REJECTS, "wants <mass> and <inertia> in <inertial>", _MUJOCO, facts.no_tensor),
+    Fact("mujoco", _REJECTS, "wants an axis that is not zero", _MUJOCO, _NO_AXIS),
     Fact("mujoco", _REJECTS, "reads meshes in .stl, .obj and .msh only", _MUJOCO, unread_meshes("mujoco")),
     Fact("mujoco", _REJECTS, "wants meshes to be there", _MUJOCO, missing_meshes("mujoco", "collision")),
     Fact("mujoco", _REJECTS, 'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>', _MUJOCO, uris),
     Fact("mujoco", _ALTERS, "leaves out what is only <visual>", _MUJOCO, visuals),
-    Fact("mujoco", _ALTERS, "makes the root a part of the world, without its mass", _MUJOCO, root_mass),
-    Fact("mujoco", _ALTERS, "ignores equal limits", _MUJOCO, where("range", lambda v: v[0] == v[1])),
-    Fact("mujoco", _ALTERS, "makes mimic a soft equality constraint", _MUJOCO, where("mimic", bool)),
-    Fact("drake", _REJECTS, "wants lower <= upper", _DRAKE, where("range", lambda v: v[0] > v[1])),
-    Fact("drake", _REJECTS, "wants an axis that is not zero", _DRAKE, where("axis", lambda v: v == (0, 0, 0))),
-    Fact("drake", _REJECTS, "wants damping that is not negative", _DRAKE, where("damping", lambda v: v < 0)),
-    Fact("drake", _REJECTS, "wants mimic and leader with equal degrees of freedom", _DRAKE, mimic_leader),
+    Fact("mujoco", _ALTERS, "makes the root a part of the world, without its mass", _MUJOCO, _HEAVY_ROOT),
+    Fact("mujoco", _ALTERS, "ignores equal limits", _MUJOCO, ranges(eq)),
+    Fact("mujoco", _ALTERS, "makes mimic a soft equality constraint", _MUJOCO, _MIMIC),
+    Fact("drake", _REJECTS, "wants lower <= upper", _DRAKE, ranges(gt)),
+    Fact("drake", _REJECTS, "wants an axis that is not zero", _DRAKE, _NO_AXIS),
+    Fact("drake", _REJECTS, "wants damping that is not negative", _DRAKE, _DRIVEN),
+    Fact("drake", _REJECTS, "wants mimic and leader with equal degrees of freedom", _DRAKE, facts.mimic_leader),
     Fact("drake", _REJECTS, "collides with meshes in .obj, .vtk and .gltf only", _DRAKE, unread_meshes("drake")),
     Fact("drake", _REJECTS, "wants meshes to be there", _DRAKE, missing_meshes("drake", "visual", "collision")),
-    Fact("drake", _REJECTS, "wants a name of the robot", _DRAKE, NAME),
-    Fact("drake", _ALTERS, "ignores joint friction", _DRAKE, friction),
-    Fact("drake", _ALTERS, "lets the root float unless it is called world", _DRAKE, free_base),
-    Fact("drake", _ALTERS, "leaves the child of a floating joint free of its parent", _DRAKE, types("floating")),
-    Fact("gz", _ALTERS, "drops links without mass that a joint moves, and all below", _SDFORMAT, no_mass),
+    Fact("drake", _REJECTS, "wants a name of the robot", _DRAKE, facts.nameless),
+    Fact("drake", _ALTERS, "ignores joint friction", _DRAKE, facts.friction),
+    Fact("drake", _ALTERS, "lets the root float unless it is called world", _DRAKE, _FREE_ROOT),
+    Fact("drake", _ALTERS, "leaves the child of a floating joint free of its parent", _DRAKE, _FLOATING),
+    Fact("gz", _ALTERS, "drops links without mass that a joint moves, and all below", _SDFORMAT, facts.no_mass),
     Fact("gz", _ALTERS, "leaves out meshes in formats that it does not read", _GZ, unread_meshes("gz")),
-    Fact("gz", _ALTERS, "merges links on fixed joints", _SDFORMAT, types("fixed")),
-    Fact("kdl", _ALTERS, "ignores the mass of the root", _KDL, root_mass),
-    Fact("kdl", _ALTERS, "makes the joint fixed", _KDL, types("floating", "planar")),
-    Fact("kdl", _ALTERS, "moves mimic joints on their own", _KDL, where("mimic", bool)),
-    Fact("isaac", _ALTERS, "replaces characters in names by _", _ISAAC, where("name", lambda v: not v.isidentifier())),
-    Fact("isaac", _ALTERS, "merges links on fixed joints", _ISAAC, types("fixed")),
-    Fact("isaac", _ALTERS, "makes up a mass for links without one", _ISAAC, no_mass),
+    Fact("gz", _ALTERS, "merges links on fixed joints", _SDFORMAT, _FIXED),
+    Fact("kdl", _ALTERS, "ignores the mass of the root", _KDL, _HEAVY_ROOT),
+    Fact("kdl", _ALTERS, "makes the joint fixed", _KDL, joints(lambda joint: joint.type in ("floating", "planar"))),
+    Fact("kdl", _ALTERS, "moves mimic joints on their own", _KDL, _MIMIC),
+    Fact("isaac", _ALTERS, "replaces characters in names by _", _ISAAC, facts.odd_names),
+    Fact("isaac", _ALTERS, "merges links on fixed joints", _ISAAC, _FIXED),
+    Fact("isaac", _ALTERS, "makes up a mass for links without one", _ISAAC, facts.no_mass),
 )
 
 
