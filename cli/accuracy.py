@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import click
 
@@ -20,13 +21,11 @@ from robodyn.cli.options import (
     payloads,
 )
 from robodyn.cli.reading_options import READING, given, reading
-from robodyn.cli.reports import REPORT, reported
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import REPORT, answer
 from robodyn.measure.accuracy.ladder import Accuracy
-from robodyn.report.accuracy import accuracy_sections
+from robodyn.report.accuracy import accuracy_page, accuracy_sections
 from robodyn.report.json.runs import accuracy_json
 from robodyn.report.pictures.accuracy import form_of, rendered
-from robodyn.report.text import text
 from robodyn.support.extras import need
 from robodyn.support.files import write_whole
 
@@ -75,11 +74,8 @@ def command(
 
         write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"
-    if report:
-        from robodyn.report.accuracy import accuracy_page
-
-        written += reported(report, lambda pictures: accuracy_page(found, target, pictures))
-    show(accuracy_json(found, target) if form == "json" else text(accuracy_sections(found, target), page()) + written)
+    sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
+    answer(form, sections, report, document, written, json=lambda: accuracy_json(found, target))
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))
 
 

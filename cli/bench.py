@@ -8,10 +8,10 @@ import click
 
 from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, SCENE, Vector
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer
 from robodyn.measure.speed.run import bench
-from robodyn.report.bench import bench_text
 from robodyn.report.json.runs import bench_json
+from robodyn.report.measure import bench_sections
 
 
 @click.command("bench", short_help="How fast each executor is on a robot.")
@@ -47,7 +47,7 @@ def command(
         result = bench(model, scene, samples=samples, threads=threads, peers=peers, watch=_watch)
     finally:
         _watch("")
-    show(bench_json(result) if form == "json" else bench_text(result, page()))
+    answer(form, bench_sections(result), json=lambda: bench_json(result))
 
 
 def _watch(what: str) -> None:

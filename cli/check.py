@@ -9,20 +9,26 @@ from typing import Any
 
 import click
 
+from robodyn.checks.catalogue import RULES
 from robodyn.checks.compare.baseline import compared, write_baseline
 from robodyn.checks.context import Asked
 from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import Checked, Options, Task, check_tasks
-from robodyn.cli.check_report import report
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, write_report
-from robodyn.cli.screen import complain, show
+from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
-from robodyn.report.check import check_diff, fix_lines
+from robodyn.report.check import check_diff, check_sections, fix_lines, statistics_sections
+from robodyn.report.json.descriptions import check_json
+from robodyn.report.renderers.github import check_github
+from robodyn.report.renderers.junit import check_junit
+from robodyn.report.renderers.sarif import check_sarif
+from robodyn.report.text import text
+from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 
@@ -100,6 +106,23 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     return diff and bool(changed)
 
 
+def in_form(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:
+    """Return the findings in a form; what lines of expanded files mean is said on standard error."""
+    for name in checked.files:
+        if name.endswith(EXPANDED):
+            click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)
+    if form == "sarif":
+        readings = {task.name: task.reading for task in tasks}
+        return check_sarif(checked.findings, RULES, lambda name: readings[name](), checked.unread)
+    if form == "junit":
+        return check_junit(checked, strict)
+    if form == "github":
+        return check_github(checked.findings, checked.unread)
+    if form == "json":
+        return check_json(checked)
+    return text(statistics_sections(checked.findings) if statistics else check_sections(checked), page())
+
+
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @OPTIONS
@@ -145,7 +168,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     if flags["baseline"]:
         checked = _new(checked, flags["baseline"])
     if not flags["diff"]:
-        show(report(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
+        show(in_form(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
     if flags["report"]:
         from robodyn.report.check import check_page
 

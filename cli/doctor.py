@@ -5,10 +5,10 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.options import FORMAT
-from robodyn.cli.screen import show
+from robodyn.cli.reports import answer
 from robodyn.measure.doctor import doctor, healthy
-from robodyn.report.doctor import doctor_text
 from robodyn.report.json.descriptions import doctor_json
+from robodyn.report.measure import doctor_sections
 
 
 @click.command("doctor", short_help="What this machine and installation can do.")
@@ -22,5 +22,5 @@ def command(form: str) -> int:
       robodyn doctor
     """
     lines = doctor()
-    show(doctor_json(lines) if form == "json" else doctor_text(lines))
+    answer(form, doctor_sections(lines), json=lambda: doctor_json(lines))
     return int(not healthy(lines))

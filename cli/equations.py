@@ -8,23 +8,27 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, DESCRIPTION, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer
+from robodyn.cli.screen import show
 from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
 from robodyn.report.dae import dae_sections
-from robodyn.report.equations import closed_text, ode_sections
+from robodyn.report.equations import closed_sections, ode_sections
 from robodyn.report.json.equations import closed_json, dae_json, ode_json
 from robodyn.report.renderers.latex_closed import closed_latex
 from robodyn.report.renderers.latex_dae import dae_latex
-from robodyn.report.text import text
-from robodyn.robot.model import Model
-from robodyn.scene.scene import Scene
 
 FORMATS = ("text", "latex", "c", "json")
 ONLY = {"c": ("ode",), "latex": ("closed", "dae")}
 """Formats that not all forms have."""
+_WRITERS: dict[str, Any] = {
+    "ode": (ode_sections, ode_json, None),
+    "dae": (dae_sections, dae_json, dae_latex),
+    "closed": (closed_sections, closed_json, closed_latex),
+}
+"""By form the functions for text, JSON and LaTeX."""
 ASKED = together(
     click.option(
         "--form",
@@ -52,14 +56,6 @@ def check_asked(form: str, output: str, **numbers: Any) -> None:
         raise click.UsageError("--tau is for --form dae", context)
 
 
-def dae_report(model: Model, scene: Scene, at: Any, qd: Any, tau: Any, output: str) -> str:
-    """Return the report in the form that is asked for."""
-    found = dae(model, scene, at, qd or (), tau or ())
-    if output == "text":
-        return text(dae_sections(found), page())
-    return {"json": dae_json, "latex": dae_latex}[output](found)
-
-
 @click.command("equations", short_help="Equations of motion in numbers, letters, LaTeX or C.")
 @click.argument("urdf", type=PATH)
 @ASKED
@@ -83,12 +79,11 @@ def command(
     check_names([urdf, scene_file], None)
     model, scene = robot_in_scene(urdf, scene_file, gravity, loops=form == "dae")
     if output == "c":
-        show(c_source(model, scene))
-    elif form == "dae":
-        show(dae_report(model, scene, at, qd, tau, output))
-    elif form == "closed":
-        written = {"text": closed_text, "json": closed_json, "latex": closed_latex}[output]
-        show(written(closed(model, scene)))
+        return show(c_source(model, scene))
+    found: Any
+    if form == "dae":
+        found = dae(model, scene, at, qd or (), tau or ())
     else:
-        found = ode(model, scene, at or (), qd or ())
-        show(ode_json(found) if output == "json" else text(ode_sections(found), page()))
+        found = closed(model, scene) if form == "closed" else ode(model, scene, at or (), qd or ())
+    sections, json, latex = _WRITERS[form]
+    answer(output, sections(found), json=lambda: json(found), latex=lambda: latex(found))

@@ -12,12 +12,11 @@ import click
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
 from robodyn.cli.reading_options import READING, given, reading
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError
 from robodyn.report.free_body import free_body_sections
 from robodyn.report.json.equations import free_bodies_json
-from robodyn.report.text import text
 from robodyn.robot.configuration import configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -92,7 +91,8 @@ def command(
         from robodyn.report.pictures.free_body import drawings
 
         written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
-    show(free_bodies_json(found, words) if form == "json" else text(free_body_sections(found, words), page()) + written)
+    sections = free_body_sections(found, words)
+    answer(form, sections, written=written, json=lambda: free_bodies_json(found, words))
 
 
 def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:

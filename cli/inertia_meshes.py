@@ -9,17 +9,17 @@ from typing import Any
 import click
 
 from robodyn.cli.files import STANDARD_INPUT
-from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each
+from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each, urdf_lines
 from robodyn.cli.progress import metered
-from robodyn.cli.reports import reported
-from robodyn.cli.screen import complain, page, show
+from robodyn.cli.reports import answer
+from robodyn.cli.screen import complain
 from robodyn.errors import InputError, MeshError
 from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promise
 from robodyn.report.bodies import inertia_sections
+from robodyn.report.document import Document
 from robodyn.report.json.bodies import inertia_json
-from robodyn.report.text import text
 from robodyn.solids.inertia.properties import Pose
-from robodyn.solids.inertia.view import View, inertial_element
+from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part, mass_properties
 from robodyn.support.floats import Floats
 
@@ -50,27 +50,26 @@ def meshes(
         complain(error)
     if failed and (combine or len(files) == 1):
         return 2
-    shapes = partial(_shapes, files, outcomes, options) if report else None
+    shapes = partial(_shapes, files, outcomes, options)
     if combine:
         _combined(parts, place, whole, view, form, report, shapes)
         return 0
-    written = ""
-    if shapes and parts:
+
+    def document(pictures: bool) -> Document:
         from robodyn.report.inertia_pages import parts_page
 
-        written = reported(report, lambda pictures: parts_page(outcomes, view, shapes(pictures)))
-    if form == "urdf":
-        show("\n".join(map(_element, outcomes)) + "\n")
-    else:
-        show(inertia_json(outcomes, view) if form == "json" else text(inertia_sections(parts, view), page()) + written)
+        return parts_page(outcomes, view, shapes(pictures))
+
+    json, urdf = partial(inertia_json, outcomes, view), lambda: "".join(map(_element, outcomes))
+    answer(form, inertia_sections(parts, view), report if parts else None, document, json=json, urdf=urdf)
     return 2 if failed else 0
 
 
 def _element(outcome: Part | MeshError) -> str:
     """Return the <inertial> of a part; a comment stands for one that there is not."""
     if isinstance(outcome, Part):
-        return inertial_element(outcome.body, "")
-    return f"<!-- {str(outcome).replace('--', '- -')} -->"
+        return urdf_lines(outcome.body)
+    return f"<!-- {str(outcome).replace('--', '- -')} -->\n"
 
 
 def _shapes(
@@ -133,19 +132,18 @@ def _combined(
     view: View,
     form: str,
     report: str | None,
-    shapes: Callable[[bool], list[Floats | None]] | None,
+    shapes: Callable[[bool], list[Floats | None]],
 ) -> None:
     from robodyn.report.composite import combination_sections
     from robodyn.report.json.bodies import combination_json
     from robodyn.solids.composite_mass import combined
 
-    found, written = combined(parts, places, mass), ""
-    if shapes:
+    found = combined(parts, places, mass)
+
+    def document(pictures: bool) -> Document:
         from robodyn.report.inertia_pages import combination_page
 
-        written = reported(report, lambda pictures: combination_page(found, view, shapes(pictures)))
-    if form == "urdf":
-        show(inertial_element(found.body, "") + "\n")
-    else:
-        sections = combination_sections(found, view)
-        show(combination_json(found, view) if form == "json" else text(sections, page()) + written)
+        return combination_page(found, view, shapes(pictures))
+
+    json, urdf = partial(combination_json, found, view), partial(urdf_lines, found.body)
+    answer(form, combination_sections(found, view), report, document, json=json, urdf=urdf)

@@ -12,7 +12,8 @@ from click.core import ParameterSource
 from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite_numbers, together, vector_type
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.solids.inertia.properties import Pose
+from robodyn.solids.inertia.properties import MassProperties, Pose
+from robodyn.solids.inertia.view import inertial_element
 from robodyn.support.wording import count
 
 T = TypeVar("T")
@@ -94,6 +95,11 @@ _ALLOWED = {
     "a link's shapes": {*_VIEW, *_READING, "link", "density", "mass"},
     "--compare": {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"},
 }
+
+
+def urdf_lines(body: MassProperties) -> str:
+    """Return a body as the <inertial> of a link."""
+    return inertial_element(body, "") + "\n"
 
 
 def one_each(values: Sequence[T], files: Sequence[str], option: str) -> list[T | None]:

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from robodyn.cli.files import described
-from robodyn.cli.inertia_options import check_use, one_each
+from robodyn.cli.inertia_options import check_use, one_each, urdf_lines
 from robodyn.cli.progress import counted
-from robodyn.cli.reports import pictured, write_report
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer
+from robodyn.report import inertia_pages as pages
 from robodyn.report.composite import comparison_sections, link_sections, link_shapes_sections, robot_sections
-from robodyn.report.document import Section
 from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
-from robodyn.report.text import text
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.from_shapes import link_from_shapes
 from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.urdf.geometry import Kind
 from robodyn.robot.urdf.parts import Description
-from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.view import View, inertial_element
+from robodyn.solids.inertia.view import View
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked
@@ -60,18 +57,8 @@ def _reading(ctx: click.Context) -> Reading:
 def _compared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     kind: Kind = ctx.params["geometry"] or "visual"
     found = compare(description, kind, _reading(ctx))
-    written = _written(report, "differences_page", found)
-    show(comparison_json(found) if form == "json" else text(comparison_sections(found), page()) + written)
-
-
-def _written(report: str | None, build: str, *given: Any) -> str:
-    """Write the report that a function builds, if one is asked for; a line that says so."""
-    if report is None:
-        return ""
-    from robodyn.report import inertia_pages
-
-    pictures = () if build == "differences_page" else (pictured(report),)
-    return write_report(report, getattr(inertia_pages, build)(*given, *pictures))
+    sections = comparison_sections(found)
+    answer(form, sections, report, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
 
 
 def _checked(description: Description) -> Checked:
@@ -85,17 +72,17 @@ def _checked(description: Description) -> Checked:
 def _whole(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = robot_inertia(description, ctx.params["at"] or ())
     checked = _checked(description)
-    written = _written(report, "robot_page", found, description, view, checked)
-    json = partial(robot_json, found, view, checked)
-    _show(form, found.body, json, robot_sections(found, view, checked), written)
+    document = partial(pages.robot_page, found, description, view, checked)
+    json, urdf = partial(robot_json, found, view, checked), partial(urdf_lines, found.body)
+    answer(form, robot_sections(found, view, checked), report, document, json=json, urdf=urdf)
 
 
 def _declared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
     found = link_inertia(description, ctx.params["link"])
     checked = _checked(description).of_link(found.name)
-    written = _written(report, "link_page", found, description, view, checked)
-    json = partial(link_json, description.name, found, view, checked)
-    _show(form, found.body, json, link_sections(description.file, found, view, checked), written)
+    document = partial(pages.link_page, found, description, view, checked)
+    json, urdf = partial(link_json, description.name, found, view, checked), partial(urdf_lines, found.body)
+    answer(form, link_sections(description.file, found, view, checked), report, document, json=json, urdf=urdf)
 
 
 def _from_shapes(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
@@ -108,14 +95,6 @@ def _from_shapes(description: Description, view: View, form: str, report: str | 
         mass=one_each(given["mass"], [description.file], "--mass")[0],
         reading=_reading(ctx),
     )
-    written = _written(report, "link_shapes_page", found, description, view)
-    json = partial(link_shapes_json, description.name, found, view)
-    _show(form, found.body, json, link_shapes_sections(description.file, found, view), written)
-
-
-def _show(form: str, body: MassProperties, json: Callable[[], str], sections: Iterable[Section], written: str) -> None:
-    """Show a body in the form that is asked for."""
-    if form == "urdf":
-        show(inertial_element(body, "") + "\n")
-    else:
-        show(json() if form == "json" else text(sections, page()) + written)
+    document = partial(pages.link_shapes_page, found, description, view)
+    json, urdf = partial(link_shapes_json, description.name, found, view), partial(urdf_lines, found.body)
+    answer(form, link_shapes_sections(description.file, found, view), report, document, json=json, urdf=urdf)

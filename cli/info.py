@@ -7,10 +7,9 @@ import click
 from robodyn.checks.overview import overview
 from robodyn.cli.files import check_names, robot_source
 from robodyn.cli.options import DESCRIPTION, FORMAT, PATH, lookup
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer
 from robodyn.report.json.descriptions import overview_json
 from robodyn.report.overview import overview_sections
-from robodyn.report.text import text
 
 
 @click.command("info", short_help="A robot at a glance: tree, joints, masses, meshes.")
@@ -27,4 +26,4 @@ def command(urdf: str, form: str) -> None:
     """
     check_names([urdf], None)
     found = overview(robot_source(urdf), **lookup())
-    show(overview_json(found) if form == "json" else text(overview_sections(found), page()))
+    answer(form, overview_sections(found), json=lambda: overview_json(found))

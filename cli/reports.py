@@ -1,10 +1,10 @@
-"""Reports in files: `--report FILE.html` and `--report FILE.md`."""
+"""What commands answer: text or JSON, and reports in files, `--report FILE.html` and `--report FILE.md`."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from importlib import import_module
 from threading import Thread
@@ -13,7 +13,10 @@ from typing import Any
 import click
 
 from robodyn.cli.options import PATH
+from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
+from robodyn.report.document import Document, Section
+from robodyn.report.text import text
 from robodyn.support.extras import need
 
 FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
@@ -22,8 +25,8 @@ _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 def REPORT(command: Callable[..., Any]) -> Callable[..., Any]:
     """Return the option --report."""
-    text = "Write a report for people: .html with plots and data in one file, or .md for a pull request."
-    return click.option("--report", type=PATH, metavar="FILE", callback=_checked, help=text)(command)
+    what = "Write a report for people: .html with plots and data in one file, or .md for a pull request."
+    return click.option("--report", type=PATH, metavar="FILE", callback=_checked, help=what)(command)
 
 
 def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
@@ -66,16 +69,27 @@ def _import() -> None:
             import_module(name)
 
 
-def reported(report: str | None, document: Callable[[bool], Any]) -> str:
-    """Write a report if one is asked for; a line that says so.
+def answer(
+    form: str,
+    sections: Iterable[Section],
+    report: str | None = None,
+    document: Callable[[bool], Document] | None = None,
+    written: str = "",
+    **others: Callable[[], str],
+) -> None:
+    """Show a result in the form that is asked for, after its report is written if there shall be one.
 
     Args:
-        document: what is to be written, with figures or without.
+        document: the report, with figures or without.
+        written: lines on other files, below the text.
+        others: forms that are not text.
     """
-    return "" if report is None else write_report(report, document(pictured(report)))
+    if report is not None and document is not None:
+        written += write_report(report, document(pictured(report)))
+    show(others[form]() if form in others else text(sections, page()) + written)
 
 
-def write_report(path: str, document: Any) -> str:
+def write_report(path: str, document: Document) -> str:
     """Write a document with the command and the versions at its foot; a line that says so.
 
     Raises:
@@ -90,14 +104,14 @@ def write_report(path: str, document: Any) -> str:
     if form_of(path) == "html":
         from robodyn.report.renderers.html import html
 
-        text = html(whole)
+        content = html(whole)
     else:
         from robodyn.report.renderers.markdown import markdown
 
-        text = markdown(whole)
-    content = text.encode("utf-8", errors="backslashreplace")
-    write_whole(path, content, remedy="name another file")
-    return f"\nwritten: {path}, {max(1, len(content) // 1000)} kB\n"
+        content = markdown(whole)
+    data = content.encode("utf-8", errors="backslashreplace")
+    write_whole(path, data, remedy="name another file")
+    return f"\nwritten: {path}, {max(1, len(data) // 1000)} kB\n"
 
 
 def versions() -> tuple[str, ...]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import click
 
 from robodyn.checks.catalogue import RULES, found_by, instead_of
-from robodyn.cli.screen import show
+from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
-from robodyn.report.rules import rules_text
+from robodyn.report.check import rules_sections
+from robodyn.report.text import text
 from robodyn.support.wording import shown
 
 
@@ -23,12 +24,12 @@ def command(asked: tuple[str, ...], everything: bool) -> None:
       robodyn rule RD207
       robodyn rule inertia
     """
-    found = {text: found_by(text, RULES) for text in asked}
-    for text, rules in found.items():
+    found = {word: found_by(word, RULES) for word in asked}
+    for word, rules in found.items():
         if not rules:
-            raise InputError(f"no rule has the code or the word {shown(text)}", remedy=instead_of(text, RULES))
+            raise InputError(f"no rule has the code or the word {shown(word)}", remedy=instead_of(word, RULES))
     chosen = RULES if everything or not asked else [rule for rules in found.values() for rule in rules]
     if everything or (asked and all(len(rules) == 1 for rules in found.values())):
-        show(rules_text(chosen))
+        show(text(rules_sections(chosen), page()))
     else:
         show("".join(f"{rule.code} {rule.severity.value:7} {rule.summary}\n" for rule in dict.fromkeys(chosen)))

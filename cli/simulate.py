@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import click
@@ -9,13 +10,12 @@ import click
 from robodyn.cli.files import check_names, check_table, robot_in_scene
 from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, VALUES, Vector
 from robodyn.cli.reading_options import TABLE, given, reading
-from robodyn.cli.reports import REPORT, get_ready, reported
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
 from robodyn.programs.run.choice import EXECUTORS
 from robodyn.report.json.runs import simulation_json
 from robodyn.report.simulation import simulation_sections
-from robodyn.report.text import text
+from robodyn.report.simulation_page import simulation_page
 from robodyn.simulation.methods import METHODS
 from robodyn.simulation.run import simulate
 from robodyn.simulation.table import read_table
@@ -96,9 +96,6 @@ def command(
         with open_writer(out, result.names) as writer:
             writer.write(result.time, result.columns)
         written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
-    if report:
-        from robodyn.report.simulation_page import simulation_page
-
-        written += reported(report, lambda pictures: simulation_page(result, pictures))
-    show(simulation_json(result) if form == "json" else text(simulation_sections(result, explain), page()) + written)
+    sections, document = simulation_sections(result, explain), partial(simulation_page, result)
+    answer(form, sections, report, document, written, json=lambda: simulation_json(result))
     return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))

@@ -17,14 +17,14 @@ from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.options import payloads
 from robodyn.cli.progress import files_done
 from robodyn.cli.reading_options import reading
-from robodyn.cli.screen import complain, page, show
+from robodyn.cli.reports import answer
+from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.report.batch import batch_sections, outcome_line
 from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
-from robodyn.report.text import text
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import processes
@@ -60,7 +60,9 @@ def run_batch(
     with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
         outcomes = _gathered(work, jobs, tick, form == "text")
     batch = Batch(robot, tuple(outcomes))
-    show(batch_json(batch) if form == "json" else f"\n{text(batch_sections(batch), page())}")
+    if form == "text":
+        show("\n")
+    answer(form, batch_sections(batch), json=lambda: batch_json(batch))
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 

@@ -13,12 +13,13 @@ from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect,
 from robodyn.cli.options import Vector
 from robodyn.cli.progress import watched
 from robodyn.cli.reading_options import reading
-from robodyn.cli.reports import get_ready, pictured, reported
-from robodyn.cli.screen import page, show
+from robodyn.cli.reports import answer, get_ready, pictured
 from robodyn.errors import InputError
 from robodyn.loads.accumulate import output_names
 from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
+from robodyn.report.document import Document
+from robodyn.report.torques import torques_sections
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.threads import write_behind
@@ -67,19 +68,18 @@ def run_single(
     result = way.fulfilled(result) if way else result
     if out:
         lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
-    if report:
+
+    def document(pictures: bool) -> Document:
         from robodyn.report.torques_page import torques_page
 
-        lines += reported(report, lambda pictures: torques_page(result, model, scene, pictures))
-    if form == "json":
+        return torques_page(result, model, scene, pictures)
+
+    def json() -> str:
         from robodyn.report.json.loads import torques_json
 
-        show(torques_json(result))
-    else:
-        from robodyn.report.text import text
-        from robodyn.report.torques import torques_sections
+        return torques_json(result)
 
-        show(text(torques_sections(result, options["explain"]), page()) + lines)
+    answer(form, torques_sections(result, options["explain"]), report, document, lines, json=json)
     return result
 
 

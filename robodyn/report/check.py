@@ -1,17 +1,18 @@
-"""The findings of `check`: place, message, the line of the source with a caret, what to do, and what fixing did."""
+"""The findings of `check` with the lines of the source, what fixing did, and the documentation of rules."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
+from textwrap import indent, wrap
 
 from robodyn.checks.fixes.fix import Fixed, Made
-from robodyn.checks.rule import Excerpt, Finding
+from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
 from robodyn.checks.run import Checked
-from robodyn.report.check_words import LEVELS, check_line, check_verdict, counted
+from robodyn.report.check_words import LEVELS, check_line, check_verdict
 from robodyn.report.document import (
     Block,
     Document,
@@ -19,32 +20,32 @@ from robodyn.report.document import (
     Findings,
     Heading,
     Level,
+    Paragraph,
+    Section,
     Table,
     Verdict,
     data_blocks,
+    paragraphs,
 )
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.table import printable
+from robodyn.support.wording import count
 
 
-def check_text(checked: Checked) -> str:
-    """Return every finding, and at the end how many there are in how many files."""
-    summary = f"{counted(len(checked.files), 'file')} checked: {check_line(checked)}\n"
-    return "".join(f"{_finding(finding)}\n" for finding in checked.findings) + summary
+def check_sections(checked: Checked) -> Iterator[Section]:
+    """Yield every finding, and at the end how many there are in how many files."""
+    for finding in checked.findings:
+        place = f"{finding.file}:{finding.line}:{finding.column}"
+        kind = f"{finding.severity.value} {finding.code} {finding.name}"
+        cause = [f"  cause: {finding.cause}"] if finding.cause is not None else []
+        fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
+        lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *cause]
+        yield paragraphs([*lines, f"  do: {finding.remedy}", *fix])
+    yield [Paragraph(f"{count(len(checked.files), 'file')} checked: {check_line(checked)}")]
 
 
-def _finding(finding: Finding) -> str:
-    place = f"{finding.file}:{finding.line}:{finding.column}"
-    lines = [
-        f"{place}: {finding.severity.value} {finding.code} {finding.name}: {finding.message}",
-        *marked(finding.line, finding.excerpt),
-    ]
-    if finding.cause is not None:
-        lines.append(f"  cause: {finding.cause}")
-    lines.append(f"  do: {finding.remedy}")
-    if finding.fix is not None:
-        lines.append(f"  fix: {finding.fix.what} ({'safe' if finding.fix.safe else 'unsafe'})")
-    return "".join(f"{printable(line)}\n" for line in lines)
+def _safety(fix: Fix) -> str:
+    return "safe" if fix.safe else "unsafe"
 
 
 def marked(line: int, excerpt: Excerpt) -> list[str]:
@@ -59,7 +60,6 @@ def marked(line: int, excerpt: Excerpt) -> list[str]:
 
 def check_page(checked: Checked) -> Document:
     """Return whether the descriptions can be used, which rules speak and how often, and every finding with its line."""
-    count = f"{counted(len(checked.files), 'file')} checked"
     blocks: list[Block] = [_verdict(checked)]
     if checked.findings:
         blocks += [_facts(checked), Heading("Rules"), _rules(checked)]
@@ -69,7 +69,7 @@ def check_page(checked: Checked) -> Document:
             blocks += [Heading(printable(file)), Findings(tuple(map(_item, found)))]
     blocks += data_blocks([("findings.json", check_json(checked))], "robodyn check --format json prints it")
     title = PurePath(checked.files[0]).name if len(checked.files) == 1 else "Robot descriptions"
-    return Document(title, f"Check of robot descriptions: {count}", tuple(blocks))
+    return Document(title, f"Check of robot descriptions: {count(len(checked.files), 'file')} checked", tuple(blocks))
 
 
 def _verdict(checked: Checked) -> Verdict:
@@ -105,7 +105,7 @@ def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
         lines.append((f"Cause: {finding.cause}.", False))
     lines.append((f"To do: {finding.remedy}.", False))
     if finding.fix is not None:
-        lines.append((f"Fix ({'safe' if finding.fix.safe else 'unsafe'}): {finding.fix.what}.", False))
+        lines.append((f"Fix ({_safety(finding.fix)}): {finding.fix.what}.", False))
     return LEVELS[finding.severity], title, tuple(lines)
 
 
@@ -143,3 +143,34 @@ def _kind(made: Made) -> str:
     if made.change is None:
         return "unsafe: by how much the torques change cannot be computed"
     return f"unsafe: torques change by up to {100 * made.change:.3g} % of the largest"
+
+
+_WIDTH = 100
+_WEIGHT = {
+    Severity.ERROR: "error: the check fails",
+    Severity.WARNING: "warning: the check fails with --strict",
+    Severity.NOTE: "note: the check does not fail",
+}
+
+
+def rules_sections(rules: Sequence[Rule]) -> Iterator[Section]:
+    """Yield what each rule asks for, why, and an example of both."""
+    for rule in rules:
+        yield [Paragraph(f"{rule.code} {rule.name} ({_WEIGHT[rule.severity]})")]
+        for text in (rule.summary, rule.explanation):
+            yield paragraphs(wrap(" ".join(text.split()), _WIDTH))
+        for title, example in (("bad:", rule.bad), ("good:", rule.good)):
+            yield paragraphs([title, *indent(example, "    ").splitlines()])
+
+
+def statistics_sections(findings: Sequence[Finding]) -> Iterator[Section]:
+    """Yield a table of rules, the most frequent first: findings, files, and how many have safe and other fixes."""
+    counts = Counter(finding.code for finding in findings)
+    files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
+    fixes = Counter((finding.code, finding.fix.safe) for finding in findings if finding.fix)
+    names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
+    figures = {code: (counts[code], files[code], fixes[code, True], fixes[code, False]) for code in counts}
+    order = sorted(counts, key=lambda code: (-counts[code], code))
+    rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
+    head = ("rule", "findings", "files", "safe fixes", "unsafe fixes")
+    yield [Table("", head, rows)] if rows else [Paragraph("no findings")]

@@ -8,7 +8,8 @@ from typing import Any
 from robodyn.equations.closed import STATES, Closed, decimal
 from robodyn.equations.ode import Ode
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import Content, number, printable, relative_text
+from robodyn.report.table import Content, number, relative_text
+from robodyn.support.wording import count
 
 DIGITS = 15
 
@@ -25,24 +26,21 @@ def ode_sections(ode: Ode) -> Iterator[Section]:
     yield remarks("warning", ode.warnings)
 
 
-def closed_text(closed: Closed) -> str:
-    """Return every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
+def closed_sections(closed: Closed) -> Iterator[Section]:
+    """Yield every entry on a line, in a syntax that Python reads, constants with up to 15 digits."""
     n = len(closed.joints)
-    mass = [f"M[{i + 1},{j + 1}] = {_written(closed.M[i][j])}\n" for i in range(n) for j in range(i, n)]
-    names = "".join(
-        f"{i + 1}  {printable(name)}: {kind}, {q} [{'m' if kind == 'prismatic' else 'rad'}], {qd}\n"
-        for i, (name, kind, q, qd) in enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True))
-    )
-    parts = [
-        f"{_head(closed.robot, n, closed.gravity)}\n{_equation(closed.bias)}\n",
-        f"Coordinates\n{names}",
-        f"Mass matrix, symmetric\n{''.join(mass)}",
-    ]
+    joints = enumerate(zip(closed.joints, closed.kinds, closed.q, closed.qd, strict=True), 1)
+    yield paragraphs([_head(closed.robot, n, closed.gravity), _equation(closed.bias)])
+    units = {"prismatic": "m"}
+    names = [f"{i}  {name}: {kind}, {q} [{units.get(kind, 'rad')}], {qd}" for i, (name, kind, q, qd) in joints]
+    yield paragraphs(["Coordinates", *names])
+    mass = [f"M[{i + 1},{j + 1}] = {_written(closed.M[i][j])}" for i in range(n) for j in range(i, n)]
+    yield paragraphs(["Mass matrix, symmetric", *mass])
     for effect, entries in closed.bias.items():
-        lines = [f"{_name(effect)}[{i + 1}] = {_written(entry)}\n" for i, entry in enumerate(entries)]
-        parts.append(f"{effect.capitalize()}\n{''.join(lines)}")
-    parts.append(checked(closed))
-    return "\n".join(parts)
+        name = effect.replace(" ", "_")
+        lines = [f"{name}[{i}] = {_written(entry)}" for i, entry in enumerate(entries, 1)]
+        yield paragraphs([effect.capitalize(), *lines])
+    yield [Paragraph(checked(closed))]
 
 
 def checked(closed: Closed) -> str:
@@ -50,14 +48,13 @@ def checked(closed: Closed) -> str:
     plain = f"; {closed.plain} entries are not simplified" if closed.plain else ""
     return (
         f"Checked against the recursion in numbers at {STATES} random states: "
-        f"largest difference {relative_text(closed.error)} of the largest entry of its unit{plain}.\n"
+        f"largest difference {relative_text(closed.error)} of the largest entry of its unit{plain}."
     )
 
 
 def _head(robot: str, n: int, gravity: tuple[float, float, float]) -> str:
     x, y, z = gravity
-    coordinates = f"{n} coordinate{'' if n == 1 else 's'}"
-    return f"{printable(robot)}: {coordinates}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    return f"{robot}: {count(n, 'coordinate')}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
 
 
 def _equation(effects: Any) -> str:
@@ -87,10 +84,6 @@ def _bias(ode: Ode) -> Content:
         for i, name in enumerate(ode.rates)
     ]
     return ("joint", *ode.shares, "together", "unit"), rows
-
-
-def _name(effect: str) -> str:
-    return effect.replace(" ", "_")
 
 
 def _written(expression: Any) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array, product
-from robodyn.report.bodies import inertia_sections
+from robodyn.report.bodies import amounts, inertia_sections
 from robodyn.report.check_words import check_line, check_verdict
 from robodyn.report.composite import (
     combination_sections,
@@ -24,7 +24,6 @@ from robodyn.report.document import (
     Block,
     Document,
     Facts,
-    Figure,
     Gallery,
     Heading,
     Level,
@@ -41,7 +40,7 @@ from robodyn.report.json.bodies import (
     link_shapes_json,
     robot_json,
 )
-from robodyn.report.table import number, printable
+from robodyn.report.table import printable
 from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import configuration
 from robodyn.robot.masses.compare import Comparison
@@ -77,13 +76,9 @@ def parts_page(outcomes: Sequence[Part | MeshError], view: View, shapes: Sequenc
         if len(outcomes) > 1:
             blocks.append(Heading(printable(part.name)))
         blocks.append(_weights(part.body))
-        if triangles is not None:
-            from robodyn.report.pictures.solids import body_figure
-
-            name = printable(PurePath(part.name).name)
-            blocks.append(Gallery((body_figure(name, part.body, triangles, f"mesh {k}"),)))
+        blocks += _solid(PurePath(part.name).name, part.body, triangles, f"mesh {k}")
         blocks += _numbers(inertia_sections([part], view))
-    blocks += _data("inertia.json", inertia_json(outcomes, view))
+    blocks += _data(inertia_json(outcomes, view))
     title = PurePath(parts[0].name).name if len(outcomes) == 1 else "Meshes"
     return Document(title, f"Mass properties: {names}", tuple(blocks))
 
@@ -101,45 +96,41 @@ def combination_page(found: Combination, view: View, shapes: Sequence[Array | No
     ]
     names = ", ".join(part.name for part in found.parts)
     doubts = [*(f"{part.name}: {text}" for part in found.parts for text in part.warnings), *found.warnings]
-    figures = []
-    if placed:
-        from robodyn.report.pictures.solids import body_figure
-
-        figures.append(body_figure("The whole", found.body, np.concatenate(placed), "whole"))
+    figures = _solid("The whole", found.body, np.concatenate(placed) if placed else None, "whole")
     blocks = _body(found.body, _possible(found.body, doubts), combination_sections(found, view), figures)
-    return _document("Meshes as one rigid body", names, blocks, combination_json(found, view))
+    return Document("Meshes as one rigid body", names, (*blocks, *_data(combination_json(found, view))))
 
 
 def robot_page(found: RobotInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
     """Return the whole robot, its joints locked."""
-    figures: list[Figure] = []
+    figures: list[Block] = []
     if pictures:
         from robodyn.report.pictures.robot import robot_figure, shapes_of
 
         model = assemble(description)
         q = configuration(model, found.at)
-        figures.append(robot_figure(model, q, "", "this configuration", shapes_of(model)[0]))
+        figures.append(Gallery((robot_figure(model, q, "", "this configuration", shapes_of(model)[0]),)))
     what = f"Mass properties of the whole robot, {found.massive} of {found.count} links with mass"
     verdict = _possible(found.body, found.warnings, checked)
     blocks = _body(found.body, verdict, robot_sections(found, view, checked), figures)
-    return _document(found.name, what, blocks, robot_json(found, view, checked))
+    return Document(found.name, what, (*blocks, *_data(robot_json(found, view, checked))))
 
 
 def link_page(found: LinkInertia, description: Description, view: View, checked: Checked, pictures: bool) -> Document:
     """Return a link as declared."""
-    sections = link_sections(description.file, found, view, checked)
-    figures = _figures(description, found, pictures)
+    sections, figures = link_sections(description.file, found, view, checked), _link(description, found, pictures)
     blocks = _body(found.body, _possible(found.body, (), checked), sections, figures)
-    data = link_json(description.name, found, view, checked)
-    return _document(f"{description.name}: {found.name}", f"Link {found.name} as declared", blocks, data)
+    data = _data(link_json(description.name, found, view, checked))
+    return Document(f"{description.name}: {found.name}", f"Link {found.name} as declared", (*blocks, *data))
 
 
 def link_shapes_page(found: LinkShapes, description: Description, view: View, pictures: bool) -> Document:
     """Return a link made of its shapes."""
-    sections, figures = link_shapes_sections(description.file, found, view), _figures(description, found, pictures)
+    sections, figures = link_shapes_sections(description.file, found, view), _link(description, found, pictures)
     blocks = _body(found.body, _possible(found.body, found.shapes.remarks), sections, figures)
     what = f"Link {found.name} from its {found.kind} shapes, {found.weight}"
-    return _document(f"{description.name}: {found.name}", what, blocks, link_shapes_json(description.name, found, view))
+    data = _data(link_shapes_json(description.name, found, view))
+    return Document(f"{description.name}: {found.name}", what, (*blocks, *data))
 
 
 def differences_page(found: Comparison) -> Document:
@@ -150,32 +141,32 @@ def differences_page(found: Comparison) -> Document:
     headline = f"{far} of {len(differences)} links differ from their shapes by more than {100 * _FAR:.0f} %"
     verdict = Verdict(level, headline, (f"{rest} more links cannot be compared.",) if rest else ())
     blocks = [verdict, Heading("Links"), *on_page(comparison_sections(found), "Declared against shapes")]
-    data = _data("comparison.json", comparison_json(found))
+    data = _data(comparison_json(found), "comparison.json")
     return Document(found.name, "Declared inertias against shapes", (*blocks, *data))
 
 
-def _body(
-    body: MassProperties, verdict: Verdict, sections: Iterable[Section], figures: Sequence[Figure]
-) -> list[Block]:
+def _body(body: MassProperties, verdict: Verdict, sections: Iterable[Section], figures: Sequence[Block]) -> list[Block]:
     """Return the blocks on one rigid body: whether it can exist, what it weighs, and the figures of the text."""
-    gallery = [Gallery(tuple(figures))] if figures else []
-    return [verdict, _weights(body), *gallery, Heading("In numbers"), *_numbers(sections)]
+    return [verdict, _weights(body), *figures, Heading("In numbers"), *_numbers(sections)]
 
 
-def _document(title: str, what: str, blocks: Sequence[Block], data: str) -> Document:
-    return Document(title, what, (*blocks, *_data("inertia.json", data)))
+def _solid(name: str, body: MassProperties, triangles: Array | None, key: str) -> list[Block]:
+    """Return the picture of a body with its centre of mass and principal axes; nothing without triangles."""
+    if triangles is None:
+        return []
+    from robodyn.report.pictures.solids import body_figure
+
+    return [Gallery((body_figure(printable(name), body, triangles, key),))]
 
 
-def _figures(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[Figure]:
-    """Return the visual shapes of a link, where there are some, with its centre of mass and principal axes."""
+def _link(description: Description, found: LinkInertia | LinkShapes, pictures: bool) -> list[Block]:
+    """Return the picture of the visual shapes of a link, where there are some."""
     if not pictures or not found.body.mass:
         return []
     from robodyn.report.pictures.robot import shapes_of
-    from robodyn.report.pictures.solids import body_figure
 
     shapes, _ = shapes_of(assemble(description))
-    triangles = None if shapes is None else shapes.triangles.get(found.name)
-    return [] if triangles is None else [body_figure(printable(found.name), found.body, triangles, "link")]
+    return _solid(found.name, found.body, shapes.triangles.get(found.name) if shapes else None, "link")
 
 
 def _possible(body: MassProperties, doubts: Sequence[str], checked: Checked | None = None) -> Verdict:
@@ -214,12 +205,10 @@ def _verdict(parts: Sequence[Part]) -> Verdict:
 
 
 def _weights(body: MassProperties) -> Facts:
-    found = (("Volume", body.volume, "m^3"), ("Surface", body.area, "m^2"), ("Density", body.density, "kg/m^3"))
-    items = [("Mass", f"{number(body.mass)} kg", "")]
-    items += [(name, f"{number(value)} {unit}", "") for name, value, unit in found if value is not None]
     size = float(np.sqrt(body.principal.moments.max() / body.mass)) if body.mass else 0.0
-    centre = ", ".join(number(x, size) for x in body.com)
-    return Facts((*items, ("Centre of mass", f"({centre}) m", "")))
+    items = amounts(body, size, area=body.area).items
+    names = {"area": "Surface"}
+    return Facts(tuple((names.get(name, name.capitalize()), value, more) for name, value, more in items))
 
 
 def _numbers(sections: Iterable[Section]) -> list[Block]:
@@ -227,5 +216,5 @@ def _numbers(sections: Iterable[Section]) -> list[Block]:
     return [block for block in on_page(sections, "Values") if not isinstance(block, Facts)]
 
 
-def _data(name: str, text: str) -> list[Block]:
+def _data(text: str, name: str = "inertia.json") -> list[Block]:
     return data_blocks([(name, text)], "robodyn inertia --format json prints it")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import NamedTuple, TypeVar
 from unicodedata import combining, east_asian_width
 
 _NUMBER = re.compile(r"((?:\+- )?[-+<>]?\d+)(\.\d+)?(e[-+]\d+)?")
@@ -16,6 +16,14 @@ NOISE = 1e-12
 
 Content = tuple[Sequence[str], Sequence[Sequence[str]]]
 """Titles of columns, and rows."""
+T = TypeVar("T")
+Columns = list[tuple[str, Callable[[T], str]]]
+"""Of each column its title, and what it says of a thing."""
+
+
+def by_columns(columns: Columns[T], things: Iterable[T]) -> Content:
+    """Return a row for each thing."""
+    return [title for title, _ in columns], [[cell(each) for _, cell in columns] for each in things]
 
 
 class Page(NamedTuple):

@@ -12,7 +12,8 @@ from helpers.command_line import Outcome, run
 from robodyn.measure import doctor
 from robodyn.measure.doctor import Line, healthy
 from robodyn.programs.run.trial import TOLERANCE, Trial, trial
-from robodyn.report.doctor import doctor_text
+from robodyn.report.measure import doctor_sections
+from robodyn.report.text import text
 from robodyn.robot.urdf.packages import VARIABLES
 from robodyn.support.extras import COMPILER, CORE, OPTIONAL, SCENES, Library
 from robodyn.support.libraries import Installed, installed, loading
@@ -146,7 +147,7 @@ def test_what_is_not_installed_is_not_tried() -> None:
 
 def test_text_escapes_what_it_is_given() -> None:
     lines = (Line("environment", "X", "a\x1b[31m", "broken", "b"),)
-    assert doctor_text(lines) == "environment\n  X  broken   a\\x1b[31m: b\n\nto be repaired: X\n"
+    assert text(doctor_sections(lines)) == "environment\n  X  broken   a\\x1b[31m: b\n\nto be repaired: X\n"
     assert not healthy(lines)
 
 

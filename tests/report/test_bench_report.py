@@ -20,9 +20,10 @@ from robodyn.measure.speed.result import (
     ProgramBench,
     Timing,
 )
-from robodyn.report.bench import bench_text
 from robodyn.report.json.runs import bench_json
-from robodyn.report.table import Page
+from robodyn.report.measure import bench_sections
+from robodyn.report.table import PLAIN, Page
+from robodyn.report.text import text
 
 
 def time(seconds: float, excess: float = 1.1) -> Timing:
@@ -86,6 +87,10 @@ def section(text: str, title: str) -> list[list[str]]:
     return [re.split(r"  +", line.strip()) for line in part.splitlines()]
 
 
+def bench_text(bench: Bench, page: Page = PLAIN) -> str:
+    return text(bench_sections(bench), page)
+
+
 def test_head() -> None:
     assert bench_text(BENCH).splitlines()[:2] == [
         "arm: 6 joints, 1000 samples, gravity (0, 0, -9.81) m/s^2",
@@ -108,8 +113,8 @@ def test_executors() -> None:
 def test_one_thread() -> None:
     alone = replace(COMPILED, columnar_threads=None, row_major_threads=None, difference=None)
     copying = replace(BENCH.copying, all=None)
-    text = bench_text(replace(BENCH, threads=1, executors=(NUMPY, alone), copying=copying))
-    _, head, _, compiled, (memory,) = section(text, "Torques, time per sample")
+    words = bench_text(replace(BENCH, threads=1, executors=(NUMPY, alone), copying=copying))
+    _, head, _, compiled, (memory,) = section(words, "Torques, time per sample")
     assert not [title for title in head if "threads" in title]
     assert compiled[-2:] == ["71%", "overflows"]
     assert memory.endswith("copying as many takes 7.50 ns")
@@ -141,8 +146,8 @@ def test_other_libraries() -> None:
 
 
 def test_no_other_library() -> None:
-    text = bench_text(replace(BENCH, peers=replace(PEERS, peers=PEERS.peers[-1:])))
-    assert len(section(text, "Other libraries")) == 2
+    words = bench_text(replace(BENCH, peers=replace(PEERS, peers=PEERS.peers[-1:])))
+    assert len(section(words, "Other libraries")) == 2
 
 
 def test_steadiness_is_of_all_times() -> None:
@@ -152,19 +157,19 @@ def test_steadiness_is_of_all_times() -> None:
 
 
 def test_without_machine_code() -> None:
-    text = bench_text(MISSING)
-    executors = section(text, "Torques, time per sample")
+    words = bench_text(MISSING)
+    executors = section(words, "Torques, time per sample")
     assert [line[0] for line in executors[2:]] == [
         "numpy",
         "184 bytes per sample; copying as many takes 7.50 ns, 6.00 ns by 2 threads",
         "compiled: llvmlite is not installed; pip install llvmlite",
     ]
-    assert section(text, "Effects") == [
+    assert section(words, "Effects") == [
         ["Effects"],
         ["effect", "operations alone", "saved without"],
         ["gravity", "131", "4"],
     ]
-    assert section(text, "Other programs") == [
+    assert section(words, "Other programs") == [
         ["Other programs"],
         ["program", "operations", "outputs", "trace [ms]"],
         ["bias forces", "338", "6", "1.80"],
@@ -174,9 +179,9 @@ def test_without_machine_code() -> None:
 @pytest.mark.parametrize("bench", [BENCH, MISSING])
 @pytest.mark.parametrize("width", [None, 60])
 def test_lines_end_and_parts_are_apart(bench: Bench, width: int | None) -> None:
-    text = bench_text(bench, Page(width))
-    assert text.endswith(".\n")
-    assert not re.search(r"\n\n\n| $", text, re.MULTILINE)
+    words = bench_text(bench, Page(width))
+    assert words.endswith(".\n")
+    assert not re.search(r"\n\n\n| $", words, re.MULTILINE)
 
 
 def test_a_name_cannot_control_the_terminal() -> None:
