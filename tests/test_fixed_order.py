@@ -8,7 +8,7 @@ from test_layers import MODULES
 
 ANY_SCALAR = (
     *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance"),
-    *("programs.vectors", "programs.dual", "robot.kinematics", "robot.poses", "robot.configuration"),
+    *("programs.vectors", "programs.dual", "robot.kinematics", "robot.configuration"),
     *(
         "dynamics.loops.closure",
         "dynamics.loops.closed_chain",

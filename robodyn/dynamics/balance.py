@@ -14,9 +14,7 @@ from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross
-from robodyn.robot.kinematics import motions
-from robodyn.robot.motion_types import Motion
-from robodyn.robot.poses import poses, velocities
+from robodyn.robot.kinematics import Motion, motions, poses, velocities
 from robodyn.support.floats import Floats
 
 

@@ -22,9 +22,8 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, vector
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest

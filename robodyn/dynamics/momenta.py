@@ -20,10 +20,8 @@ from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross
-from robodyn.robot.kinematics import REST
+from robodyn.robot.kinematics import REST, Motion, Pose, poses
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
-from robodyn.robot.poses import Pose, poses
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown

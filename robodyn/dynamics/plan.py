@@ -13,9 +13,8 @@ from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Frame, Model
-from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.fit import check_scene, refuse_loops
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia

@@ -8,9 +8,8 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed
-from robodyn.robot.kinematics import REST, motions
+from robodyn.robot.kinematics import REST, Pose, motions, poses
 from robodyn.robot.model import Frame, Joint, Model
-from robodyn.robot.poses import Pose, poses
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, listed, shown
 

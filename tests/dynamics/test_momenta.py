@@ -13,8 +13,7 @@ from helpers.small_robots import chain, urdf
 import robodyn
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
-from robodyn.robot.kinematics import motions
-from robodyn.robot.poses import poses
+from robodyn.robot.kinematics import motions, poses
 from robodyn.scene.scene import Payload, Rotor, Scene, Spring
 
 STILL = Scene(gravity=(0.0, 0.0, 0.0))

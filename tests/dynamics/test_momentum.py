@@ -15,8 +15,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
 from robodyn.programs.vectors import cross
-from robodyn.robot.kinematics import motions
-from robodyn.robot.poses import poses
+from robodyn.robot.kinematics import motions, poses
 from robodyn.scene.scene import Scene
 
 WEIGHTLESS = Scene(gravity=(0.0, 0.0, 0.0))

@@ -13,7 +13,7 @@ from robodyn.checks.bodies.masses import matrix
 from robodyn.checks.bodies.shapes import box_of, group_boxes, real_shapes, solids
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
-from robodyn.robot.poses import Pose
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.boxes import Box
 from robodyn.solids.inertia.laws import second_moments

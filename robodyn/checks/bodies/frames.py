@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product, rotation_from_rpy
-from robodyn.robot.poses import Pose
+from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import OriginView
 
 

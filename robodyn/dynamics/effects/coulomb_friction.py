@@ -5,8 +5,8 @@ from __future__ import annotations
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.programs.vectors import Scalar, exp, sign, sqrt, total
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Friction, Scene
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from robodyn.programs.vectors import ZERO, Array, Scalar
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Joint, Model
-from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Array, cross
+from robodyn.robot.kinematics import Pose, Wrench, poses
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Wrench
-from robodyn.robot.poses import Pose, poses
 from robodyn.scene.scene import Entry, ExternalWrench, Scene
 
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import cross, sign
+from robodyn.robot.kinematics import Pose, Velocity, Wrench, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Wrench
-from robodyn.robot.poses import Pose, Velocity, poses, velocities
 from robodyn.scene.scene import Immersed, Scene
 
 

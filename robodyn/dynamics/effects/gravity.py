@@ -8,9 +8,8 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar
+from robodyn.robot.kinematics import Motion, poses
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
-from robodyn.robot.poses import poses
 from robodyn.scene.scene import Scene
 
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar, sign, total
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import LimitSpring, Scene
 
 

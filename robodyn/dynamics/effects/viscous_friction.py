@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.programs.vectors import Scalar, total
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Friction, Scene
 
 

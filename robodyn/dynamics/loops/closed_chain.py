@@ -20,8 +20,8 @@ from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import applied, loads
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.programs.vectors import Array, Scalar, total, vector
+from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Wrench
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from robodyn.dynamics.loops.equation import Equation
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, product, skew
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Frame, Model
-from robodyn.robot.motion_types import Motion
 from robodyn.scene.scene import Loop
 
 GROUND_FRAME = Frame(-1, np.eye(3), np.zeros(3))

@@ -9,8 +9,8 @@ import numpy as np
 
 from robodyn.dynamics.recursions.elimination import Elimination
 from robodyn.programs.vectors import Array, Scalar, cross, skew
+from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.model import Joint, Model
-from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.solids.inertia.laws import Inertia
 
 Turn = tuple[Scalar, Scalar]

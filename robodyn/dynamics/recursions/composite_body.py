@@ -8,8 +8,8 @@ from typing import NamedTuple
 from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
 from robodyn.dynamics.recursions.elimination import unresisted
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
+from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
 from robodyn.solids.inertia.laws import Inertia
 
 Entries = dict[tuple[int, int], Scalar]

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import Array, Scalar, cross
+from robodyn.robot.kinematics import Motion, velocities
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
-from robodyn.robot.poses import velocities
 from robodyn.solids.inertia.laws import Inertia
 
 

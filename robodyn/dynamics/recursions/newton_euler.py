@@ -8,9 +8,8 @@ import numpy as np
 
 from robodyn.dynamics.recursions.euler import euler
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion, Wrench
 from robodyn.solids.inertia.laws import Inertia
 
 

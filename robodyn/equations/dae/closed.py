@@ -20,8 +20,8 @@ from robodyn.equations.dae.system import loop_wrenches
 from robodyn.equations.ode import bias_plan
 from robodyn.programs.vectors import cross, product
 from robodyn.robot.configuration import Values, configuration, rates
+from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Frame, Model
-from robodyn.robot.motion_types import Wrench
 from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
 

@@ -15,7 +15,7 @@ from robodyn.equations.dae.posed import Posed
 from robodyn.equations.dae.solve import Rank, Solution, equilibrated, saddle, scaled_rows
 from robodyn.equations.dae.system import Matrices, System
 from robodyn.programs.vectors import narrowed_all, product
-from robodyn.robot.motion_types import Wrench
+from robodyn.robot.kinematics import Wrench
 from robodyn.support.floats import Floats
 
 FULL = 1e-13

@@ -17,8 +17,8 @@ from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all, product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
+from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Wrench
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 

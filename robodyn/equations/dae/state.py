@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Acceleration, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.robot.poses import Acceleration, accelerations, poses, velocities
 
 
 class Place(NamedTuple):

@@ -13,7 +13,7 @@ from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.equations import Equation, Sum, drifts, stacked
 from robodyn.equations.dae.state import State
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, narrowed, product
-from robodyn.robot.motion_types import Wrench
+from robodyn.robot.kinematics import Wrench
 from robodyn.solids.inertia.laws import Inertia
 
 

@@ -12,9 +12,8 @@ from robodyn.dynamics.plan import at_rest
 from robodyn.dynamics.recursions.euler import acceleration_of_point, euler
 from robodyn.equations.free_body.types import Action, JointRow
 from robodyn.programs.vectors import ZERO, narrowed, product
+from robodyn.robot.kinematics import Acceleration, Motion, Pose, Velocity, Wrench
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion, Wrench
-from robodyn.robot.poses import Acceleration, Pose, Velocity
 from robodyn.scene.scene import GROUND, Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats

@@ -23,10 +23,8 @@ from robodyn.equations.free_body.actions import (
 from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, JointRow
 from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.robot.motion_types import Motion
-from robodyn.robot.poses import accelerations, poses, velocities
 from robodyn.scene.fit import refuse_loops
 from robodyn.scene.scene import DEFAULT, Scene
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.programs.vectors import cross
-from robodyn.robot.motion_types import Wrench
-from robodyn.robot.poses import Pose
+from robodyn.robot.kinematics import Pose, Wrench
 from robodyn.support.floats import Floats
 
 

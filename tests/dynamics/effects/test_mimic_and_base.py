@@ -16,8 +16,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
 from robodyn.robot.assemble import load
-from robodyn.robot.kinematics import motions
-from robodyn.robot.poses import poses
+from robodyn.robot.kinematics import motions, poses
 from robodyn.scene.scene import Scene
 
 MIMIC = '<mimic joint="finger" multiplier="-2.5" offset="0.3"/>'
