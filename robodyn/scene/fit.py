@@ -25,19 +25,18 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         for name in driven:
             _leads(f"[{table}]", name, model, file)
             known(f"[{table}]", "joint", name, own, file)
-    for table, named in (("friction", scene.friction), ("rotor", scene.rotor), ("spring", scene.spring)):
-        for name in named:
-            known(f"[{table}]", "joint", name, joints, file)
-    for name in scene.initial_q:
-        known("[initial] q", "coordinate", name, model.coordinates, file)
-    for name in scene.initial_qd:
-        known("[initial] qd", "coordinate", name, model.rates, file)
-    for load in scene.payloads:
-        known("[[payload]]", "link", load.link, model.links, file)
-    for wrench in scene.wrenches:
-        known("[[wrench]]", "link", wrench.link, model.links, file)
-    for immersed in scene.immersed:
-        known("[[fluid.link]]", "link", immersed.link, model.links, file)
+    for where, kind, names, valid in (
+        ("[friction]", "joint", scene.friction, joints),
+        ("[rotor]", "joint", scene.rotor, joints),
+        ("[spring]", "joint", scene.spring, joints),
+        ("[initial] q", "coordinate", scene.initial_q, model.coordinates),
+        ("[initial] qd", "coordinate", scene.initial_qd, model.rates),
+        ("[[payload]]", "link", [load.link for load in scene.payloads], model.links),
+        ("[[wrench]]", "link", [wrench.link for wrench in scene.wrenches], model.links),
+        ("[[fluid.link]]", "link", [immersed.link for immersed in scene.immersed], model.links),
+    ):
+        for name in names:
+            known(where, kind, name, valid, file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
     if scene.moving_base and not model.floating:
@@ -95,10 +94,5 @@ def known(where: str, kind: str, name: str, names: Collection[str], file: str | 
         SceneError: with the closest name that there is.
     """
     if name not in names:
-        raise SceneError(
-            f"{where}: the robot has no {kind} {shown(name)} that moves"
-            if kind == "joint"
-            else f"{where}: the robot has no {kind} {shown(name)}",
-            remedy=alternatives(name, names, f"{kind}s"),
-            file=file,
-        )
+        what = f"{where}: the robot has no {kind} {shown(name)}" + (" that moves" if kind == "joint" else "")
+        raise SceneError(what, remedy=alternatives(name, names, f"{kind}s"), file=file)

@@ -48,9 +48,9 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
         wrenches=tuple(entry.read(ExternalWrench, frame=FRAMES) for entry in table.list("wrench")),
         **_base(table),
-        slip_speed=_slip_speed(table),
+        slip_speed=table.nonnegative("slip_speed", 0.0, "it is positive, or 0 for sign(qd)"),
         loops=loops_of(table),
-        baumgarte=_rate(table, "baumgarte"),
+        baumgarte=table.nonnegative("baumgarte", 0.0, "it is positive, or 0 for projection after each step"),
         **simulated_of(table),
         **_fluid(table),
     )
@@ -59,20 +59,6 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
             raise table.error(f'"{key}" asks for contact, which robodyn does not compute', remedy="leave it out")
     table.finish()
     return scene
-
-
-def _slip_speed(table: SceneTable) -> float:
-    speed: float = table.number("slip_speed", 0.0)
-    if speed < 0:
-        raise table.error(f'"slip_speed" is {speed:g}', remedy="it is positive, or 0 for sign(qd)")
-    return speed
-
-
-def _rate(table: SceneTable, key: str) -> float:
-    rate: float = table.number(key, 0.0)
-    if rate < 0:
-        raise table.error(f'"{key}" is {rate:g}', remedy="it is positive, or 0 for projection after each step")
-    return rate
 
 
 def _friction(table: SceneTable) -> Friction:
@@ -100,9 +86,8 @@ def _friction(table: SceneTable) -> Friction:
 
 
 def _rotor(table: SceneTable) -> Rotor:
-    rotor = table.read(Rotor)
-    if rotor.inertia is not None and rotor.inertia < 0:
-        raise table.error(f'"inertia" is {rotor.inertia:g}', remedy="it is positive or zero")
+    rotor = Rotor(table.nonnegative("inertia"), table.number("gear", None))
+    table.finish()
     return rotor
 
 
@@ -111,9 +96,7 @@ def _fluid(table: SceneTable) -> dict[str, Any]:
         table.known.append("fluid")
         return {}
     fluid = SceneTable(table.take("fluid", ...), "[fluid]", table.file)
-    density = fluid.number("density")
-    if density < 0:
-        raise fluid.error(f'"density" is {density:g}', remedy="it is positive or zero")
+    density = fluid.nonnegative("density")
     velocity = fluid.vector("velocity", Scene.fluid_velocity)
     immersed = tuple(_immersed(entry) for entry in fluid.list("link"))
     fluid.finish()

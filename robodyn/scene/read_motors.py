@@ -30,13 +30,11 @@ def motors_of(scene: SceneTable, rotors: Mapping[str, Rotor]) -> dict[str, Any]:
     motors, all_rotors = {}, dict(rotors)
     for name, table in scene.tables("motor"):
         motors[name] = _motor(table)
-        rotor = Rotor(table.number("inertia", None), table.number("gear", None))
+        rotor = Rotor(table.nonnegative("inertia", None), table.number("gear", None))
         table.finish()
         for key, value in (("inertia", rotor.inertia), ("gear", rotor.gear)):
             if value is not None and name in rotors:
                 raise table.error(f'"{key}" and [rotor] {name} say the same', remedy="leave [rotor] out")
-        if rotor.inertia is not None and rotor.inertia < 0:
-            raise table.error(f'"inertia" is {rotor.inertia:g}', remedy="it is positive or zero")
         if rotor.gear == 0:
             raise table.error('"gear" is 0', remedy="turns of the motor per turn of the joint")
         if rotor != Rotor(None):

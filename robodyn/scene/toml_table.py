@@ -78,6 +78,12 @@ class SceneTable:
             raise self.error(f'"{key}" is {value!r:.60}, not a finite number')
         return float(value)
 
+    def nonnegative(self, key: str, default: Any = ..., remedy: str = "it is positive or zero") -> Any:
+        value = self.number(key, default)
+        if value is not None and value < 0:
+            raise self.error(f'"{key}" is {value:g}', remedy=remedy)
+        return value
+
     def numbers(self, key: str, count: int, default: Any = ...) -> Any:
         value = self.take(key, default)
         if value is default:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import accelerations
+from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
 from robodyn.dynamics.loops.necessary import necessary
@@ -20,6 +21,7 @@ from robodyn.dynamics.recursions.momentum import dual_state, momenta
 from robodyn.programs.dual import rate_of
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
+from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, cross
 from robodyn.robot.model import Model
@@ -176,6 +178,13 @@ class Equations:
             return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
 
         return trace(outputs)
+
+
+@lru_cache(maxsize=16)
+def state_runner(program: Callable[[Equations], Program], plan: Plan, columns: int = 0) -> Runner:
+    """Return a program of a state and so many curves, ready to run."""
+    equations = Equations(plan)
+    return runner_of(program(equations), plan, {STATE: equations.width, COLUMNS: columns})
 
 
 def _value(entry: Entry, kind: str, given: Given) -> Scalar:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -17,10 +16,9 @@ from robodyn.dynamics.plan import Plan, applied
 from robodyn.errors import InputError
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
-from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
-from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.fixed import Motion
 from robodyn.simulation.singular import Singular, passed
 from robodyn.simulation.table import Signal
@@ -81,7 +79,7 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         return None
     chain, count = necessary(plan), len(plan.scene.loops)
     rank = _rank(chain, motion.states[0])
-    runner = _ready(plan, len(signal.curves))
+    runner = state_runner(loop_program, plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
     of = [k for k, closure in enumerate(chain.closures) for _ in closure.equations]
@@ -103,12 +101,6 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
         stabilised=kept,
         singular=passed(plan, motion),
     )
-
-
-@lru_cache(maxsize=16)
-def _ready(plan: Plan, columns: int) -> Runner:
-    equations = Equations(plan)
-    return runner_of(loop_program(equations), plan, {STATE: equations.width, COLUMNS: columns})
 
 
 def loop_program(equations: Equations) -> Program:

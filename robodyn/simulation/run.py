@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from math import inf
 
 import numpy as np
 
 from robodyn.dynamics.initial_state import initial_state, limits_at_start
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.closed_start import closed_start, start_notes
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
-from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import adaptive_motion
 from robodyn.simulation.conserving import check_free, check_leapfrog
-from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.events import Limits
 from robodyn.simulation.fixed import FixedSteps, Motion
 from robodyn.simulation.follow import Free, followed
@@ -175,14 +172,8 @@ def _check_positive(**given: float | None) -> None:
             raise InputError(f"{name} is {value:g}", remedy="give a positive number")
 
 
-@lru_cache(maxsize=16)
-def _ready(a_plan: Plan, columns: int) -> Runner:
-    equations = Equations(a_plan)
-    return runner_of(equations.figures(), a_plan, {STATE: equations.width, COLUMNS: columns})
-
-
 def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:
-    n, runner = a_plan.model.n, _ready(a_plan, len(signal.curves))
+    n, runner = a_plan.model.n, state_runner(Equations.figures, a_plan, len(signal.curves))
     sources = {STATE: motion.states, COLUMNS: signal.at(motion.time)}
     columns = runner(sources, len(motion.states), executor=executor)
     if not np.isfinite(columns).all():

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.necessary import FEW, necessary
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.program import trace
-from robodyn.programs.run.runner import Runner
+from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
-from robodyn.simulation.equations import STATE, Equations
+from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.fixed import Motion
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import Floats
@@ -147,19 +144,18 @@ def _changes(J: Floats) -> list[tuple[int, float, int]]:
 
 def _jacobians(plan: Plan, states: Floats) -> Floats:
     """Return (N, m, n) J at some states."""
-    columns = _ready(plan)({STATE: states}, len(states), executor="numpy")
+    columns = state_runner(_jacobian_program, plan)({STATE: states}, len(states), executor="numpy")
     return columns.reshape(len(states), -1, plan.model.n)
 
 
-@lru_cache(maxsize=16)
-def _ready(plan: Plan) -> Runner:
-    equations, chain = Equations(plan), necessary(plan)
+def _jacobian_program(equations: Equations) -> Program:
+    chain = necessary(equations.plan)
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         rows = chain.equations(chain.sample(equations.state(tape).q)).J
-        return [row.get(rate, 0.0) for row in rows for rate in range(plan.model.n)]
+        return [row.get(rate, 0.0) for row in rows for rate in range(chain.model.n)]
 
-    return runner_of(trace(outputs), plan, {STATE: equations.width})
+    return trace(outputs)
 
 
 def passing_notes(found: tuple[Singular, ...], usual: int) -> list[str]:
