@@ -43,6 +43,15 @@ def configuration(model: Model, values: Values = ()) -> Floats:
     return q
 
 
+def unit_rows(model: Model, states: Floats) -> Floats:
+    """Return rows of q and more (N, width), which change, with quaternions of unit length."""
+    for joint in model.independent:
+        if joint.kind == "floating":
+            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
+            h /= np.linalg.norm(h, axis=1)[:, None]
+    return states
+
+
 def rates(model: Model, values: Values = ()) -> Floats:
     """The velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
 

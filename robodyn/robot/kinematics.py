@@ -128,6 +128,20 @@ def velocities(parents: Sequence[int], motions: Sequence[Motion]) -> list[Veloci
     return out
 
 
+def acceleration_of_point(a_p: Array, r: Array, w: Array, wd: Array) -> Array:
+    """Return the acceleration of the body's point at r from p: `a = a_p + wd x r + w x (w x r)`.
+
+    Args:
+        a_p: (3,) acceleration of the point p of the body [m/s^2].
+        r: (3,) from p [m].
+        w, wd: (3,) angular velocity and acceleration [rad/s, rad/s^2].
+
+    Accuracy: 8 eps (|a_p| + |wd| |r| + |w|^2 |r|).
+    """
+    a: Array = a_p + cross(wd, r) + cross(w, cross(w, r))
+    return a
+
+
 class Acceleration(NamedTuple):
     """Angular acceleration wd and acceleration a of the origin of a body, in the body's axes."""
 
@@ -147,7 +161,7 @@ def accelerations(parents: Sequence[int], motions: Sequence[Motion]) -> list[Acc
         wd_j, a_j = out[j] if j >= 0 else (ZERO, ZERO)
         w_in = joint.R.T @ w_j
         wd = joint.R.T @ wd_j + cross(w_in, joint.w) + joint.wd
-        a = a_j + cross(wd_j, joint.p) + cross(w_j, cross(w_j, joint.p))
+        a = acceleration_of_point(a_j, joint.p, w_j, wd_j)
         out.append(Acceleration(wd, joint.R.T @ a + 2.0 * cross(w_in, joint.v) + joint.a))
     return out
 

@@ -14,7 +14,7 @@ from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
-from robodyn.robot.model import Model
+from robodyn.robot.configuration import unit_rows
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.events import Limits, dense_touches, first_passed
 from robodyn.simulation.fixed import Motion
@@ -76,7 +76,7 @@ def adaptive_motion(
                 break
         if reached is not None:
             break
-    found = np.column_stack((_unit(plan.model, np.array(states)), np.zeros(len(states))))
+    found = np.column_stack((unit_rows(plan.model, np.array(states)), np.zeros(len(states))))
     ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
     note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
     return Motion(np.array(time), found, len(time) - 1, 1, steps.executor, ended, steps.evaluations, note)
@@ -103,15 +103,6 @@ def _apart(inner: Floats, duration: float) -> list[float]:
     """0, the times within a duration that are apart by more than rounding, and the duration."""
     times = np.unique([0.0, *inner])
     return [*times[np.diff(times, prepend=-inf) > NEAR * duration].tolist(), duration]
-
-
-def _unit(model: Model, states: Floats) -> Floats:
-    """Return states (N, width) with quaternions of unit length."""
-    for joint in model.independent:
-        if joint.kind == "floating":
-            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
-            h /= np.linalg.norm(h, axis=1)[:, None]
-    return states
 
 
 class AdaptiveSteps:

@@ -21,9 +21,20 @@ class Stop(NamedTuple):
     side: float
     value: float
 
+    @property
+    def unit(self) -> str:
+        return "m" if self.joint.kind == "prismatic" else "rad"
+
+    @property
+    def word(self) -> str:
+        return "upper" if self.side > 0 else "lower"
+
+    def met(self, verb: str) -> str:
+        """Return that the joint reaches, passes or misses this limit."""
+        return f'"{self.joint.name}" {verb} its {self.word} limit of {self.value:g} {self.unit}'
+
     def reached(self, time: float) -> str:
-        unit, word = "m" if self.joint.kind == "prismatic" else "rad", "upper" if self.side > 0 else "lower"
-        return f'"{self.joint.name}" reaches its {word} limit of {self.value:g} {unit} at {time:.6g} s'
+        return f"{self.met('reaches')} at {time:.6g} s"
 
 
 class Limits:

@@ -14,7 +14,7 @@ from robodyn.robot.model import Joint, Model
 from robodyn.robot.standing import untouched
 from robodyn.scene.scene import Scene
 from robodyn.simulation.conserving import is_free
-from robodyn.simulation.events import Limits
+from robodyn.simulation.events import Limits, Stop
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import BEYOND, Floats, first_largest, ranked
 
@@ -56,20 +56,16 @@ def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]
 
 
 class Deepest(NamedTuple):
-    """The limit that a motion passes by most: its joint, side and value, by how much, when, and how many are passed."""
+    """The limit that a motion passes by most, by how much, when, and how many are passed."""
 
-    joint: Joint
-    side: str
-    value: float
+    stop: Stop
     depth: float
     time: float
     limits: int
 
     def __str__(self) -> str:
-        unit = "m" if self.joint.kind == "prismatic" else "rad"
         others = f", the most of {self.limits} limits that are passed" if self.limits > 1 else ""
-        where = f'"{self.joint.name}" passes its {self.side} limit of {self.value:g} {unit}'
-        return f"{where} by at most {self.depth:.4g} {unit}, at {self.time:.4g} s{others}"
+        return f"{self.stop.met('passes')} by at most {self.depth:.4g} {self.stop.unit}, at {self.time:.4g} s{others}"
 
 
 def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None:
@@ -82,8 +78,7 @@ def deepest(model: Model, time: Floats, q: Floats, qd: Floats) -> Deepest | None
     stop = limits.stops[place]
     approach = stop.side * stop.joint.multiplier * qd[:, stop.joint.rate]
     when, depth = _peak(time, -room[:, place], approach, row)
-    side = "upper" if stop.side > 0 else "lower"
-    return Deepest(stop.joint, side, stop.value, depth, when, int((room < 0.0).any(axis=0).sum()))
+    return Deepest(stop, depth, when, int((room < 0.0).any(axis=0).sum()))
 
 
 def _peak(time: Floats, x: Floats, xd: Floats, row: int) -> tuple[float, float]:

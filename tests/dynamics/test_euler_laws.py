@@ -18,11 +18,10 @@ from helpers.euler_laws import (
 from helpers.oracles import EPS, random_state, worst
 from helpers.small_robots import chain
 
-from robodyn.dynamics.recursions.euler import acceleration_of_point
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.programs.dual import Dual, rate_of, value_of
 from robodyn.programs.vectors import cross, rotation_from_quaternion, skew
-from robodyn.robot.kinematics import motions
+from robodyn.robot.kinematics import acceleration_of_point, motions
 
 
 def _vector(name):

@@ -6,7 +6,7 @@ accelerations are those relative to an inertial frame.
 
 from __future__ import annotations
 
-from robodyn.dynamics.recursions.euler import euler
+from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.programs.vectors import Array, Scalar, cross, product, skew
 
 

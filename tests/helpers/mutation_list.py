@@ -42,9 +42,9 @@ MUTATIONS = {
         ("dynamics/recursions/newton_euler.py", "cross(body.mc, a[-1])", "cross(a[-1], body.mc)"),
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (a_j + U_j @ joint.p)", "joint.R.T @ a_j + U_j @ joint.p"),
         ("dynamics/recursions/newton_euler.py", "body.m * a[-1] + U[-1] @ body.mc", "body.m * a[-1]"),
-        ("dynamics/recursions/euler.py", "x * z - dy", "x * z + dy"),
-        ("dynamics/recursions/euler.py", "y * y - z * z", "z * z - y * y"),
-        ("dynamics/recursions/euler.py", "yy - xx", "xx - yy"),
+        ("dynamics/recursions/newton_euler.py", "x * z - dy", "x * z + dy"),
+        ("dynamics/recursions/newton_euler.py", "y * y - z * z", "z * z - y * y"),
+        ("dynamics/recursions/newton_euler.py", "yy - xx", "xx - yy"),
         (
             "programs/vectors.py",
             "along + (IDENTITY - along) * cos(angle) + skew(axis) * sin(angle)",

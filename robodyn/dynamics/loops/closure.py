@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.loops.equation import Equation
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross, product, skew
-from robodyn.robot.kinematics import Motion
+from robodyn.robot.kinematics import Motion, acceleration_of_point
 from robodyn.robot.model import Frame, Model
 from robodyn.scene.scene import Loop
 
@@ -36,9 +36,7 @@ class Placed(NamedTuple):
         return velocity
 
     def acceleration(self, point: Array) -> Array:
-        s = point - self.p
-        acceleration: Array = self.a + cross(self.wd, s) + cross(self.w, cross(self.w, s))
-        return acceleration
+        return acceleration_of_point(self.a, point - self.p, self.w, self.wd)
 
 
 HOME = Placed(IDENTITY, ZERO, ZERO, ZERO, ZERO, ZERO)
@@ -54,7 +52,7 @@ def carried(before: Placed, joint: Motion) -> Placed:
         before.w + w,
         before.v + cross(before.w, s) + v,
         before.wd + cross(before.w, w) + R @ joint.wd,
-        before.a + cross(before.wd, s) + cross(before.w, cross(before.w, s)) + 2.0 * cross(before.w, v) + R @ joint.a,
+        acceleration_of_point(before.a, s, before.w, before.wd) + 2.0 * cross(before.w, v) + R @ joint.a,
     )
 
 

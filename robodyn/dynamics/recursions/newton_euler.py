@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from robodyn.dynamics.recursions.euler import euler
-from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew
+from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew, vector
 from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Model
 from robodyn.solids.inertia.laws import Inertia
@@ -75,6 +74,31 @@ def inertial_wrenches(
         f.append(body.m * a[-1] + U[-1] @ body.mc)
         n.append(cross(body.mc, a[-1]) + euler(body.I, w[-1], wd[-1]))
     return [Wrench(*pair) for pair in zip(f, n, strict=True)]
+
+
+def euler(I: Array, w: Array, wd: Array) -> Array:
+    """Return the moment I wd + w x (I w) that turns a body: Euler's second law about its mass centre or a fixed point.
+
+    Expanded by entries of I, as Euler wrote it for principal axes: three factors of the off-diagonal entries are also
+    entries of the acceleration matrix [wd] + [w][w], and the diagonal enters by differences, so a traced program needs
+    30 operations for it where the two products and the cross product take 42, and few for a diagonal I.
+
+    Args:
+        I: (3, 3) symmetric inertia matrix [kg m^2]; w, wd: (3,) rad/s, rad/s^2; all in the body's axes.
+
+    Returns:
+        (3,) N m, in the body's axes.
+
+    Accuracy: 8 eps (|I| |wd| + |I| |w|^2).
+    """
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = I
+    x, y, z = w
+    dx, dy, dz = wd
+    return vector(
+        xx * dx + (zz - yy) * (y * z) - xy * (x * z - dy) + xz * (x * y + dz) + yz * (y * y - z * z),
+        yy * dy + (xx - zz) * (x * z) - yz * (x * y - dz) + xy * (y * z + dx) + xz * (z * z - x * x),
+        zz * dz + (yy - xx) * (x * y) - xz * (y * z - dx) + yz * (x * z + dy) + xy * (x * x - y * y),
+    )
 
 
 def joint_torques(

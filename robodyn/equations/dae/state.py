@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, cross
-from robodyn.robot.kinematics import Acceleration, accelerations, motions, poses, velocities
+from robodyn.robot.kinematics import Acceleration, acceleration_of_point, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
 
 
@@ -64,5 +64,5 @@ def accelerations_of(
     moving, speeding = velocities(model.parents, joints), accelerations(model.parents, joints)
     out = []
     for pose, (w, _), (wd, a), r in zip(poses(model.parents, joints), moving, speeding, centres, strict=True):
-        out.append(Acceleration(wd, pose.R @ (a + cross(wd, r) + cross(w, cross(w, r)))))
+        out.append(Acceleration(wd, pose.R @ (acceleration_of_point(a, r, w, wd))))
     return out

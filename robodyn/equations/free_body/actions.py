@@ -9,10 +9,10 @@ import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.plan import at_rest
-from robodyn.dynamics.recursions.euler import acceleration_of_point, euler
+from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.equations.free_body.types import Action, JointRow
 from robodyn.programs.vectors import ZERO, narrowed, product
-from robodyn.robot.kinematics import Acceleration, Motion, Pose, Velocity, Wrench
+from robodyn.robot.kinematics import Acceleration, Motion, Pose, Velocity, Wrench, acceleration_of_point
 from robodyn.robot.model import Model
 from robodyn.scene.scene import GROUND, Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre

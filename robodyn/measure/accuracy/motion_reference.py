@@ -15,6 +15,7 @@ from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.motion_error import MotionError, between_records
 from robodyn.measure.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
+from robodyn.robot.configuration import unit_rows
 from robodyn.robot.model import Model
 from robodyn.simulation.equations import STATE, Equations
 from robodyn.simulation.result import Simulation
@@ -118,7 +119,7 @@ def _series(plan: Plan, duration: float, order: int, tolerance: float) -> Callab
         for when in map(fixed, times.tolist()):
             piece = pieces[max(int(np.searchsorted(starts, when, "right")) - 1, 0)]
             rows.append(_horner(piece.series, _float(when - piece.start)))
-        return _unit(plan, np.array(rows))
+        return unit_rows(model, np.array(rows))
 
     return at
 
@@ -132,15 +133,6 @@ def _horner(series: Floats, x: float) -> Floats:
 
 def _float(number: int) -> float:
     return number / (1 << BITS)
-
-
-def _unit(plan: Plan, states: Floats) -> Floats:
-    """With quaternions of unit length."""
-    for joint in plan.model.independent:
-        if joint.kind == "floating":
-            h = states[:, joint.coordinate + 3 : joint.coordinate + 7]
-            h /= np.linalg.norm(h, axis=1)[:, None]
-    return states
 
 
 def _in_doubles(model: Model, duration: float, run: Run) -> Reference:

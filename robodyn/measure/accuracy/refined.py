@@ -128,11 +128,8 @@ class Graze(NamedTuple):
     error: float
 
     def __str__(self) -> str:
-        unit = "m" if self.stop.joint.kind == "prismatic" else "rad"
-        side = "upper" if self.stop.side > 0 else "lower"
-        verb = "passes" if self.depth > 0.0 else "misses"
-        where = f"its {side} limit of {self.stop.value:g} {unit} by {abs(self.depth):.1g} {unit}"
-        return f'"{self.stop.joint.name}" {verb} {where}, at {self.time:.6g} s'
+        met = self.stop.met("passes" if self.depth > 0.0 else "misses")
+        return f"{met} by {abs(self.depth):.1g} {self.stop.unit}, at {self.time:.6g} s"
 
 
 def graze(motion: Simulation) -> Graze | None:

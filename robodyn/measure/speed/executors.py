@@ -18,6 +18,7 @@ from robodyn.programs.run.compiled_blocks import CompiledBlocks, content_of, ker
 from robodyn.programs.run.llvm.build import code_key, kept_objects
 from robodyn.programs.run.llvm.machine import Function, compiler, machine_code
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.robot.configuration import unit_rows
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
@@ -52,10 +53,7 @@ def random_sources(model: Model, scene: Scene, samples: int) -> dict[str, Floats
         for name, count in columns.items()
     }
     sources["q"] *= 2.0 / 3.0
-    for joint in model.independent:
-        if joint.kind == "floating":
-            turn = sources["q"][:, joint.coordinate + 3 : joint.coordinate + 7]
-            turn /= np.linalg.norm(turn, axis=1)[:, None]
+    unit_rows(model, sources["q"])
     sources["q"] = np.asfortranarray(sources["q"].astype(np.float32), np.float64)
     return sources
 

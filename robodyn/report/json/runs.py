@@ -61,7 +61,7 @@ def _limit(result: Simulation) -> dict[str, Any] | None:
     from robodyn.simulation.joint_use import deepest
 
     found = deepest(result.model, result.time, result.q, result.qd)
-    return found and {**found._asdict(), "joint": found.joint.name}
+    return found and select(found, "joint:stop.joint.name side:stop.word value:stop.value depth time limits")
 
 
 def _loops(loops: LoopFigures) -> dict[str, Any]:
