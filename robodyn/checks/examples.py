@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-INERTIA = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/>'
+
+def inertia(entries: str) -> str:
+    """Return <inertia> with the six entries between blanks, ixx ixy ixz iyy iyz izz."""
+    return '<inertia ixx="{}" ixy="{}" ixz="{}" iyy="{}" iyz="{}" izz="{}"/>'.format(*entries.split())
+
+
+INERTIA = inertia("0.01 0 0 0.02 0 0.02")
+SHAPED_INERTIA = inertia("0.0126 0 0 0.0124 0 0.0032")
 LIMIT = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
 
 
@@ -51,11 +58,19 @@ def a_joint(
   </joint>"""
 
 
+def longer_arm(
+    link: str = "fore",
+    joint: str = "elbow",
+    inertial: str = f'<mass value="1"/>{INERTIA}',
+    inside: str = f'<axis xyz="0 1 0"/>{LIMIT}',
+    kind: str = "revolute",
+) -> str:
+    """Return an arm with one more link on a joint of some kind, with what is in the link and in the joint."""
+    return arm(more=a_link(link, inertial) + a_joint(joint, "upper", link, inside, kind))
+
+
 def a_shaped_link(
-    mass: str = "2",
-    inertia: str = '<inertia ixx="0.0126" ixy="0" ixz="0" iyy="0.0124" iyz="0" izz="0.0032"/>',
-    centre: str = "0 0 0.12",
-    shape: str = '<box size="0.1 0.1 0.25"/>',
+    mass: str = "2", inertia: str = SHAPED_INERTIA, centre: str = "0 0 0.12", shape: str = '<box size="0.1 0.1 0.25"/>'
 ) -> str:
     """Return an arm whose upper link has a shape 0.25 m long, and an inertial that fits it but for what is given."""
     inertial = f'<origin xyz="{centre}"/><mass value="{mass}"/>{inertia}'
@@ -76,9 +91,8 @@ def a_mesh(name: str, kind: str = "collision") -> str:
 """
 
 
-TENSOR = '<inertia ixx="0.02" ixy="0.004" ixz="0.002" iyy="0.03" iyz="0.003" izz="0.025"/>'
-IMAGE = '<inertia ixx="0.02" ixy="-0.004" ixz="0.002" iyy="0.03" iyz="-0.003" izz="0.025"/>'
-"""Of `TENSOR` across y = 0."""
+TENSOR, IMAGE = inertia("0.02 0.004 0.002 0.03 0.003 0.025"), inertia("0.02 -0.004 0.002 0.03 -0.003 0.025")
+"""Mirror images of each other across y = 0."""
 ORIGIN = '<origin xyz="0.1 0.05 0.2"/>'
 ORIGIN_IMAGE = '<origin xyz="0.1 -0.05 0.2"/>'
 ARM_LIMIT = '<limit lower="-0.5" upper="2" effort="30" velocity="3"/>'

@@ -133,12 +133,7 @@ class Rule:
 
 
 def rule(
-    severity: Severity,
-    stage: Stage = Stage.DOCUMENT,
-    *,
-    good: str,
-    bad: str | tuple[str, str],
-    explanation: str = "",
+    severity: Severity, stage: Stage = Stage.DOCUMENT, *, good: str, bad: str | tuple[str, str], explanation: str = ""
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function the rule of its module: `rd201_mass_not_positive` is RD201, mass-not-positive.
 

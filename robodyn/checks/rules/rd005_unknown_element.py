@@ -15,11 +15,7 @@ from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import alternatives, shown
 
 
-@rule(
-    Severity.WARNING,
-    good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'),
-    bad=("<origin", "<orgin"),
-)
+@rule(Severity.WARNING, good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'), bad=("<origin", "<orgin"))
 def check(context: Context) -> Faults:
     for element, kind, subject in own_elements(context.view.root):
         yield from _children(element, kind, subject)

@@ -6,11 +6,11 @@ waiver without one is not in force; nor is one with a code that no rule has, or 
 and goes on in another way.
 """
 
-from robodyn.checks.examples import one_link
+from robodyn.checks.examples import inertia, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.checks.waivers import waivers
 
-_IDENTITY = '<mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+_IDENTITY = '<mass value="2"/>' + inertia("1 0 0 1 0 1")
 
 
 @rule(

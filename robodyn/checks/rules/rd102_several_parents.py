@@ -4,7 +4,7 @@ A URDF is a tree. Of a closed chain one joint is left out, and made of what the 
 it.
 """
 
-from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.examples import a_joint, a_link, arm, longer_arm
 from robodyn.checks.reading.tree import first_above
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
@@ -13,7 +13,7 @@ from robodyn.support.wording import shown
 
 @rule(
     Severity.ERROR,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
+    good=longer_arm(),
     bad=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore") + a_joint("strut", "base", "fore")),
 )
 def check(context: Context) -> Faults:

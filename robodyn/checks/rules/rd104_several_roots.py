@@ -4,13 +4,13 @@ All other links hang on it. Readers refuse a second root, or leave out all that 
 another rule of the structure (RD101 to RD107) is broken, its repair comes first and this one is silent.
 """
 
-from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.examples import a_link, arm, longer_arm
 from robodyn.checks.reading.tree import first_above
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.support.wording import listed
 
 
-@rule(Severity.ERROR, good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")), bad=arm(more=a_link("fore")))
+@rule(Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("fore")))
 def check(context: Context) -> Faults:
     view = context.view
     above = first_above(view)

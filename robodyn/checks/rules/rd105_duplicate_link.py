@@ -5,12 +5,12 @@ Readers refuse the file, or keep one of the two and lose the other without a wor
 
 from collections.abc import Mapping, Sequence
 
-from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.examples import a_link, arm, longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.view import JointView, LinkView
 
 
-@rule(Severity.ERROR, good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")), bad=arm(more=a_link("upper")))
+@rule(Severity.ERROR, good=longer_arm(), bad=arm(more=a_link("upper")))
 def check(context: Context) -> Faults:
     return namesakes("link", context.view.links, context.view.link)
 

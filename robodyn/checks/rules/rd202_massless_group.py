@@ -6,17 +6,12 @@ diverge. Where other bodies with mass hang on the group, it is but a remark: the
 """
 
 from robodyn.checks.bodies.masses import carried_masses
-from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.examples import longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import listed
 
 
-@rule(
-    Severity.ERROR,
-    Stage.TREE,
-    good=arm(more=a_link("tip", "") + a_joint("flange", "upper", "tip", "", "fixed")),
-    bad=arm(more=a_link("tip", "") + a_joint("wrist", "upper", "tip")),
-)
+@rule(Severity.ERROR, Stage.TREE, good=longer_arm("tip", "flange", "", "", "fixed"), bad=longer_arm("tip", "wrist", ""))
 def check(context: Context) -> Faults:
     carried = context.once(carried_masses)
     for group in context.tree.groups:

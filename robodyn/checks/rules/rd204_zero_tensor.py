@@ -5,18 +5,12 @@ remark where heavier links are fixed to this one, and a warning for the base, wh
 """
 
 from robodyn.checks.bodies.masses import POINT, gyration, is_a_point
-from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
+from robodyn.checks.examples import inertia, longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.view import LinkView
 
-_ZERO = INERTIA.replace("0.01", "0").replace("0.02", "0")
 
-
-@rule(
-    Severity.ERROR,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    bad=arm(more=a_link("fore", f'<mass value="1"/>{_ZERO}') + a_joint("elbow", "upper", "fore")),
-)
+@rule(Severity.ERROR, good=longer_arm(), bad=longer_arm(inertial='<mass value="1"/>' + inertia("0 0 0 0 0 0")))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or not link.mass or link.mass < 0 or not is_a_point(link):

@@ -5,15 +5,11 @@ or a placeholder that was forgotten. A body that moves without any mass is RD201
 """
 
 from robodyn.checks.bodies.masses import severity_of_zero, trace
-from robodyn.checks.examples import a_joint, a_link, arm
+from robodyn.checks.examples import longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=arm(more=a_link("tip") + a_joint("flange", "upper", "tip", "", "fixed")),
-    bad=('"1"', '"0"'),
-)
+@rule(Severity.WARNING, good=longer_arm("tip", "flange", inside="", kind="fixed"), bad=('"1"', '"0"'))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass != 0 or link.tensor is None or not any(link.tensor):

@@ -6,18 +6,16 @@ for tiny steps.
 """
 
 from robodyn.checks.bodies.masses import POINT, gyration
-from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
+from robodyn.checks.examples import inertia, longer_arm
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-
-_SPECK = INERTIA.replace("0.01", "1e-8").replace("0.02", "1e-8")
 
 
 @rule(
     Severity.WARNING,
     Stage.TREE,
-    good=arm(more=a_link("tip") + a_joint("wrist", "upper", "tip")),
-    bad=arm(more=a_link("tip", f'<mass value="1e-5"/>{_SPECK}') + a_joint("wrist", "upper", "tip")),
+    good=longer_arm("tip", "wrist"),
+    bad=longer_arm("tip", "wrist", '<mass value="1e-5"/>' + inertia("1e-8 0 0 1e-8 0 1e-8")),
 )
 def check(context: Context) -> Faults:
     limits = context.thresholds

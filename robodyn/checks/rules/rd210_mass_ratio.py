@@ -4,19 +4,14 @@ A factor of 1000 is most often grams for kilograms. Where it is real, the mass m
 ill-conditioned, and iterative solvers of simulators need many more steps.
 """
 
-from robodyn.checks.examples import INERTIA, a_joint, a_link, arm
+from robodyn.checks.examples import INERTIA, longer_arm
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _HEAVY = f'<mass value="5000"/>{INERTIA}'
 
 
-@rule(
-    Severity.WARNING,
-    Stage.TREE,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore")),
-    bad=('"1"', '"5000"'),
-)
+@rule(Severity.WARNING, Stage.TREE, good=longer_arm(), bad=('"1"', '"5000"'))
 def check(context: Context) -> Faults:
     bound, least = context.thresholds.mass_ratio, context.thresholds.least_mass
     reported: set[Group] = set()

@@ -13,7 +13,7 @@ import numpy as np
 from robodyn.checks.bodies.bodies import Body
 from robodyn.checks.bodies.masses import widest
 from robodyn.checks.bodies.unit_slips import judged
-from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.solids.inertia.boxes import Box
 from robodyn.support.floats import Floats, first_largest
@@ -27,12 +27,7 @@ _EDGE = 1e-3
 _ADVICE = "check the unit (kg m^2) and the point (the centre of mass) of the inertia, and the mass"
 
 
-@rule(
-    Severity.ERROR,
-    Stage.TREE,
-    good=a_shaped_link(),
-    bad=a_shaped_link(inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.28"/>'),
-)
+@rule(Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("0.3 0 0 0.32 0 0.28")))
 def check(context: Context) -> Faults:
     for body in judged(context):
         fault = _beyond_reach(body) or _beyond_box(body)
@@ -48,11 +43,7 @@ def _beyond_reach(body: Body) -> Fault | None:
     own = _reach(body.box, body.c)
     group = own if body.group is None else _reach(body.group, body.in_group[0])
     if spread > group:
-        severity, bound, what = (
-            Severity.ERROR if spread > FAR * group else Severity.WARNING,
-            group,
-            "its rigid group",
-        )
+        severity, bound, what = (Severity.ERROR if spread > FAR * group else Severity.WARNING, group, "its rigid group")
     elif spread > FAR * own:
         severity, bound, what = Severity.WARNING, own, "the link"
     else:

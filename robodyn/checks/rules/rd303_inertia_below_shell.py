@@ -7,18 +7,13 @@ nearly all mass is in one spot. That of a point is RD204's.
 
 from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
 from robodyn.checks.bodies.unit_slips import judged
-from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _LEAST = 0.1
 
 
-@rule(
-    Severity.WARNING,
-    Stage.TREE,
-    good=a_shaped_link(),
-    bad=a_shaped_link(inertia='<inertia ixx="4e-5" ixy="0" ixz="0" iyy="5e-5" iyz="0" izz="3e-5"/>'),
-)
+@rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("4e-5 0 0 5e-5 0 3e-5")))
 def check(context: Context) -> Faults:
     for body in judged(context):
         tensor, box = body.link.tensor, body.box

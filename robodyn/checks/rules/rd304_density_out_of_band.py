@@ -9,19 +9,14 @@ steel that fills it has 7850. Links of published robots have 390 to 1200. The ba
 from robodyn.checks.bodies.frames import link_poses
 from robodyn.checks.bodies.shapes import around_known, box_of, real_shapes, solids
 from robodyn.checks.bodies.unit_slips import slips
-from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import a_shaped_link, inertia
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.solids.inertia.boxes import Box
 from robodyn.support.wording import figure
 
 
-@rule(
-    Severity.WARNING,
-    Stage.TREE,
-    good=a_shaped_link(),
-    bad=a_shaped_link(mass="90", inertia='<inertia ixx="0.3" ixy="0" ixz="0" iyy="0.32" iyz="0" izz="0.1"/>'),
-)
+@rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=a_shaped_link("90", inertia("0.3 0 0 0.32 0 0.1")))
 def check(context: Context) -> Faults:
     limits, explained = context.thresholds, context.once(slips)
     for group in context.tree.groups:

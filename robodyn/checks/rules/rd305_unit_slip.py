@@ -10,17 +10,12 @@ them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a 
 from robodyn.checks.bodies.bodies import Body, bodies
 from robodyn.checks.bodies.masses import widest
 from robodyn.checks.bodies.unit_slips import slips
-from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.source_positions import Span
 
 
-@rule(
-    Severity.ERROR,
-    Stage.TREE,
-    good=a_shaped_link(),
-    bad=a_shaped_link(inertia='<inertia ixx="12600" ixy="0" ixz="0" iyy="12400" iyz="0" izz="3200"/>'),
-)
+@rule(Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200")))
 def check(context: Context) -> Faults:
     known = context.once(bodies)
     for name, slip in context.once(slips).items():

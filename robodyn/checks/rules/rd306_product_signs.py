@@ -7,14 +7,10 @@ body could have, but not this link, by its mirror twin or its shapes.
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, '<inertia ixx="0.02" ixy="0.004" ixz="-0.002" iyy="0.03" iyz="0.003" izz="0.025"/>'),
-)
+@rule(Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.004 -0.002 0.03 0.003 0.025")))
 def check(context: Context) -> Faults:
     return faults(context, "RD306")

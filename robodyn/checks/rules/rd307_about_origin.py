@@ -6,14 +6,10 @@ and so it takes the link's shapes (where all are primitives) or its mirror twin 
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, '<inertia ixx="0.105" ixy="0.006" ixz="-0.038" iyy="0.13" iyz="0.017" izz="0.05"/>'),
-)
+@rule(Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.105 0.006 -0.038 0.13 0.017 0.05")))
 def check(context: Context) -> Faults:
     return faults(context, "RD307")

@@ -7,14 +7,10 @@ its shapes.
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, '<inertia ixx="0.19" ixy="0.016" ixz="-0.078" iyy="0.23" iyz="0.037" izz="0.075"/>'),
-)
+@rule(Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.19 0.016 -0.078 0.23 0.037 0.075")))
 def check(context: Context) -> Faults:
     return faults(context, "RD308")

@@ -6,17 +6,13 @@ all are primitives) or its mirror twin to see it.
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 _ORIGIN = '<origin xyz="0.1 -0.05 0.2" rpy="0 0 1.5707963267948966"/>'
-_TURNED = '<inertia ixx="0.03" ixy="0.004" ixz="-0.003" iyy="0.02" iyz="-0.002" izz="0.025"/>'
+_TURNED = inertia("0.03 0.004 -0.003 0.02 -0.002 0.025")
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'),
-    bad=(_TURNED, IMAGE),
-)
+@rule(Severity.WARNING, good=two_arms(right=f'{_ORIGIN}<mass value="2"/>{_TURNED}'), bad=(_TURNED, IMAGE))
 def check(context: Context) -> Faults:
     return faults(context, "RD309")

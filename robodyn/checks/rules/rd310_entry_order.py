@@ -7,14 +7,10 @@ body has; this rule reports those that a body could have, but not this link, by 
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, '<inertia ixx="0.02" ixy="0.002" ixz="-0.004" iyy="0.03" iyz="-0.003" izz="0.025"/>'),
-)
+@rule(Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.02 0.002 -0.004 0.03 -0.003 0.025")))
 def check(context: Context) -> Faults:
     return faults(context, "RD310")

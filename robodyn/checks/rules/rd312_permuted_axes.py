@@ -6,14 +6,10 @@ reports those that a body could have, but not this link, by its mirror twin or i
 """
 
 from robodyn.checks.causes.causes import faults
-from robodyn.checks.examples import IMAGE, two_arms
+from robodyn.checks.examples import IMAGE, inertia, two_arms
 from robodyn.checks.rule import Context, Faults, Severity, rule
 
 
-@rule(
-    Severity.WARNING,
-    good=two_arms(),
-    bad=(IMAGE, '<inertia ixx="0.03" ixy="-0.004" ixz="-0.003" iyy="0.02" iyz="0.002" izz="0.025"/>'),
-)
+@rule(Severity.WARNING, good=two_arms(), bad=(IMAGE, inertia("0.03 -0.004 -0.003 0.02 0.002 0.025")))
 def check(context: Context) -> Faults:
     return faults(context, "RD312")

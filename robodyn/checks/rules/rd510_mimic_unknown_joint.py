@@ -3,7 +3,7 @@
 Readers refuse the robot, or make the follower a free joint that nothing drives.
 """
 
-from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
+from robodyn.checks.examples import LIMIT, longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.xml_reader import unexpanded
@@ -12,11 +12,7 @@ from robodyn.support.wording import alternatives, shown
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
-@rule(
-    Severity.ERROR,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
-    bad=('joint="shoulder"', 'joint="sholder"'),
-)
+@rule(Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="sholder"'))
 def check(context: Context) -> Faults:
     joints = context.view.joint
     for joint in context.view.joints:

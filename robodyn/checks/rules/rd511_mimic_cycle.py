@@ -3,7 +3,7 @@
 In a cycle no joint has a position of its own. Some readers follow it for ever.
 """
 
-from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
+from robodyn.checks.examples import LIMIT, longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.structure import cycles
@@ -12,11 +12,7 @@ from robodyn.support.wording import listed
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
 
 
-@rule(
-    Severity.ERROR,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
-    bad=('joint="shoulder"', 'joint="elbow"'),
-)
+@rule(Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="elbow"'))
 def check(context: Context) -> Faults:
     joints = context.view.joint
     masters = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}

@@ -4,7 +4,7 @@ Otherwise the robot described cannot move through the range that its limits prom
 violate the limits or the coupling, and planners reach positions that the hand does not have.
 """
 
-from robodyn.checks.examples import LIMIT, a_joint, a_link, arm
+from robodyn.checks.examples import LIMIT, longer_arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import WITH_RANGE
 from robodyn.robot.urdf.view import JointView
@@ -12,11 +12,7 @@ from robodyn.robot.urdf.view import JointView
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
-@rule(
-    Severity.WARNING,
-    good=arm(more=a_link("fore") + a_joint("elbow", "upper", "fore", _FOLLOWER)),
-    bad=('"0.5"', '"1.5"'),
-)
+@rule(Severity.WARNING, good=longer_arm(inside=_FOLLOWER), bad=('"0.5"', '"1.5"'))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         reached, own = _reached(context, joint), _range(joint)

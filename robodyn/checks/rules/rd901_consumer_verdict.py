@@ -6,11 +6,7 @@ from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _MOST = 3
-_SAYS = {
-    Verdict.LOADS: "loads it as it is",
-    Verdict.ALTERS: "loads it with changes",
-    Verdict.REJECTS: "rejects it",
-}
+_SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
 
 _TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
 
