@@ -17,8 +17,8 @@ from robodyn.report.composite import comparison_sections, link_sections, link_sh
 from robodyn.report.json.bodies import comparison_json, link_json, link_shapes_json, robot_json
 from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
-from robodyn.robot.masses.from_shapes import link_from_shapes
 from robodyn.robot.masses.measured import How, Reading
+from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.geometry import Kind
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia.view import View

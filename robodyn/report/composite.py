@@ -14,7 +14,7 @@ from robodyn.report.document import Paragraph, Section, Table, paragraphs, remar
 from robodyn.report.table import number, printable
 from robodyn.robot.masses.compare import UNCERTAIN, Comparison, Difference, LinkComparison
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.robot.masses.shapes import LinkShapes
 from robodyn.solids.composite_mass import Combination
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import Validity, validity

@@ -45,7 +45,7 @@ from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import configuration
 from robodyn.robot.masses.compare import Comparison
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-from robodyn.robot.masses.from_shapes import LinkShapes
+from robodyn.robot.masses.shapes import LinkShapes
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.composite_mass import Combination
 from robodyn.solids.inertia.properties import MassProperties

@@ -13,7 +13,7 @@ from robodyn.robot.model import Body, Frame, Joint, Model
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Inertial
 from robodyn.robot.urdf.parts import Joint as DescribedJoint
-from robodyn.solids.inertia.laws import Inertia, combined, inertia_of
+from robodyn.solids.inertia.laws import Inertia, combined, inertia_of, symmetric
 from robodyn.solids.inertia.validity import unphysical
 from robodyn.support.floats import Floats
 
@@ -98,12 +98,7 @@ def _base(description: Description, carried: dict[str, list[DescribedJoint]], mo
 
 def _moments(inertial: Inertial, R: Floats, p: Floats) -> Inertia:
     turn, c = placement(inertial.origin)
-    return inertia_of(inertial.mass, c, product(turn, _matrix(inertial), turn.T), R, p)
-
-
-def _matrix(inertial: Inertial) -> Floats:
-    xx, xy, xz, yy, yz, zz = inertial.inertia
-    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+    return inertia_of(inertial.mass, c, product(turn, symmetric(inertial.inertia), turn.T), R, p)
 
 
 def _notes(description: Description) -> tuple[str, ...]:
@@ -114,7 +109,7 @@ def _notes(description: Description) -> tuple[str, ...]:
         if joint.type in ("planar", "floating") and joint.limit:
             notes.append(f'joint "{joint.name}" (line {joint.line}): a {joint.type} joint has no limits here')
     for link in description.links:
-        why = unphysical(_matrix(link.inertial)) if link.inertial else None
+        why = unphysical(symmetric(link.inertial.inertia)) if link.inertial else None
         if why:
             notes.append(f'link "{link.name}" (line {link.line}): {why}; computed as given')
     return tuple(notes)

@@ -7,7 +7,7 @@ import pytest
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
-from robodyn.robot.urdf.long_tokens import LONGEST, long_token
+from robodyn.robot.urdf.sources import LONGEST, long_token
 
 MANY = 10_000
 STRUCTURE = Options(select=("RD0", "RD1", "RD2"))

@@ -15,7 +15,7 @@ from helpers.terminals import on_terminal
 
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.declared import robot_inertia
-from robodyn.robot.masses.from_shapes import link_from_shapes
+from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
 

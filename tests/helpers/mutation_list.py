@@ -102,7 +102,7 @@ MUTATIONS = {
     "dynamics/effects/test_mimic_and_base.py": [
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (motions[i].R @ reaction.f)", "motions[i].R @ reaction.f"),
         ("robot/assemble.py", "product(R_link, p)", "p"),
-        ("robot/assemble.py", "product(turn, _matrix(inertial), turn.T)", "_matrix(inertial)"),
+        ("robot/assemble.py", "product(turn, symmetric(inertial.inertia), turn.T)", "symmetric(inertial.inertia)"),
         ("robot/joints.py", "multiplier * joints[i].offset", "joints[i].offset"),
         ("dynamics/effects/moving_base.py", "sample", "terms"),
     ],

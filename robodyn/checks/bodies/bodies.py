@@ -9,14 +9,13 @@ from math import isfinite
 import numpy as np
 
 from robodyn.checks.bodies.frames import link_poses, pose
-from robodyn.checks.bodies.masses import matrix
 from robodyn.checks.bodies.shapes import box_of, group_boxes, real_shapes, solids
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.boxes import Box
-from robodyn.solids.inertia.laws import second_moments
+from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.support.floats import Floats
 
 _LEAST = 0.01
@@ -96,5 +95,5 @@ def _second(link: LinkView, where: Pose) -> Floats | None:
     tensor = link.tensor
     if tensor is None or not all(map(isfinite, tensor)) or not any(tensor):
         return None
-    S: Floats = product(where.R, second_moments(matrix(tensor)), where.R.T)
+    S: Floats = product(where.R, second_moments(symmetric(tensor)), where.R.T)
     return S

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from math import fsum, sqrt
 
 import numpy as np
@@ -14,6 +14,7 @@ from robodyn.checks.rule import Severity
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import product
 from robodyn.robot.urdf.view import InertialView, LinkView
+from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats
 
 Tensor = tuple[float, ...]
@@ -32,19 +33,13 @@ def carried_masses(context: Context) -> Mapping[Group, float]:
     return carried
 
 
-def matrix(entries: Sequence[float]) -> Floats:
-    """Return the symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz."""
-    xx, xy, xz, yy, yz, zz = entries
-    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-
-
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
     """Return the principal moments of inertia, ascending [kg m^2].
 
     Accuracy: that of `robodyn.programs.linear`.
     """
     size = max(map(abs, tensor)) or 1.0
-    moments, _ = eigen(matrix(tensor) / size)
+    moments, _ = eigen(symmetric(tensor) / size)
     large, middle, small = (float(moment) * size for moment in moments)
     return small, middle, large
 

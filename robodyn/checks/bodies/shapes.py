@@ -17,7 +17,7 @@ from robodyn.checks.reading.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import GeometryView, LinkView
-from robodyn.solids.inertia.boxes import Box, around
+from robodyn.solids.inertia.boxes import Box, around, half_size
 from robodyn.support.floats import Floats
 
 
@@ -71,7 +71,7 @@ def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> tuple[Box, 
 
 
 def _primitive(geometry: GeometryView) -> tuple[Box, float] | None:
-    half = half_size(geometry)
+    half = _half_size(geometry)
     if half is None or not (half > 0).all():
         return None
     x, _, z = half.tolist()
@@ -135,22 +135,14 @@ def own_box(link: LinkView, R: Floats) -> Box | None:
 
 
 def _box(geometry: GeometryView, R: Floats) -> Box | None:
-    placed, half = pose(geometry.origin), half_size(geometry)
+    placed, half = pose(geometry.origin), _half_size(geometry)
     if placed is None or half is None:
         return None
     return Box(-half, half).placed(product(R.T, placed.R), product(R.T, placed.p))
 
 
-def half_size(geometry: GeometryView) -> Floats | None:
+def _half_size(geometry: GeometryView) -> Floats | None:
     """Return half the sizes (3,) of a primitive in its own axes [m]; None of a mesh, or where a size cannot be read."""
-    shape = geometry.shape
-    if shape is None or shape.tag == "mesh":
-        return None
-    if shape.tag == "box":
-        size = geometry.sizes[0].values
-        return None if size is None else np.array(size) / 2.0
-    radius, length = geometry.sizes[0].value, 0.0 if shape.tag == "sphere" else geometry.sizes[1].value
-    if radius is None or length is None:
-        return None
-    cap = 0.0 if shape.tag == "cylinder" else radius
-    return np.array((radius, radius, length / 2.0 + cap))
+    read = [size.values for size in geometry.sizes]
+    size = [length for lengths in read if lengths is not None for length in lengths]
+    return None if None in read or not read or geometry.shape is None else half_size(geometry.shape.tag, size)

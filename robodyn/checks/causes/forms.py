@@ -11,8 +11,7 @@ from itertools import combinations, permutations, product
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import matrix
-from robodyn.solids.inertia.laws import parallel_axis, rotation_law
+from robodyn.solids.inertia.laws import parallel_axis, rotation_law, symmetric
 from robodyn.support.floats import Floats
 
 PRODUCTS = ((0, 1), (0, 2), (1, 2))
@@ -47,7 +46,7 @@ class Given:
     @property
     def tensor(self) -> Floats:
         """(3, 3) a new array [kg m^2]."""
-        return matrix(self.entries)
+        return symmetric(self.entries)
 
     @property
     def steiner(self) -> Floats:
@@ -105,11 +104,11 @@ def reordered(given: Given) -> Iterator[Proposal]:
         what = "a matrix of nine entries, row by row, is read as six: iyy holds iyx, iyz holds iyy and izz holds iyz"
         yield Proposal(what, None)
     for order, places in _ORDERS.items():
-        yield Proposal(f"the entries are in the order {order}", matrix([e[place] for place in places]))
+        yield Proposal(f"the entries are in the order {order}", symmetric([e[place] for place in places]))
     for a, b, c in permutations((1, 2, 4)):
         if (a, b, c) != (1, 2, 4):
             what = f"the products of inertia are in another order: {_NAMES[a]} {_NAMES[b]} {_NAMES[c]}"
-            yield Proposal(what, matrix((e[0], e[a], e[b], e[3], e[c], e[5])))
+            yield Proposal(what, symmetric((e[0], e[a], e[b], e[3], e[c], e[5])))
 
 
 def decade(given: Given) -> Iterator[Proposal]:
@@ -121,7 +120,7 @@ def decade(given: Given) -> Iterator[Proposal]:
             entries = list(given.entries)
             entries[place] = float(f"{value!r}e{k}") if "e" not in repr(value) else value * 10.0**k
             what = f"{_NAMES[place]} is {value:g} and {10.0**-k:g} times what it was meant to be"
-            yield Proposal(what, matrix(entries))
+            yield Proposal(what, symmetric(entries))
 
 
 def permuted(given: Given) -> Iterator[Proposal]:

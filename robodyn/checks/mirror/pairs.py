@@ -8,12 +8,12 @@ from statistics import median
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import matrix
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.names import named_pairs
 from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
 from robodyn.robot.urdf.parts import Description, Inertial, Joint, Link
+from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats, first_largest
 
 _NEAR = 2e-3
@@ -116,7 +116,7 @@ def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
     """Return the centre of mass [m] and inertia about it [kg m^2], in the axes of the link."""
     R, c = placement(inertial.origin)
-    return c, product(R, matrix(inertial.inertia), R.T)
+    return c, product(R, symmetric(inertial.inertia), R.T)
 
 
 def _size(p: Mapping[str, Floats]) -> float:

@@ -10,7 +10,7 @@ from robodyn.dynamics.effects import gravity
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
-from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of
+from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of, symmetric
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
@@ -24,9 +24,7 @@ def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
     inertias = list(terms.inertias)
     for load in scene.payloads:
         body, R, p = sample.model.links[load.link]
-        xx, xy, xz, yy, yz, zz = load.inertia
-        I_c = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-        mass = inertia_of(load.mass, np.array(load.com), I_c, R, p)
+        mass = inertia_of(load.mass, np.array(load.com), symmetric(load.inertia), R, p)
         inertias[body] = combined((inertias[body], mass))
     return replace(terms, inertias=tuple(inertias))
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from robodyn.checks.run import Checked
     from robodyn.robot.masses.compare import Comparison, Difference, LinkComparison
     from robodyn.robot.masses.declared import LinkInertia, RobotInertia
-    from robodyn.robot.masses.from_shapes import LinkShapes
+    from robodyn.robot.masses.shapes import LinkShapes
     from robodyn.robot.urdf.geometry import Shape
     from robodyn.solids.composite_mass import Combination
     from robodyn.solids.mesh.tessellation.bars import Bars, Tessellation

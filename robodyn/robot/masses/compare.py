@@ -9,20 +9,20 @@ from pathlib import Path
 import numpy as np
 
 from robodyn.errors import InputError, MeshError, RobodynError
-from robodyn.programs.vectors import length
+from robodyn.programs.vectors import ZERO, length
 from robodyn.robot.masses.declared import LinkInertia, declared
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
-from robodyn.robot.masses.slips import relative, slip
 from robodyn.robot.urdf.geometry import Kind, Shape, link_shapes
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.boxes import box_bound
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED
-from robodyn.support.floats import Floats, ranked
+from robodyn.support.floats import Floats, first_largest, ranked
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""
+_MUCH, _AGREES = 0.1, 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Difference:
         inertia: |I_declared - I_shapes| / |I_shapes| about the centres of mass, in Frobenius' norm.
         room: the most by which the declared spread exceeds what any mass inside the box around the shapes can have;
             above 1 no distribution of mass inside them is possible; see `box_bound`.
-        slip: what explains the difference, if anything does; see `robodyn.robot.masses.slips`.
+        slip: what explains the difference, if anything does; see `slip`.
         shapes: with remarks on them.
     """
 
@@ -162,3 +162,33 @@ def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
         slip=slip(given.inertia, body),
         shapes=shapes,
     )
+
+
+def relative(I: Floats, right: Floats) -> float:
+    """|I - right| / |right| in Frobenius' norm."""
+    return float(length(I - right) / length(right))
+
+
+def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
+    """The slip that explains a declared inertia matrix [kg m^2], in words, if one does: at most one.
+
+    A slip explains it if it leaves a difference of at most 5 %, and a tenth of that without it. Known are products of
+    inertia with the opposite sign, a matrix about the origin of the link's frame in place of the centre of mass, and a
+    factor of a power of ten, as a wrong unit leaves.
+    """
+    own, size = right.inertia, length(given)
+    apart = relative(given, own)
+    if apart <= _AGREES:
+        return ()
+    mirrored = 2 * np.diag(np.diagonal(own)) - own
+    power = 10.0 ** round(np.log10(size / length(own))) if size else 1.0
+    slips = (
+        ("the products of inertia had the opposite sign", mirrored),
+        ("it were meant about the origin of the link's frame", right.about(ZERO)),
+        (f"it were divided by {power:g}", power * own),
+    )
+    found = [(relative(given, wrong), what) for what, wrong in slips]
+    rest, what = found[first_largest([-rest for rest, _ in found])]
+    if rest > min(_AGREES, _MUCH * apart):
+        return ()
+    return (f"the declared inertia would agree within {max(100 * rest, 0.1):.1f} % if {what}",)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
 from robodyn.robot.assemble import assemble
@@ -16,6 +14,7 @@ from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.geometry import link_named
 from robodyn.robot.urdf.parts import Description, Link
 from robodyn.solids.inertia.conversions import from_inertia
+from robodyn.solids.inertia.laws import symmetric
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.validity import Validity, validity
 from robodyn.support.wording import shown
@@ -85,9 +84,7 @@ def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
     inertial = link.inertial
     if inertial is None:
         return None
-    xx, xy, xz, yy, yz, zz = inertial.inertia
-    matrix = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-    body = from_inertia(inertial.mass, ZERO, matrix).placed(*placement(inertial.origin))
+    body = from_inertia(inertial.mass, ZERO, symmetric(inertial.inertia)).placed(*placement(inertial.origin))
     return LinkInertia(link.name, link.line, body, validity(body), pose or Pose(IDENTITY, ZERO))
 
 

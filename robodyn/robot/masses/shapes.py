@@ -1,22 +1,20 @@
-"""The mass properties of the shapes of a link, as solids of one density."""
+"""The mass properties that its shapes give a link, as solids of one density."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from robodyn.errors import DescriptionError, RobodynError
+from robodyn.errors import DescriptionError, InputError, RobodynError
 from robodyn.robot.joints import placement
-from robodyn.robot.masses.measured import MeshFile, Outcome
-from robodyn.robot.urdf.geometry import Shape, missing_mesh
+from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
+from robodyn.robot.urdf.geometry import Kind, Shape, link_named, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia import solids
-from robodyn.solids.inertia.boxes import Box, around, counted_twice
+from robodyn.solids.inertia.boxes import Box, around, counted_twice, half_size
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.mesh_mass import WATER, Part
-from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
 
 _SOLIDS: dict[str, Callable[..., MassProperties]] = {
     "box": solids.box,
@@ -88,18 +86,72 @@ def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]
         body = _SOLIDS[geometry.shape](*geometry.size, density=WATER)
     except RobodynError as error:
         raise DescriptionError(error.what, remedy=error.remedy, file=description.file, line=geometry.line) from None
-    half = _half(geometry.shape, geometry.size)
+    half = half_size(geometry.shape, geometry.size)
     return body, Box(-half, half)
-
-
-def _half(shape: str, size: Sequence[float]) -> Floats:
-    if shape == "box":
-        return np.array(size) / 2
-    radius, length = size[0], size[1] if len(size) > 1 else 0.0
-    end = {"cylinder": length / 2, "sphere": radius, "capsule": length / 2 + radius}[shape]
-    return np.array((radius, radius, end))
 
 
 def _remarks(part: Part) -> list[str]:
     name = part.name.replace("\\", "/").rpartition("/")[2]
     return [f"{name}: {text}" for text in (*(step.what for step in part.repairs), *part.warnings)]
+
+
+@dataclass(frozen=True, eq=False)
+class LinkShapes:
+    """A link made of its shapes.
+
+    Attributes:
+        name, line: of the link; kind: "visual" or "collision".
+        body: in the link's frame.
+        weight: where its mass is from, in words.
+        shapes: the same at 1000 kg/m^3, with remarks.
+    """
+
+    name: str
+    line: int
+    kind: Kind
+    body: MassProperties
+    weight: str
+    shapes: ShapesInertia
+
+
+def link_from_shapes(
+    description: Description,
+    name: str,
+    kind: Kind = "visual",
+    *,
+    density: float | None = None,
+    mass: float | None = None,
+    reading: Reading | None = None,
+) -> LinkShapes:
+    """The composite body of a link's shapes in the link's frame, all of one density.
+
+    Args:
+        density: kg/m^3; mass: of the link [kg]; by default the mass that the description declares, if it is positive,
+            otherwise the density 1000 kg/m^3.
+        reading: how meshes are read.
+
+    Raises:
+        InputError: there is no such link, it has no such shape, or density and mass are both given or not positive.
+        MeshError: a mesh is no solid.
+        DescriptionError: the file of a mesh is not found.
+    """
+    link = link_named(description, name)
+    shapes = link_shapes(description, name, kind)
+    if not shapes:
+        what = f"link {shown(name)} has no <{kind}> shape"
+        raise InputError(what, remedy="choose another --geometry", file=description.file, line=link.line)
+    if density is not None and mass is not None:
+        raise InputError("both a density and a mass are given", remedy="give one of them")
+    for what, value, unit in (("density", density, "kg/m^3"), ("mass", mass, "kg")):
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"a {what} of {value:g} {unit} is not positive and finite")
+    files = [file for shape in shapes if (file := mesh_file(shape))]
+    found = shapes_inertia(description, shapes, (reading or Reading({})).parts(files))
+    body, weight = found.body, "at an assumed density"
+    if density is not None:
+        body, weight = body.scaled_to_mass(body.mass * density / WATER), "by the density"
+    elif mass is not None:
+        body, weight = body.scaled_to_mass(mass), "as asked"
+    elif link.inertial is not None and link.inertial.mass > 0:
+        body, weight = body.scaled_to_mass(link.inertial.mass), "as declared"
+    return LinkShapes(name, link.line, kind, body, weight, found)

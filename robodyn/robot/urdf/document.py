@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.elements import Attribute, Element
-from robodyn.robot.urdf.long_tokens import LONGEST, long_token
 from robodyn.robot.urdf.source_positions import SourcePositions, Span
-from robodyn.robot.urdf.sources import as_utf8, read_source
+from robodyn.robot.urdf.sources import LONGEST, as_utf8, long_token, read_source
 from robodyn.robot.urdf.xml_reader import Reader, TextFault
 
 __all__ = ["Attribute", "Document", "Element", "Reading", "Span", "TextFault", "read", "read_document"]

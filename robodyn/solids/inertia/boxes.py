@@ -31,6 +31,14 @@ class Box(NamedTuple):
         return Box(centre - half, centre + half)
 
 
+def half_size(shape: str, size: Sequence[float]) -> Floats:
+    """Return half the sizes (3,) of a box, cylinder, sphere or capsule along its own axes [m]; `size` as in URDF."""
+    if shape == "box":
+        return np.array(size) / 2
+    radius, length = size[0], size[1] if len(size) > 1 else 0.0
+    return np.array((radius, radius, length / 2 + (0.0 if shape == "cylinder" else radius)))
+
+
 def around(boxes: Sequence[Box]) -> Box:
     """Return the box around boxes."""
     return Box(np.min([box.lo for box in boxes], axis=0), np.max([box.hi for box in boxes], axis=0))

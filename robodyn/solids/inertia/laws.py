@@ -12,6 +12,12 @@ from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, ske
 from robodyn.solids.inertia.exact import Floats
 
 
+def symmetric(entries: Iterable[float]) -> Floats:
+    """Return the matrix of ixx, ixy, ixz, iyy, iyz, izz."""
+    xx, xy, xz, yy, yz, zz = entries
+    return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+
+
 def inertia_matrix(S: Floats) -> Floats:
     """I = tr(S) 1 - S, the inertia matrix of second moments S = integral of x x^T dm about the same point.
 

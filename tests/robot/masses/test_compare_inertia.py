@@ -11,9 +11,8 @@ import pytest
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.report.composite import comparison_sections
 from robodyn.report.text import text
-from robodyn.robot.masses.compare import compare
+from robodyn.robot.masses.compare import compare, relative, slip
 from robodyn.robot.masses.measured import Reading
-from robodyn.robot.masses.slips import relative, slip
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia.solids import box
 from robodyn.solids.inertia.view import inertial_element

@@ -8,7 +8,7 @@ from helpers import mesh_samples
 
 from robodyn.errors import DescriptionError, InputError, MeshError
 from robodyn.programs.vectors import rotation_from_rpy
-from robodyn.robot.masses.from_shapes import link_from_shapes
+from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.description import load_description
 from robodyn.solids.inertia import solids
 
