@@ -8,18 +8,7 @@ from functools import partial
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import (
-    DESCRIPTION,
-    FORMAT,
-    GRAVITY,
-    PATH,
-    POSITIVE,
-    ROBOT_SUFFIXES,
-    SCENE,
-    Vector,
-    lookup,
-    payloads,
-)
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, ROBOT_SUFFIXES, SCENE, gravity, lookup, payloads, scene_name
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.measure.accuracy.ladder import Accuracy
@@ -37,9 +26,7 @@ from robodyn.support.files import write_whole
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
 @READING
-@DESCRIPTION
 @SCENE
-@GRAVITY
 @REPORT
 @FORMAT
 def command(
@@ -48,10 +35,6 @@ def command(
     duration: float | None,
     table: str | None,
     plot: str | None,
-    scene_file: str | None,
-    gravity: Vector | None,
-    report: str | None,
-    form: str,
 ) -> int:
     """True errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the motion
     that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.
@@ -62,12 +45,11 @@ def command(
       robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv --report accuracy.html
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
-    for place in (plot, report):
-        check_names([*files, scene_file, table], place)
+    check_names(*files, table, output=plot)
     picture = form_of(plot) if plot else ""
     if plot:
         need("plots", "matplotlib", file=plot)
-    found = accuracy_of(files, scene_file, gravity, duration, table)
+    found = accuracy_of(files, duration, table)
     written = ""
     if plot:
         from robodyn.report.pictures.accuracy import accuracy_figure
@@ -75,23 +57,21 @@ def command(
         write_whole(plot, rendered(accuracy_figure(found, target), picture), remedy="name another file")
         written = f"\nwritten: {plot}\n"
     sections, document = accuracy_sections(found, target), partial(accuracy_page, found, target)
-    answer(form, sections, report, document, written, json=lambda: accuracy_json(found, target))
+    answer(sections, document, written, json=lambda: accuracy_json(found, target))
     return int(target is not None and any(ladder.cheapest(target) is None for ladder in found.ladders))
 
 
-def accuracy_of(
-    files: Sequence[str], scene_file: str | None, gravity: Vector | None, duration: float | None, table: str | None
-) -> Accuracy:
+def accuracy_of(files: Sequence[str], duration: float | None, table: str | None) -> Accuracy:
     """Return what accuracy costs: of one mesh; or of a URDF along a trajectory, or in a scene whose name ends in .toml
     or that is given alone."""
-    ctx = click.get_current_context()
+    ctx, scene_file = click.get_current_context(), scene_name()
     robot = len(files) == 2 or files[0].lower().endswith(ROBOT_SUFFIXES)
     alone = scene_file if len(files) == 1 else None
     if robot and alone:
         files, scene_file = (files[0], alone), None
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
-    if not robot and (scene_file or gravity or payloads() or any(lookup().values())):
+    if not robot and (scene_file or gravity() or payloads() or any(lookup().values())):
         raise click.UsageError("--scene, --payload, --gravity, --package-path and --xacro-arg are for robots", ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
@@ -99,32 +79,18 @@ def accuracy_of(
     if given() and (moved or not robot):
         raise click.UsageError(f"{given()} is for the trajectory of a robot", ctx)
     if not robot:
-        return _of_mesh(files[0])
+        from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
+        from robodyn.solids.mesh.read.load import load_triangles
+
+        return mesh_accuracy(load_triangles(files[0]))
     if not moved:
-        return _of_torques(files[0], files[1], scene_file, gravity)
+        from robodyn.measure.accuracy.torque_ladder import file_accuracy
+
+        return file_accuracy(*robot_in_scene(files[0]), files[1], **reading())
     if scene_file:
         raise click.UsageError(f"the scene is given twice: {files[1]} and --scene {scene_file}", ctx)
-    return _of_motion(files[0], files[1], gravity, duration, table)
-
-
-def _of_mesh(mesh: str) -> Accuracy:
-    from robodyn.measure.accuracy.mesh_ladder import mesh_accuracy
-    from robodyn.solids.mesh.read.load import load_triangles
-
-    return mesh_accuracy(load_triangles(mesh))
-
-
-def _of_torques(urdf: str, trajectory: str, scene_file: str | None, gravity: Vector | None) -> Accuracy:
-    from robodyn.measure.accuracy.torque_ladder import file_accuracy
-
-    return file_accuracy(*robot_in_scene(urdf, scene_file, gravity), trajectory, **reading())
-
-
-def _of_motion(
-    urdf: str, scene_file: str, gravity: Vector | None, duration: float | None, table: str | None
-) -> Accuracy:
     from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy
 
-    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=True)
-    check_table(table, scene, scene_file)
+    model, scene = robot_in_scene(files[0], files[1], loops=True)
+    check_table(table, scene, files[1])
     return simulation_accuracy(model, scene, duration, table)

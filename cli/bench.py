@@ -7,7 +7,7 @@ import sys
 import click
 
 from robodyn.cli.files import STANDARD_INPUT, check_names, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, SCENE, Vector
+from robodyn.cli.options import FORMAT, PATH, SCENE
 from robodyn.cli.reports import answer
 from robodyn.measure.speed.run import bench
 from robodyn.report.json.runs import bench_json
@@ -16,21 +16,16 @@ from robodyn.report.measure import bench_sections
 
 @click.command("bench", short_help="How fast each executor is on a robot.")
 @click.argument("urdf", type=PATH)
-@DESCRIPTION
 @SCENE
-@GRAVITY
 @click.option("--samples", type=click.IntRange(min=1), default=100_000, metavar="N", help="Default 100000.")
 @click.option("--threads", type=click.IntRange(min=1), metavar="N", help="Beside one; default all.")
 @click.option("--peers", is_flag=True, help="Measure Pinocchio, MuJoCo and Drake too, where they are installed.")
 @FORMAT
 def command(
     urdf: str,
-    scene_file: str | None,
-    gravity: Vector | None,
     samples: int,
     threads: int | None,
     peers: bool,
-    form: str,
 ) -> None:
     """Time of the inverse dynamics by every executor, and the cost of every effect.
     A file named - is standard input.
@@ -41,13 +36,13 @@ def command(
     """
     if peers and urdf == STANDARD_INPUT:
         raise click.UsageError("--peers reads the description again: name its file", click.get_current_context())
-    check_names([urdf, scene_file], None)
-    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    check_names(urdf)
+    model, scene = robot_in_scene(urdf)
     try:
         result = bench(model, scene, samples=samples, threads=threads, peers=peers, watch=_watch)
     finally:
         _watch("")
-    answer(form, bench_sections(result), json=lambda: bench_json(result))
+    answer(bench_sections(result), json=lambda: bench_json(result))
 
 
 def _watch(what: str) -> None:

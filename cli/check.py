@@ -19,10 +19,10 @@ from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reading_options import READING, reading
-from robodyn.cli.reports import REPORT, write_report
+from robodyn.cli.reports import REPORT, report_name, write_report
 from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
-from robodyn.report.check import check_diff, check_sections, fix_lines, statistics_sections
+from robodyn.report.check import check_diff, check_page, check_sections, fix_lines, statistics_sections
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.renderers.github import check_github
 from robodyn.report.renderers.junit import check_junit
@@ -139,7 +139,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
       robodyn check robots/ --ignore RD110
       robodyn check robots/puma.urdf --report findings.html
     """
-    check_names([*urdfs], flags["report"])
+    check_names(*urdfs)
     check_flags(flags, urdfs)
     asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"], reading())
     how = lookup()
@@ -169,10 +169,8 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         checked = _new(checked, flags["baseline"])
     if not flags["diff"]:
         show(in_form(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
-    if flags["report"]:
-        from robodyn.report.check import check_page
-
-        click.echo(write_report(flags["report"], check_page(checked)).strip(), err=True)
+    if (place := report_name()) is not None:
+        click.echo(write_report(place, check_page(checked)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if flags["strict"] else (Severity.ERROR,)
     return 2 if checked.unread else int(any(checked.count(severity) for severity in fatal))
 

@@ -13,7 +13,7 @@ from robodyn.report.measure import doctor_sections
 
 @click.command("doctor", short_help="What this machine and installation can do.")
 @FORMAT
-def command(form: str) -> int:
+def command() -> int:
     """What robodyn finds on this machine: libraries, processor, executors, cache; what is missing and what that costs.
     The exit status is 1 if something is broken that should be repaired.
 
@@ -22,5 +22,5 @@ def command(form: str) -> int:
       robodyn doctor
     """
     lines = doctor()
-    answer(form, doctor_sections(lines), json=lambda: doctor_json(lines))
+    answer(doctor_sections(lines), json=lambda: doctor_json(lines))
     return int(not healthy(lines))

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, DESCRIPTION, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
+from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, together
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import show
 from robodyn.equations.c_source import c_source
@@ -59,12 +59,8 @@ def check_asked(form: str, output: str, **numbers: Any) -> None:
 @click.command("equations", short_help="Equations of motion in numbers, letters, LaTeX or C.")
 @click.argument("urdf", type=PATH)
 @ASKED
-@DESCRIPTION
 @SCENE
-@GRAVITY
-def command(
-    urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str, scene_file: str | None, gravity: Vector | None
-) -> None:
+def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> None:
     """M(q) qdd + bias = tau: in numbers at a configuration, in closed form for small robots, or as C functions; and
     Newton's and Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
 
@@ -76,8 +72,8 @@ def command(
       robodyn equations robots/puma560.urdf --format c > puma560.c
     """
     check_asked(form, output, at=at, qd=qd, tau=tau)
-    check_names([urdf, scene_file], None)
-    model, scene = robot_in_scene(urdf, scene_file, gravity, loops=form == "dae")
+    check_names(urdf)
+    model, scene = robot_in_scene(urdf, loops=form == "dae")
     if output == "c":
         return show(c_source(model, scene))
     found: Any
@@ -86,4 +82,4 @@ def command(
     else:
         found = closed(model, scene) if form == "closed" else ode(model, scene, at or (), qd or ())
     sections, json, latex = _WRITERS[form]
-    answer(output, sections(found), json=lambda: json(found), latex=lambda: latex(found))
+    answer(sections(found), form=output, json=lambda: json(found), latex=lambda: latex(found))

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, DESCRIPTION, FOLDER, FORMAT, GRAVITY, PATH, QD, SCENE, VALUES, Vector, together
+from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, SCENE, VALUES, together
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
@@ -65,14 +65,10 @@ def state_of(
 @click.argument("urdf", type=PATH)
 @STATE
 @READING
-@DESCRIPTION
 @SCENE
-@GRAVITY
 @click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there.")
 @FORMAT
-def command(
-    urdf: str, scene_file: str | None, gravity: Vector | None, svg: str | None, form: str, **given: Any
-) -> None:
+def command(urdf: str, svg: str | None, **given: Any) -> None:
     """Free-body diagrams: all forces and moments on each body, and what each joint transmits.
     The state is given by --at, --qd and --qdd, or is a row of a trajectory.
 
@@ -81,8 +77,8 @@ def command(
       robodyn fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
       robodyn fbd robots/puma.urdf --traj robots/puma_reach.csv --time 0.5 --svg drawings
     """
-    check_names([urdf, given["traj"], scene_file], None)
-    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    check_names(urdf, given["traj"])
+    model, scene = robot_in_scene(urdf)
     words, state, warnings = state_of(model, scene, **given)
     found = free_bodies(model, scene=scene, **state)
     found = replace(found, warnings=(*warnings, *found.warnings))
@@ -92,7 +88,7 @@ def command(
 
         written = f"\nwritten: {write_drawings(svg, drawings(found, words))} drawings in {svg}\n"
     sections = free_body_sections(found, words)
-    answer(form, sections, written=written, json=lambda: free_bodies_json(found, words))
+    answer(sections, written=written, json=lambda: free_bodies_json(found, words))
 
 
 def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
+from itertools import product
 from typing import TYPE_CHECKING
 
 import click
 
-from robodyn.cli.options import ROBOT_SUFFIXES, Vector, lookup, payloads
+from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name
 from robodyn.errors import InputError, SceneError
 
 if TYPE_CHECKING:
@@ -28,21 +29,20 @@ _KINDS = {
 """What files are, by suffixes that only such files have."""
 
 
-def robot_in_scene(
-    urdf: str, scene_file: str | None, gravity: Vector | None, *, base_held: bool = False, loops: bool = False
-) -> tuple[Model, Scene]:
-    """Return the robot of a URDF or xacro file, and the scene it is in, which `gravity` and --payload change.
+def robot_in_scene(urdf: str, scene_file: str | None = None, *, loops: bool = False) -> tuple[Model, Scene]:
+    """Return the robot of a URDF or xacro file, and the scene that the options of `SCENE` and `BASE_HELD` make.
 
     Args:
-        base_held: whether something carries the base, as the scene may say too.
+        scene_file: in place of --scene.
         loops: whether the scene may close some.
     """
     from robodyn.robot.assemble import load
     from robodyn.scene.fit import check_scene, known, refuse_loops
     from robodyn.scene.scene import DEFAULT
 
+    scene_file = scene_file or scene_name()
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
-    scene = scene.changed(gravity, held=base_held)
+    scene = scene.changed(gravity(), held=kept_value("base_held", False))
     model = load(robot_source(urdf), moving_base=scene.moving_base, **lookup())
     check_scene(scene, model, scene_file)
     for payload in payloads():
@@ -53,10 +53,11 @@ def robot_in_scene(
     return model, scene
 
 
-def check_table(table: str | None, scene: Scene, scene_file: str | None) -> None:
+def check_table(table: str | None, scene: Scene, scene_file: str | None = None) -> None:
     """Raise if a table is given for a simulation and no scene names a column of it."""
     if table is None or scene.table_columns:
         return
+    scene_file = scene_file or scene_name()
     remedy = 'e.g. drive.elbow = { kp = 100, kd = 10, reference = "q_elbow" }'
     if scene_file is None:
         what, remedy = f"no scene says what the columns of {table} drive", f"give --scene FILE.toml, with {remedy}"
@@ -86,16 +87,20 @@ def source_of(urdf: str) -> str | bytes:
     return _bytes() if urdf == STANDARD_INPUT else urdf
 
 
-def check_names(inputs: list[str | None], output: str | None) -> None:
-    """Raise if standard input is asked for twice or is not there, or if the output would overwrite an input."""
-    if inputs.count(STANDARD_INPUT) > 1:
+def check_names(*inputs: str | None, output: str | None = None) -> None:
+    """Raise if standard input is asked for twice or is not there, or if an output would overwrite an input.
+
+    The scene is one of the inputs, the report one of the outputs.
+    """
+    files = [*inputs, scene_name()]
+    if files.count(STANDARD_INPUT) > 1:
         raise InputError("standard input is asked for twice", remedy="name a file for one of them", file="<stdin>")
-    if STANDARD_INPUT in inputs and sys.stdin is None:
+    if STANDARD_INPUT in files and sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
-    for path in inputs:
+    for place, path in product((output, kept_value("report", None)), files):
         with suppress(OSError, ValueError):
-            if path and output and os.path.samefile(path, output):
-                raise InputError("the output would overwrite an input", remedy="give --out another name", file=output)
+            if path and place and os.path.samefile(path, place):
+                raise InputError("the output would overwrite an input", remedy="give --out another name", file=place)
 
 
 def _scene(path: str) -> Scene:

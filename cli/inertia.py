@@ -21,7 +21,7 @@ from robodyn.solids.inertia.view import View
 @ROBOT
 @VIEW
 @REPORT
-def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: str | None, **options: Any) -> int:
+def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> int:
     """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
 
@@ -35,13 +35,13 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, form: str, report: 
       robodyn inertia robot.urdf --link forearm --geometry collision --density 2700 --format urdf
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
-    check_names([*files], report)
+    check_names(*files)
     view, ctx = View(about, rpy), click.get_current_context()
     if options["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import robot
 
-        robot(files, view, form, report, ctx)
+        robot(files, view, ctx)
         return 0
     from robodyn.cli.inertia_meshes import meshes
 
-    return meshes(files, view, form, report, ctx, **options)
+    return meshes(files, view, ctx, **options)

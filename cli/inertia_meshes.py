@@ -10,6 +10,7 @@ import click
 
 from robodyn.cli.files import STANDARD_INPUT
 from robodyn.cli.inertia_options import OF_ROBOTS, check_use, one_each, urdf_lines
+from robodyn.cli.options import kept_value
 from robodyn.cli.progress import metered
 from robodyn.cli.reports import answer
 from robodyn.cli.screen import complain
@@ -27,8 +28,6 @@ from robodyn.support.floats import Floats
 def meshes(
     files: Sequence[str],
     view: View,
-    form: str,
-    report: str | None,
     ctx: click.Context,
     combine: bool,
     place: Sequence[Pose],
@@ -39,7 +38,7 @@ def meshes(
     One that fails stops no other, but for meshes combined.
     """
     check_use("--combine" if combine else "meshes one by one", ctx)
-    if combine or form == "urdf":
+    if combine or kept_value("form", "text") == "urdf":
         options |= {name: options[name] or False for name in ("symmetry", "tessellation")}
     outcomes, whole = _measured(
         files, combine, **{name: each for name, each in options.items() if name not in OF_ROBOTS}
@@ -52,7 +51,7 @@ def meshes(
         return 2
     shapes = partial(_shapes, files, outcomes, options)
     if combine:
-        _combined(parts, place, whole, view, form, report, shapes)
+        _combined(parts, place, whole, view, shapes)
         return 0
 
     def document(pictures: bool) -> Document:
@@ -61,7 +60,7 @@ def meshes(
         return parts_page(outcomes, view, shapes(pictures))
 
     json, urdf = partial(inertia_json, outcomes, view), lambda: "".join(map(_element, outcomes))
-    answer(form, inertia_sections(parts, view), report if parts else None, document, json=json, urdf=urdf)
+    answer(inertia_sections(parts, view), document if parts else None, json=json, urdf=urdf)
     return 2 if failed else 0
 
 
@@ -130,8 +129,6 @@ def _combined(
     places: Sequence[Pose],
     mass: float | None,
     view: View,
-    form: str,
-    report: str | None,
     shapes: Callable[[bool], list[Floats | None]],
 ) -> None:
     from robodyn.report.composite import combination_sections
@@ -146,4 +143,4 @@ def _combined(
         return combination_page(found, view, shapes(pictures))
 
     json, urdf = partial(combination_json, found, view), partial(urdf_lines, found.body)
-    answer(form, combination_sections(found, view), report, document, json=json, urdf=urdf)
+    answer(combination_sections(found, view), document, json=json, urdf=urdf)

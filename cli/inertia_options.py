@@ -9,7 +9,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite_numbers, together, vector_type
+from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite_numbers, kept, together, vector_type
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.solids.inertia.properties import MassProperties, Pose
@@ -31,7 +31,7 @@ def _place(text: str) -> Pose:
 VIEW = together(
     click.option("--about", type=POINT, default="com", metavar="POINT", help="com (default), origin or X,Y,Z."),
     click.option("--rpy", type=vector_type("0,0,1.57"), default="0,0,0", metavar="R,P,Y", help="Turns the axes; rad."),
-    click.option("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
+    kept("--format", "form", type=click.Choice(["text", "json", "urdf"]), default="text", help="Default text."),
 )
 WEIGHT = together(
     click.option(

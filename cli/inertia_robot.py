@@ -10,6 +10,7 @@ import click
 
 from robodyn.cli.files import described
 from robodyn.cli.inertia_options import check_use, one_each, urdf_lines
+from robodyn.cli.options import kept_value
 from robodyn.cli.progress import counted
 from robodyn.cli.reports import answer
 from robodyn.report import inertia_pages as pages
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from robodyn.checks.run import Checked
 
 
-def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: click.Context) -> None:
+def robot(files: Sequence[str], view: View, ctx: click.Context) -> None:
     """Show what the options ask of one description."""
     given = ctx.params
     shapes = given["geometry"] is not None
@@ -37,7 +38,7 @@ def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: 
     check_use(use, ctx)
     if len(files) > 1:
         raise click.UsageError("a URDF stands alone: one robot at a time, and no meshes beside it", ctx)
-    if given["compare"] and form == "urdf":
+    if given["compare"] and kept_value("form", "text") == "urdf":
         raise click.UsageError("--format urdf is not for --compare; --link NAME --geometry visual prints one", ctx)
     description = described(files[0])
     {
@@ -45,7 +46,7 @@ def robot(files: Sequence[str], view: View, form: str, report: str | None, ctx: 
         "a whole robot": _whole,
         "a link's shapes": _from_shapes,
         "a link as declared": _declared,
-    }[use](description, view, form, report, ctx)
+    }[use](description, view, ctx)
 
 
 def _reading(ctx: click.Context) -> Reading:
@@ -54,11 +55,11 @@ def _reading(ctx: click.Context) -> Reading:
     return Reading(how, watch=counted)
 
 
-def _compared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
+def _compared(description: Description, view: View, ctx: click.Context) -> None:
     kind: Kind = ctx.params["geometry"] or "visual"
     found = compare(description, kind, _reading(ctx))
     sections = comparison_sections(found)
-    answer(form, sections, report, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
+    answer(sections, lambda _: pages.differences_page(found), json=lambda: comparison_json(found))
 
 
 def _checked(description: Description) -> Checked:
@@ -69,23 +70,23 @@ def _checked(description: Description) -> Checked:
     return check_description(description, Options(package_path=description.search.package_paths))
 
 
-def _whole(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
+def _whole(description: Description, view: View, ctx: click.Context) -> None:
     found = robot_inertia(description, ctx.params["at"] or ())
     checked = _checked(description)
     document = partial(pages.robot_page, found, description, view, checked)
     json, urdf = partial(robot_json, found, view, checked), partial(urdf_lines, found.body)
-    answer(form, robot_sections(found, view, checked), report, document, json=json, urdf=urdf)
+    answer(robot_sections(found, view, checked), document, json=json, urdf=urdf)
 
 
-def _declared(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
+def _declared(description: Description, view: View, ctx: click.Context) -> None:
     found = link_inertia(description, ctx.params["link"])
     checked = _checked(description).of_link(found.name)
     document = partial(pages.link_page, found, description, view, checked)
     json, urdf = partial(link_json, description.name, found, view, checked), partial(urdf_lines, found.body)
-    answer(form, link_sections(description.file, found, view, checked), report, document, json=json, urdf=urdf)
+    answer(link_sections(description.file, found, view, checked), document, json=json, urdf=urdf)
 
 
-def _from_shapes(description: Description, view: View, form: str, report: str | None, ctx: click.Context) -> None:
+def _from_shapes(description: Description, view: View, ctx: click.Context) -> None:
     given = ctx.params
     found = link_from_shapes(
         description,
@@ -97,4 +98,4 @@ def _from_shapes(description: Description, view: View, form: str, report: str | 
     )
     document = partial(pages.link_shapes_page, found, description, view)
     json, urdf = partial(link_shapes_json, description.name, found, view), partial(urdf_lines, found.body)
-    answer(form, link_shapes_sections(description.file, found, view), report, document, json=json, urdf=urdf)
+    answer(link_shapes_sections(description.file, found, view), document, json=json, urdf=urdf)

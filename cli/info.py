@@ -16,7 +16,7 @@ from robodyn.report.overview import overview_sections
 @click.argument("urdf", type=PATH)
 @DESCRIPTION
 @FORMAT
-def command(urdf: str, form: str) -> None:
+def command(urdf: str) -> None:
     """A robot at a glance: tree, joints, masses, degrees of freedom, meshes, and what to run next.
     A file named - is standard input; a .xacro file is expanded first.
 
@@ -24,6 +24,6 @@ def command(urdf: str, form: str) -> None:
     Example:
       robodyn info robots/puma.urdf
     """
-    check_names([urdf], None)
+    check_names(urdf)
     found = overview(robot_source(urdf), **lookup())
-    answer(form, overview_sections(found), json=lambda: overview_json(found))
+    answer(overview_sections(found), json=lambda: overview_json(found))

@@ -179,7 +179,8 @@ def lookup() -> dict[str, Any]:
 
 
 SCENE = together(
-    click.option(
+    DESCRIPTION,
+    kept(
         "--scene",
         "scene_file",
         type=PATH,
@@ -194,8 +195,16 @@ SCENE = together(
         multiple=True,
         help="A mass on a link, its centre in m in the link's frame; repeatable, beside those of the scene.",
     ),
+    kept("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81."),
 )
-"""The option --scene, and --payload, whose values are those of `payloads`."""
+"""The options that `robot_in_scene` takes: of the description, --scene, --payload and --gravity."""
+BASE_HELD = kept("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn.")
+
+
+def scene_name() -> str | None:
+    """Return the file that --scene names."""
+    found: str | None = kept_value("scene_file", None)
+    return found
 
 
 def payloads() -> tuple[Payload, ...]:
@@ -204,10 +213,15 @@ def payloads() -> tuple[Payload, ...]:
     return found
 
 
-GRAVITY = click.option("--gravity", type=VECTOR, metavar="X,Y,Z", help="m/s^2 in the base frame; default 0,0,-9.81.")
+def gravity() -> Vector | None:
+    """Return what --gravity says."""
+    found: Vector | None = kept_value("gravity", None)
+    return found
+
+
 AT = click.option("--at", type=VALUES, metavar="Q", help="Joint values in order, or JOINT=Q,...; the rest 0.")
 QD = click.option("--qd", type=VALUES, metavar="QD", help="Velocities, likewise; default at rest.")
-FORMAT = click.option(
+FORMAT = kept(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", help="Form of the report; default text."
 )
 

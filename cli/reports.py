@@ -8,11 +8,8 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from importlib import import_module
 from threading import Thread
-from typing import Any
 
-import click
-
-from robodyn.cli.options import PATH
+from robodyn.cli.options import Parsed, kept, kept_value
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.report.document import Document, Section
@@ -23,21 +20,14 @@ FORMS = {".html": "html", ".htm": "html", ".md": "markdown"}
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "matplotlib", "yourdfpy", "trimesh")
 
 
-def REPORT(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the option --report."""
-    what = "Write a report for people: .html with plots and data in one file, or .md for a pull request."
-    return click.option("--report", type=PATH, metavar="FILE", callback=_checked, help=what)(command)
-
-
-def _checked(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+def _checked(path: str) -> str:
     """Return the name of the file, if a report can go there: said before anything is computed."""
-    if value is not None:
-        if form_of(value) == "html":
-            need("HTML reports", "matplotlib", "jinja2", file=value)
-        folder = os.path.dirname(value) or "."
-        if not os.path.isdir(folder):
-            raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=value)
-    return value
+    if form_of(path) == "html":
+        need("HTML reports", "matplotlib", "jinja2", file=path)
+    folder = os.path.dirname(path) or "."
+    if not os.path.isdir(folder):
+        raise InputError("cannot be written: there is no such folder", remedy="make the folder first", file=path)
+    return path
 
 
 def form_of(path: str) -> str:
@@ -52,14 +42,29 @@ def form_of(path: str) -> str:
     return FORMS[suffix]
 
 
-def pictured(report: str | None) -> bool:
+REPORT = kept(
+    "--report",
+    type=Parsed("file", _checked),
+    metavar="FILE",
+    help="Write a report for people: .html with plots and data in one file, or .md for a pull request.",
+)
+
+
+def report_name() -> str | None:
+    """Return the file that --report names."""
+    found: str | None = kept_value("report", None)
+    return found
+
+
+def pictured() -> bool:
     """Return whether there is a report with figures."""
+    report = report_name()
     return report is not None and form_of(report) == "html"
 
 
-def get_ready(report: str | None) -> None:
+def get_ready() -> None:
     """Import what draws figures while what they show is still being computed."""
-    if pictured(report):
+    if pictured():
         Thread(target=_import, daemon=True).start()
 
 
@@ -70,11 +75,10 @@ def _import() -> None:
 
 
 def answer(
-    form: str,
     sections: Iterable[Section],
-    report: str | None = None,
     document: Callable[[bool], Document] | None = None,
     written: str = "",
+    form: str = "",
     **others: Callable[[], str],
 ) -> None:
     """Show a result in the form that is asked for, after its report is written if there shall be one.
@@ -82,10 +86,12 @@ def answer(
     Args:
         document: the report, with figures or without.
         written: lines on other files, below the text.
+        form: in place of --format.
         others: forms that are not text.
     """
+    report, form = report_name(), form or kept_value("form", "text")
     if report is not None and document is not None:
-        written += write_report(report, document(pictured(report)))
+        written += write_report(report, document(pictured()))
     show(others[form]() if form in others else text(sections, page()) + written)
 
 

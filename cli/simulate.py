@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import DESCRIPTION, FORMAT, GRAVITY, PATH, POSITIVE, SCENE, VALUES, Vector
+from robodyn.cli.options import BASE_HELD, FORMAT, PATH, POSITIVE, SCENE, VALUES
 from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
@@ -24,9 +24,7 @@ from robodyn.trajectory.write import format_of, open_writer
 
 @click.command("simulate", short_help="How a robot moves by itself, driven or pushed.")
 @click.argument("urdf", type=PATH)
-@DESCRIPTION
 @SCENE
-@GRAVITY
 @click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
 @TABLE
@@ -37,15 +35,13 @@ from robodyn.trajectory.write import format_of, open_writer
 @click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")
 @click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion.")
-@click.option("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn.")
+@BASE_HELD
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
 @click.option("--executor", type=click.Choice(EXECUTORS), default="auto", help="As of torques; default auto.")
 @REPORT
 @FORMAT
 def command(
     urdf: str,
-    scene_file: str | None,
-    gravity: Vector | None,
     at: Any,
     table: str | None,
     duration: float | None,
@@ -55,11 +51,8 @@ def command(
     accuracy: float | None,
     out: str | None,
     fail_on_limits: bool,
-    base_held: bool,
     explain: bool,
     executor: str,
-    report: str | None,
-    form: str,
 ) -> int:
     """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base,
     closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
@@ -71,14 +64,13 @@ def command(
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --report r.html
       robodyn simulate robots/puma.urdf --at shoulder=-1.5,elbow=1.5 --duration 0.5
     """
-    check_names([urdf, scene_file, table], out)
-    check_names([urdf, scene_file, table], report)
+    check_names(urdf, table, output=out)
     if out:
         format_of(out)
-    get_ready(report)
-    model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held, loops=True)
+    get_ready()
+    model, scene = robot_in_scene(urdf, loops=True)
     scene = begun_at(model, scene, at or ())
-    check_table(table, scene, scene_file)
+    check_table(table, scene)
     if table is None and given():
         raise click.UsageError(f"{given()} goes with --traj", click.get_current_context())
     options = {name: reading()[name] for name in ("columns", "time_unit")}
@@ -97,5 +89,5 @@ def command(
             writer.write(result.time, result.columns)
         written = f"\nwritten: {out}, {len(result.time)} rows of time and {len(result.names)} columns\n"
     sections, document = simulation_sections(result, explain), partial(simulation_page, result)
-    answer(form, sections, report, document, written, json=lambda: simulation_json(result))
+    answer(sections, document, written, json=lambda: simulation_json(result))
     return int(fail_on_limits and (bool(result.ended) or result.within_limits is False))

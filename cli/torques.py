@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from robodyn.cli.options import DESCRIPTION, EXECUTION, FORMAT, GRAVITY, PATH, POINT, POSITIVE, SCENE, Vector, together
+from robodyn.cli.options import BASE_HELD, EXECUTION, FORMAT, PATH, POINT, POSITIVE, SCENE, together
 from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT
 
@@ -52,11 +52,9 @@ def momentum_view(options: dict[str, Any]) -> View | None:
 
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 OPTIONS = together(
-    DESCRIPTION,
     SCENE,
-    GRAVITY,
     click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."),
-    click.option("--base-held", is_flag=True, help="The base is bolted down, or something carries it: do not warn."),
+    BASE_HELD,
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),
     click.option("--momentum", is_flag=True, help=_MOMENTUM),
@@ -84,19 +82,7 @@ OPTIONS = together(
 @click.argument("urdf", type=PATH)
 @click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @OPTIONS
-def command(
-    urdf: str,
-    trajectories: tuple[str, ...],
-    scene_file: str | None,
-    gravity: Vector | None,
-    out: str | None,
-    fail_on_limits: bool,
-    accuracy: float | None,
-    example: bool,
-    report: str | None,
-    form: str,
-    **options: Any,
-) -> int:
+def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **options: Any) -> int:
     """Joint torques, base loads and sizing figures along a motion.
     A file named - is standard input; a trajectory then is CSV.
 
@@ -107,20 +93,19 @@ def command(
       robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
     """
-    if options["reactions"] and not out:
+    if options["reactions"] and not options["out"]:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
     options["momentum"] = momentum_view(options)
-    robot = urdf, scene_file, gravity, options.pop("base_held")
-    if is_batch(trajectories, out, options):
+    if is_batch(trajectories, options["out"], options):
         from robodyn.cli.torques_batch import run_batch
 
-        for given, name in ((accuracy, "--accuracy"), (example, "--example")):
-            if given:
-                raise click.UsageError(f"{name} is for one trajectory", click.get_current_context())
-        return run_batch(*robot, trajectories, out, report, options, form, fail_on_limits)
+        for name in ("accuracy", "example"):
+            if options.pop(name):
+                raise click.UsageError(f"--{name} is for one trajectory", click.get_current_context())
+        return run_batch(urdf, trajectories, fail_on_limits, **options)
     from robodyn.cli.torques_single import run_single
 
     options["sizing"] = options["sizing"] or None
-    result = run_single(*robot, trajectories[0], out, report, accuracy, example, form, options)
+    result = run_single(urdf, trajectories[0], **options)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (fail_on_limits and result.within_limits is False))

@@ -14,10 +14,10 @@ import click
 from robodyn.cli.batch.jobs import Job, Setup, jobs_of
 from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
-from robodyn.cli.options import payloads
+from robodyn.cli.options import gravity, kept_value, payloads, scene_name
 from robodyn.cli.progress import files_done
 from robodyn.cli.reading_options import reading
-from robodyn.cli.reports import answer
+from robodyn.cli.reports import answer, report_name
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
@@ -32,43 +32,44 @@ from robodyn.support.threads import processes
 
 def run_batch(
     urdf: str,
-    scene_file: str | None,
-    gravity: Any,
-    base_held: bool,
     trajectories: Sequence[str],
-    out: str | None,
-    report: str | None,
-    options: dict[str, Any],
-    form: str,
     fail_on_limits: bool,
+    *,
+    out: str | None,
+    jobs: int | None,
+    dask: str | None,
+    **options: Any,
 ) -> int:
-    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts."""
-    if report:
+    """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts.
+
+    Args:
+        options: of `Setup`.
+    """
+    if report_name():
         raise click.UsageError("--report is of one trajectory", click.get_current_context())
     if not out:
         raise click.UsageError("many trajectories need --out FOLDER for their results", click.get_current_context())
     if os.path.isfile(out):
         raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
-    if STANDARD_INPUT in (urdf, scene_file, *trajectories):
+    if STANDARD_INPUT in (urdf, scene_name(), *trajectories):
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
-    jobs = jobs_of(trajectories, out)
-    asked, dask = options.pop("jobs"), options.pop("dask")
+    todo, lines = jobs_of(trajectories, out), kept_value("form", "text") == "text"
     if dask:
         need("clusters of Dask", "distributed")
-    setup, robot = _setup(urdf, scene_file, gravity, options | {"base_held": base_held})
-    work = _there(setup, jobs, dask) if dask else worked_here(setup, jobs, processes(len(jobs), asked))
-    with closing(work), files_done([job.path for job in jobs]) as tick:  # type: ignore[type-var]
-        outcomes = _gathered(work, jobs, tick, form == "text")
+    setup, robot = _setup(urdf, options)
+    work = _there(setup, todo, dask) if dask else worked_here(setup, todo, processes(len(todo), jobs))
+    with closing(work), files_done([job.path for job in todo]) as tick:  # type: ignore[type-var]
+        outcomes = _gathered(work, todo, tick, lines)
     batch = Batch(robot, tuple(outcomes))
-    if form == "text":
+    if lines:
         show("\n")
-    answer(form, batch_sections(batch), json=lambda: batch_json(batch))
+    answer(batch_sections(batch), json=lambda: batch_json(batch))
     return 2 if batch.count("failed") else int(fail_on_limits and batch.within_limits is False)
 
 
-def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, Any]) -> tuple[Setup, str]:
+def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
-    model, scene = robot_in_scene(urdf, scene_file, gravity)
+    model, scene = robot_in_scene(urdf)
     assert model.description is not None, "it is read from a file"
     view, executor, threads = options["momentum"], options.pop("executor"), options.pop("threads")
     if view is not None:
@@ -77,19 +78,16 @@ def _setup(urdf: str, scene_file: str | None, gravity: Any, options: dict[str, A
         executor = "numpy" if compiler().problem else "compiled"
     setup = Setup(
         robot=zlib.compress(model.description.data),
-        scene=None if scene_file is None else _packed(scene_file),
-        gravity=gravity,
+        scene=None if (name := scene_name()) is None else zlib.compress(read_input(name)),
+        gravity=gravity(),
         payloads=payloads(),
         executor=executor,
         threads=threads or 1,
         reading=reading(),
+        base_held=kept_value("base_held", False),
         **options,
     )
     return setup, model.name
-
-
-def _packed(path: str) -> bytes:
-    return zlib.compress(read_input(path))
 
 
 def _there(setup: Setup, jobs: Sequence[Job], address: str) -> Iterator[tuple[int, Outcome]]:

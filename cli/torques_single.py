@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import Vector
 from robodyn.cli.progress import watched
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready, pictured
@@ -32,27 +31,20 @@ if TYPE_CHECKING:
 
 
 def run_single(
-    urdf: str,
-    scene_file: str | None,
-    gravity: Vector | None,
-    base_held: bool,
-    trajectory: str,
-    out: str | None,
-    report: str | None,
-    accuracy: float | None,
-    example: bool,
-    form: str,
-    options: dict[str, Any],
+    urdf: str, trajectory: str, *, out: str | None, accuracy: float | None, example: bool, **options: Any
 ) -> Result:
-    """Return what was found, after it is shown and written."""
-    for place in (out, report):
-        check_names([urdf, trajectory, scene_file], place)
+    """Return what was found, after it is shown and written.
+
+    Args:
+        options: of `robodyn.torques`.
+    """
+    check_names(urdf, trajectory, output=out)
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
     if out:
         format_of(out)
-    get_ready(report)
-    model, scene = robot_in_scene(urdf, scene_file, gravity, base_held=base_held)
+    get_ready()
+    model, scene = robot_in_scene(urdf)
     lines = ""
     if example:
         write_example(trajectory, model, scene)
@@ -64,7 +56,7 @@ def run_single(
     names = output_names(model, options["reactions"], options["momentum"] is not None)
     reader = read_motion(trajectory, model, scene, **reading())
     with reader, sinks(out, names, reader) as gather:
-        result = torques(model, reader, scene, sinks=gather, history=pictured(report), **options)
+        result = torques(model, reader, scene, sinks=gather, history=pictured(), **options)
     result = way.fulfilled(result) if way else result
     if out:
         lines += f"\nwritten: {out}, {result.samples} rows of time and {len(names)} columns\n"
@@ -79,7 +71,7 @@ def run_single(
 
         return torques_json(result)
 
-    answer(form, torques_sections(result, options["explain"]), report, document, lines, json=json)
+    answer(torques_sections(result, options["explain"]), document, lines, json=json)
     return result
 
 

@@ -32,7 +32,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def setup():
-    return _setup("arm.urdf", None, None, {**OPTIONS, "explain": False, "executor": "numpy", "threads": None})[0]
+    return _setup("arm.urdf", {**OPTIONS, "explain": False, "executor": "numpy", "threads": None})[0]
 
 
 def kill_readers(path: str, times: int) -> None:
