@@ -9,7 +9,7 @@ from helpers.oracles import EPS, worst
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robodyn.dynamics.recursions.euler import euler
+from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.programs.vectors import (
     cross,
     exp,
