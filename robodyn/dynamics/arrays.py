@@ -57,7 +57,8 @@ def arrays_of(
     """
     if np.dtype(dtype).type not in (np.float64, np.float32):
         raise InputError(f"dtype {np.dtype(dtype).name} is not offered", remedy="float64 or float32")
-    arrays = {name: _trailing(np.asarray(x, dtype), name, *_columns(model, name)) for name, x in given.items()}
+    names = {name: model.coordinates if name == "q" else model.rates for name in given}
+    arrays = {name: _trailing(np.asarray(x, dtype), name, names[name]) for name, x in given.items()}
     missing = [name for name in scene.columns if name not in columns]
     if missing:
         raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
@@ -98,10 +99,6 @@ def fill(
         out[...] = flat.reshape(out.shape)
 
 
-def _columns(model: Model, name: str) -> tuple[int, tuple[str, ...]]:
-    return (model.nq, model.coordinates) if name == "q" else (model.n, model.rates)
-
-
 def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
     """Return the shape of the samples."""
     shapes = {*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra)}
@@ -118,13 +115,12 @@ def _has_zero(quaternions: Floats) -> bool:
     return bool(zero.any()) and not quaternions[zero].any(axis=1).all()
 
 
-def _trailing(values: Floats, name: str, count: int, names: tuple[str, ...]) -> Floats:
+def _trailing(values: Floats, name: str, names: tuple[str, ...]) -> Floats:
     if values.ndim == 0:
-        values = np.broadcast_to(values, (count,))
-    if values.shape[-1] != count:
-        raise InputError(
-            f"{name} has {values.shape[-1]} columns, the robot has {count}", remedy=f"in this order: {', '.join(names)}"
-        )
+        values = np.broadcast_to(values, (len(names),))
+    if values.shape[-1] != len(names):
+        what = f"{name} has {values.shape[-1]} columns, the robot has {len(names)}"
+        raise InputError(what, remedy=f"in this order: {', '.join(names)}")
     return values
 
 

@@ -139,7 +139,7 @@ def _base_wrench(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Sca
     P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
     base = velocities(parents[:1], joints[:1])[0]
     w, v = _each(value_of, base.w), _each(value_of, base.v)
-    where = [_still(motion) for motion in joints]
+    where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
     weight = _each(value_of, joints[0].R).T @ terms.gravity
     f = _each(rate_of, whole.P) + cross(w, P) - whole.m * weight
     n = _each(rate_of, whole.H) + cross(w, H) + cross(v, P) - cross(mc, weight)
@@ -149,10 +149,6 @@ def _base_wrench(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Sca
         f = f - force
         n = n - from_base[i].R @ wrench.n - cross(from_base[i].p, force)
     return [*f, *n]
-
-
-def _still(motion: Motion) -> Motion:
-    return motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p))
 
 
 def _each(part: Callable[[Any], Scalar], array: Array) -> Array:

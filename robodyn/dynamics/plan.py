@@ -19,8 +19,6 @@ from robodyn.scene.fit import check_scene, refuse_loops
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
 
-SOURCES = ("q", "qd", "qdd")
-
 
 class Loads(NamedTuple):
     """What the recursion yields for one sample: torques, and the wrench at every joint."""
@@ -84,7 +82,8 @@ class Plan:
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             result = loads(*self.terms(tape))
-            return [*result.tau, *_flat(result.reactions if joints else result.reactions[:1])]
+            wrenches = result.reactions if joints else result.reactions[:1]
+            return [*result.tau, *(x for wrench in wrenches for part in wrench for x in part)]
 
         return trace(outputs, self.model.tips_first)
 
@@ -129,10 +128,6 @@ def loads(sample: Sample, terms: Terms) -> Loads:
     joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
     return Loads(joint_torques(model, joints, reactions, terms.at_joint), reactions)
-
-
-def _flat(wrenches: Iterable[Wrench]) -> list[Scalar]:
-    return [x for wrench in wrenches for part in wrench for x in part]
 
 
 @lru_cache(maxsize=16)

@@ -109,7 +109,8 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
         M = mass_matrix(model, q, scene=scene, executor="numpy")
         bias = bias_forces(model, q, speeds, scene=scene, executor="numpy")
         shares = _shares(model, scene, q, speeds)
-        _finite(model, np.array([*M, bias, *shares.values()]))
+        if not np.isfinite([*M, bias, *shares.values()]).all():
+            raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)
         moments = np.abs(eigen(M)[0])
     least, most = float(moments.min()), float(moments.max())
     return Ode(
@@ -148,8 +149,3 @@ def _units(model: Model) -> tuple[str, ...]:
         elif joint.kind == "floating":
             units[joint.rate + 3 : joint.rate + 6] = ["N"] * 3
     return tuple(units)
-
-
-def _finite(model: Model, values: Floats) -> None:
-    if not np.isfinite(values).all():
-        raise InputError("the equations overflow at this configuration", remedy="smaller numbers", file=model.file)

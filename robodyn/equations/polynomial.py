@@ -68,8 +68,8 @@ def total(a: Polynomial, b: Polynomial, sign: float = 1.0) -> Polynomial:
     """a + sign b."""
     terms = dict(a)
     for key, (value, size) in b.items():
-        old = terms.get(key)
-        terms[key] = Coefficient(sign * value, size) if old is None else _added(old, sign * value, size)
+        old = terms.get(key, Coefficient(0.0, 0.0))
+        terms[key] = Coefficient(old.value + sign * value, old.size + size)
     return _pruned(terms)
 
 
@@ -142,10 +142,6 @@ def _upright(kind: str, angle: Angle) -> tuple[Angle, float]:
     if next((x for x in angle if x), 0.0) < 0.0:
         return tuple(-x for x in angle), -1.0 if kind == "sin" else 1.0
     return angle, 1.0
-
-
-def _added(old: Coefficient, value: float, size: float) -> Coefficient:
-    return Coefficient(old.value + value, old.size + size)
 
 
 def _pruned(terms: Polynomial) -> Polynomial:

@@ -177,15 +177,11 @@ def first_passed(touches: Iterable[Touch], room: Callable[[float], Floats], leng
 
 def _passed(touches: Iterable[Touch], room: Callable[[float], Floats], length: float) -> Iterator[float]:
     for _, stop, at in touches:
-        left = partial(_left, room, stop)
+        left = partial(lambda stop, time: float(room(time)[stop]), stop)
         low, high = max(at - ASIDE, 0.0) * length, min(at + ASIDE, 1.0) * length
         time = lowest(left, low, high) if at < 1.0 else length
         if left(time) < 0.0:
             yield moment(left, time)
-
-
-def _left(room: Callable[[float], Floats], stop: int, time: float) -> float:
-    return float(room(time)[stop])
 
 
 def lowest(room: Callable[[float], float], low: float, high: float) -> float:

@@ -76,7 +76,9 @@ def simulate(
     """
     check_moves(model)
     options = choose_method(step, rtol, method)._replace(most=most)
-    _check_positive(duration=duration, step=step, rtol=rtol)
+    for name, value in (("duration", duration), ("step", step), ("rtol", rtol)):
+        if value is not None and not 0.0 < value < np.inf:
+            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     scene, notes = with_friction(model, signal.scene)
     a_plan = plan(model, scene)
@@ -164,12 +166,6 @@ def integrated(
     count = int(min(duration / options.step, 1e9)) + len(signal.corners())
     ready = FixedSteps(a_plan, method, executor, count, signal)
     return ready.motion(state, duration, options.step, limits, options.most)
-
-
-def _check_positive(**given: float | None) -> None:
-    for name, value in given.items():
-        if value is not None and not 0.0 < value < np.inf:
-            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
 
 
 def _figures(a_plan: Plan, motion: Motion, executor: str, signal: Signal) -> Figures:

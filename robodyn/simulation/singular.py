@@ -81,13 +81,9 @@ def _ways(plan: Plan, chain: ClosedChain, q: list[float], qd: Floats, left: Floa
     names = plan.model.rates
     first = next((names.index(name) for name in plan.scene.initial_qd), int(np.argmax(np.abs(qd))))
     some = [way * (qd[first] / way[first]) for way in ways if abs(way[first]) > FEW * np.abs(way).max()]
-    listed = [", ".join(f"{n} = {x:.6g}" for n, x in zip(names, _clean(way), strict=True)) for way in some]
+    clean = [np.where(np.abs(way) < FEW * np.abs(way).max(), 0.0, way).tolist() for way in some]
+    listed = [", ".join(f"{n} = {x:.6g}" for n, x in zip(names, way, strict=True)) for way in clean]
     return f"{away}, or give all [initial] qd of one way on: {'; or '.join(listed)}" if listed else away
-
-
-def _clean(way: Floats) -> list[float]:
-    """Return the numbers of a way, without rounding noise."""
-    return [float(x) for x in np.where(np.abs(way) < FEW * np.abs(way).max(), 0.0, way)]
 
 
 def _lines(a: float, b: float, c: float) -> list[tuple[float, float]]:

@@ -87,10 +87,6 @@ def _no_energy(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]
     return 0.0
 
 
-def _itself(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    return terms
-
-
 @dataclass(frozen=True)
 class Effect:
     """One physical effect.
@@ -109,6 +105,6 @@ class Effect:
     adds: str
     why: Callable[[Model, Scene, ZeroColumns], Verdict]
     add: Callable[[Terms, Sample, Scene], Terms]
-    background: Callable[[Terms, Sample, Scene], Terms] = _itself
+    background: Callable[[Terms, Sample, Scene], Terms] = lambda terms, sample, scene: terms
     stored: EnergyOf = _no_energy
     lost: EnergyOf = _no_energy

@@ -21,7 +21,7 @@ from robodyn.equations.ode import bias_plan
 from robodyn.programs.vectors import cross, product
 from robodyn.robot.configuration import Values, configuration, rates
 from robodyn.robot.kinematics import Wrench
-from robodyn.robot.model import Frame, Model
+from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.support.floats import Floats, first_largest
 
@@ -131,7 +131,8 @@ def by_the_tree(robot: Posed, rank: int, solution: Solution) -> tuple[Floats, li
 
 def _on_both(robot: Posed, closure: Closure, acting: Wrench) -> list[tuple[int, Wrench]]:
     """From a wrench on the link at its point, in the axes of the other link: that on both bodies."""
-    at, (body, R, p), (other, R_o, _) = robot.at, robot.model.links[closure.loop.link], _end(robot, closure)
+    at, links = robot.at, robot.model.links
+    (body, R, p), (other, R_o, _) = links[closure.loop.link], links.get(closure.loop.to, GROUND_FRAME)
     own, to = at.places[body], at.places[other]
     f, n = (to.R @ (R_o @ part) for part in acting)
     x = own.c + own.R @ (p + R @ np.array(closure.loop.point) - robot.system.centres[body])
@@ -143,8 +144,3 @@ def _on_both(robot: Posed, closure: Closure, acting: Wrench) -> list[tuple[int, 
             force = sign * (place.R.T @ f)
             out.append((i, Wrench(force, sign * (place.R.T @ n) + cross(arm, force))))
     return out
-
-
-def _end(robot: Posed, closure: Closure) -> Frame:
-    """Return the frame of the other link in its body, of the description's own axes."""
-    return robot.model.links.get(closure.loop.to, GROUND_FRAME)

@@ -55,7 +55,7 @@ def projected(system: System, at: State, length: float) -> State:
 
     Accuracy: g within 1e-14 of the robot's extent, G v within 1e-14 of the largest speed.
     """
-    arcs = _arcs(len(system.inertias), length)
+    arcs = arcs_of(len(system.inertias), length)
     best, error = at, np.inf
     for _ in range(STEPS):
         off = values(system.equations, at)
@@ -84,7 +84,7 @@ def _slowed(system: System, at: State, arcs: Floats) -> State:
     return State(at.places, (*speeds, STILL))
 
 
-def _arcs(bodies: int, length: float) -> Floats:
+def arcs_of(bodies: int, length: float) -> Floats:
     """Return what turns arcs of `length` into angles, and leaves distances."""
     return np.tile(np.repeat((1.0 / length, 1.0), 3), bodies)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.equations.dae.consistent import flat_speeds
+from robodyn.equations.dae.consistent import arcs_of, flat_speeds
 from robodyn.equations.dae.posed import Posed, own_rates
 from robodyn.equations.dae.state import accelerations_of, state_of
 from robodyn.equations.dae.system import Matrices
@@ -86,8 +86,7 @@ class Solution(NamedTuple):
 
 def scaled_rows(G: Floats, length: float) -> Floats:
     """G with angles counted as arcs of this length, and each row of length 1; its rank has then no unit."""
-    arcs = np.tile(np.repeat((1.0 / length, 1.0), 3), G.shape[1] // 6)
-    rows = G * arcs
+    rows = G * arcs_of(G.shape[1] // 6, length)
     sizes = np.sqrt((rows * rows).sum(axis=1))
     return np.asarray(rows / np.where(sizes > 0.0, sizes, 1.0)[:, None])
 

@@ -17,7 +17,7 @@ from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Derivation, Trajectory
-from robodyn.trajectory.reading import MODES, Derivatives
+from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.robot_motion import motion, sources_of
 
 MEASURES = "middle", "whole"
@@ -45,7 +45,8 @@ def derivative_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
     expected = torques(a_plan, truth)
     scale = np.abs(expected).max() or 1.0
     modes: tuple[Any, ...] = tuple(mode for mode in MODES if mode != "given")
-    acts = {str(mode): partial(_derived, a_plan.model, truth, data, mode) for mode in modes}
+    derived = partial(motion, a_plan.model, truth.time, data, columns=truth.extra)
+    acts = {str(mode): partial(derived, derivatives=mode) for mode in modes}
     rungs = []
     for name, (found, time) in timed(acts, 1 / len(truth)).items():
         off = np.abs(torques(a_plan, found) - expected).max(axis=1) / scale
@@ -97,10 +98,6 @@ def noisy(model: Model, q: Floats, derivation: Derivation) -> tuple[Floats, str]
     return data, f"a smooth motion like the given one, with {size}" if sigma.any() else f"a motion like it, {size}"
 
 
-def _derived(model: Model, samples: Trajectory, q: Floats, mode: Derivatives) -> Trajectory:
-    return motion(model, samples.time, q, columns=samples.extra, derivatives=mode)
-
-
 EVERY = 1, 2, 4, 8
 FEWEST = 32
 """Samples that are left at least."""
@@ -116,10 +113,12 @@ def rate_ladder(a_plan: Plan, samples: Trajectory) -> Ladder:
     acts = {str(k): partial(_peaks, a_plan, samples, k) for k in EVERY if len(samples) >= FEWEST * k}
     size = a_plan.torques().size
     rate = (len(samples) - 1) / (samples.time[-1] - samples.time[0])
-    rungs = [
-        Rung(f"{_nth(int(k))}, {rate / int(k):.4g} Hz", (_change(peaks, full),), time, size / int(k))
-        for k, (peaks, time) in timed(acts, 1 / len(samples)).items()
-    ]
+    names = {"1": "every sample", "2": "every 2nd"}
+    rungs = []
+    for k, (peaks, time) in timed(acts, 1 / len(samples)).items():
+        change = float(np.abs(peaks - full).max() / (full.max() or 1.0))
+        name = f"{names.get(k, f'every {k}th')}, {rate / int(k):.4g} Hz"
+        rungs.append(Rung(name, (change,), time, size / int(k)))
     return Ladder("sample rate", ("peak torque",), "the peaks at the full rate", "sample", tuple(rungs))
 
 
@@ -133,11 +132,3 @@ def _peaks(a_plan: Plan, samples: Trajectory, every: int) -> Floats:
         left = motion(a_plan.model, time, q, qd if given else None, columns=extra)
     found: Floats = np.abs(torques(a_plan, left)).max(axis=0)
     return found
-
-
-def _change(peaks: Floats, full: Floats) -> float:
-    return float(np.abs(peaks - full).max() / (full.max() or 1.0))
-
-
-def _nth(every: int) -> str:
-    return {1: "every sample", 2: "every 2nd"}.get(every, f"every {every}th")

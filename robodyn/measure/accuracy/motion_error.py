@@ -111,7 +111,8 @@ def apart(coarse: Simulation, fine: Simulation) -> float:
     few = shared.sum() < 0.5 * min(len(rows), SEEN)
     expected = between_records(fine)(times) if few else states[near[shared]]
     off = MotionError.over(fine.model, states)(states_of(coarse)[rows if few else rows[shared]], expected)
-    return max(float(off.max()), _late(coarse, fine))
+    late = abs(float(coarse.time[-1] - fine.time[-1])) / float(fine.time[-1]) if coarse.ended else 0.0
+    return max(float(off.max()), late)
 
 
 def seen(motion: Simulation | None) -> list[float]:
@@ -122,11 +123,6 @@ def seen(motion: Simulation | None) -> list[float]:
     rows = np.unique(np.linspace(0, max(last, 0), min(last, SEEN) + 1).astype(int))
     times: list[float] = motion.time[rows[1:]].tolist()
     return times
-
-
-def _late(one: Simulation, other: Simulation) -> float:
-    """By how much of the time two motions end apart."""
-    return abs(float(one.time[-1] - other.time[-1])) / float(other.time[-1]) if one.ended else 0.0
 
 
 def _limit(motion: Simulation) -> str:

@@ -35,7 +35,8 @@ def counted(act: Callable[[Array], object], numbers: Array) -> int:
                 total += 2 * np.size(result) * plain[0].shape[-1]
             else:
                 total += max(np.size(value) for value in (*plain, *_several(result)))
-            wrapped = tuple(_wrapped(value, Counted) for value in _several(result))
+            several = _several(result)
+            wrapped = tuple(each.view(Counted) if isinstance(each, np.ndarray) else each for each in several)
             return wrapped if isinstance(result, tuple) else wrapped[0]
 
     act(numbers.view(Counted))
@@ -67,7 +68,3 @@ def _plain(value: Any) -> Any:
 
 def _several(result: Any) -> tuple[Any, ...]:
     return result if isinstance(result, tuple) else (result,)
-
-
-def _wrapped(value: Any, kind: Any) -> Any:
-    return value.view(kind) if isinstance(value, np.ndarray) else value

@@ -15,7 +15,7 @@ from robodyn.errors import InputError
 from robodyn.loads.figures import REMEDY
 from robodyn.measure.accuracy.derivative_ladder import FEWEST, derivative_ladder, rate_ladder
 from robodyn.measure.accuracy.ladder import Accuracy, EffectPrice, Ladder, Price, Rung
-from robodyn.measure.speed.executors import Executor, available, compile_anew
+from robodyn.measure.speed.executors import Executor, available, compile_anew, laid_out
 from robodyn.measure.timing import Spread, timed
 from robodyn.programs.program import Program
 from robodyn.programs.run.double_double import BLOCK, DoubleDouble
@@ -50,9 +50,9 @@ def torque_accuracy(model: Model, samples: Trajectory, scene: Scene = DEFAULT) -
     check_moves(model)
     need("true errors of torques", "mpmath")
     a_plan = plan(model, scene)
-    program, sources = a_plan.torques(), _columnar(sources_of(samples, scene))
+    program, sources = a_plan.torques(), laid_out(sources_of(samples, scene), "F", np.float64)
     widths = runner_of(program, a_plan).widths
-    ways = _executors()
+    ways = (Executor("numpy float32", np.float32, NumpyBlocks), *available())
     executors, notes = _executor_ladder(program, widths, ways, sources, len(samples))
     ladders = [executors]
     try:
@@ -86,10 +86,6 @@ def file_accuracy(model: Model, scene: Scene, trajectory: str, **reading: Any) -
     raise InputError("the trajectory has no samples", file=trajectory)
 
 
-def _executors() -> tuple[Executor, ...]:
-    return (Executor("numpy float32", np.float32, NumpyBlocks), *available())
-
-
 def _executor_ladder(
     program: Program, widths: Mapping[str, int], ways: tuple[Executor, ...], sources: Sources, count: int
 ) -> tuple[Ladder, list[str]]:
@@ -97,9 +93,10 @@ def _executor_ladder(
     reference, digits = (Multiprecision(program, digits=digits) for digits in (DIGITS, FEWER_DIGITS))
     acts: dict[str, Callable[[], Any]] = {}
     for way in ways:
-        run, given = way.ready(program, widths), {name: np.asarray(a, way.dtype, "F") for name, a in sources.items()}
+        run, given = way.ready(program, widths), laid_out(sources, "F", way.dtype)
         out = np.empty((count, len(program.outputs)), way.dtype, "F")
-        acts[_named(way)] = partial(run, given, count, out, *(() if way.ready is NumpyBlocks else (1,)))
+        name = way.name if "float" in way.name else f"{way.name} float64"
+        acts[name] = partial(run, given, count, out, *(() if way.ready is NumpyBlocks else (1,)))
     results = timed(acts, 1 / count)
     if not np.isfinite(results["numpy float64"][0]).all():
         raise InputError("the torques of some samples overflow", remedy=REMEDY)
@@ -127,10 +124,6 @@ def _pairs(program: Program, sources: Sources, count: int, rows: Any) -> tuple[A
     return convert(high) + convert(low), time
 
 
-def _named(way: Executor) -> str:
-    return way.name if "float" in way.name else f"{way.name} float64"
-
-
 def _error(tau: Any, expected: Any) -> float:
     """max |tau - expected| / max |expected|, in the arithmetic of what is expected."""
     largest = abs(expected).max()
@@ -156,7 +149,3 @@ def _unit(model: Model, place: int) -> str:
     joint = max((joint for joint in model.independent if joint.rate <= place), key=lambda joint: joint.rate)
     forces = joint.kind == "prismatic" or place - joint.rate >= 3
     return "N" if forces else "N m"
-
-
-def _columnar(sources: Sources) -> dict[str, Any]:
-    return {name: np.asfortranarray(values) for name, values in sources.items()}

@@ -54,7 +54,8 @@ def bench(
     """
     check_moves(model)
     a_plan = plan(model, scene)
-    work = _work(a_plan.torques(), a_plan, random_sources(model, scene, samples), samples)
+    program = a_plan.torques()
+    work = Work(program, runner_of(program, a_plan).widths, random_sources(model, scene, samples), samples)
     workers = cores(threads)
     watch("executors")
     trace = repeated(a_plan.torques)
@@ -78,10 +79,6 @@ def bench(
         peers=compared(model, scene.gravity, work.sources, samples, watch) if peers else None,
         problem=compiler().problem,
     )
-
-
-def _work(program: Program, a_plan: Plan, sources: Mapping[str, Floats], samples: int) -> Work:
-    return Work(program, runner_of(program, a_plan).widths, sources, samples)
 
 
 def _resting(a_plan: Plan, sources: tuple[str, ...]) -> Plan:
