@@ -10,7 +10,7 @@ from robodyn.cli.files import check_names
 from robodyn.cli.inertia_options import COMBINE, MESH, ROBOT, VIEW, WEIGHT
 from robodyn.cli.options import PATH, ROBOT_SUFFIXES, Vector
 from robodyn.cli.reports import REPORT
-from robodyn.solids.inertia.view import View
+from robodyn.solids.inertia.conversions import View
 
 
 @click.command("inertia", short_help="What meshes, links and robots weigh, and how it is spread.")

@@ -19,8 +19,8 @@ from robodyn.measure.accuracy.inertia_within import needs_rationals, with_promis
 from robodyn.report.bodies import inertia_sections
 from robodyn.report.document import Document
 from robodyn.report.json.bodies import inertia_json
+from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import Pose
-from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part, mass_properties
 from robodyn.support.floats import Floats
 
@@ -116,7 +116,7 @@ def _measured(
     with metered(files) as (on_progress, done):
         for name, rho, m, units in each:
             try:
-                part = mass_properties(name, density=rho, mass=m, unit=units, heard=on_progress, **options)
+                part = mass_properties(name, density=rho, mass=m, unit=units, on_progress=on_progress, **options)
                 outcomes.append(part if accuracy is None else with_promise(part, accuracy))
             except MeshError as error:
                 outcomes.append(error)

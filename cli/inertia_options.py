@@ -12,8 +12,8 @@ from click.core import ParameterSource
 from robodyn.cli.options import AT, DESCRIPTION, POINT, POSITIVE, Parsed, finite_numbers, kept, together, vector_type
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
+from robodyn.solids.inertia.conversions import inertial_element
 from robodyn.solids.inertia.properties import MassProperties, Pose
-from robodyn.solids.inertia.view import inertial_element
 from robodyn.support.wording import count
 
 T = TypeVar("T")

@@ -22,7 +22,7 @@ from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.masses.shapes import link_from_shapes
 from robodyn.robot.urdf.geometry import Kind
 from robodyn.robot.urdf.parts import Description
-from robodyn.solids.inertia.view import View
+from robodyn.solids.inertia.conversions import View
 
 if TYPE_CHECKING:
     from robodyn.checks.run import Checked

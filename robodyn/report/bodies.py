@@ -11,8 +11,8 @@ import numpy as np
 from robodyn.programs.vectors import Array
 from robodyn.report.document import Block, Facts, Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import is_noise, number, printable
+from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from robodyn.robot.masses.compare import UNCERTAIN, Comparison, Difference, Link
 from robodyn.robot.masses.declared import LinkInertia, RobotInertia
 from robodyn.robot.masses.shapes import LinkShapes
 from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import Validity, validity
-from robodyn.solids.inertia.view import View
 from robodyn.support.floats import ranked
 
 if TYPE_CHECKING:

@@ -48,9 +48,9 @@ from robodyn.robot.masses.declared import LinkInertia, RobotInertia
 from robodyn.robot.masses.shapes import LinkShapes
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.composite_mass import Combination
+from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import validity
-from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:

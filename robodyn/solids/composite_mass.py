@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.boxes import Box, around, counted_twice
 from robodyn.solids.inertia.properties import MassProperties, Pose, composite
+from robodyn.solids.inertia.validity import Box, around, counted_twice
 from robodyn.solids.mesh_mass import Part
 
 HOME: Pose = (IDENTITY, ZERO)

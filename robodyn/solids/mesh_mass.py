@@ -9,24 +9,23 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, MeshError
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.mesh.bodies import sheet, solid
 from robodyn.solids.mesh.integrate.integrals import Integrals
-from robodyn.solids.mesh.measured import Measured, measured
+from robodyn.solids.mesh.measured import Measured, measured, sheet, solid
 from robodyn.solids.mesh.read.load import from_array, load_triangles
-from robodyn.solids.mesh.read.stl_binary import Heard
+from robodyn.solids.mesh.read.stl_binary import OnProgress
 from robodyn.solids.mesh.shape import Shape, shape
 from robodyn.solids.mesh.triangles import Triangles, scaled
+from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.repair.repair import Step
     from robodyn.solids.mesh.symmetry.kinds import Symmetry
     from robodyn.solids.mesh.tessellation.bars import Tessellation
 
-Floats = NDArray[np.float64]
 
 WATER = 1000.0
 """Density [kg/m^3] that is assumed where neither a density nor a mass is given."""
@@ -91,7 +90,7 @@ def mass_properties(
     symmetry: bool | None = False,
     symmetrize: bool = False,
     tessellation: bool | None = False,
-    heard: Heard | None = None,
+    on_progress: OnProgress | None = None,
 ) -> Part:
     """Mass, centre of mass and inertia of what a mesh encloses, as a body of uniform density.
 
@@ -115,7 +114,8 @@ def mass_properties(
         symmetry, tessellation: whether to seek symmetry, and to ask what facets leave out; None, as the command has it:
             where triangles are few.
         symmetrize: average the body over the planes and axes of symmetry that hold (see `symmetrized`).
-        heard: is told how many triangles of a binary STL have been read, whenever some have; it is read several times.
+        on_progress: called with how many triangles of a binary STL have been read, whenever some have; it is read
+            several times.
 
     Raises:
         InputError: density, mass or thickness is not positive, or both of the first two are given.
@@ -127,7 +127,7 @@ def mass_properties(
     _check(density, mass, shell)
     if cavities and not repair:
         raise InputError("cavities are told from bodies by repair", remedy="leave out --cavities or --no-repair")
-    triangles = scaled(_triangles(source, unit, file_type, heard), scale)
+    triangles = scaled(_triangles(source, unit, file_type, on_progress), scale)
     found = measured(triangles, exact=exact, repair=repair and shell is None, strict=strict, cavities=cavities)
     triangles, integrals = found.triangles, found.integrals
     weight = WATER if density is None else density
@@ -166,10 +166,13 @@ def mass_properties(
 
 
 def _triangles(
-    source: str | os.PathLike[str] | bytes | ArrayLike, unit: str | None, file_type: str | None, heard: Heard | None
+    source: str | os.PathLike[str] | bytes | ArrayLike,
+    unit: str | None,
+    file_type: str | None,
+    on_progress: OnProgress | None,
 ) -> Triangles:
     if isinstance(source, (str, os.PathLike, bytes)):
-        return load_triangles(source, file_type=file_type, unit=unit, heard=heard)
+        return load_triangles(source, file_type=file_type, unit=unit, on_progress=on_progress)
     return from_array(source, unit=unit or "m")
 
 

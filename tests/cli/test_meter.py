@@ -53,7 +53,9 @@ def test_a_sound_mesh_fills_its_share(monkeypatch, files, held):
     seen = []
     for path in files:
         before = meter.completed
-        mass_properties(path, heard=lambda triangles: (meter.on_progress(triangles), seen.append(meter.completed)))
+        mass_properties(
+            path, on_progress=lambda triangles: (meter.on_progress(triangles), seen.append(meter.completed))
+        )
         size, count = path.stat().st_size, load_triangles(path).count
         share = min(0.99 * size, 50 * count) * (1 + one_shell.readings(count))
         assert meter.completed - before == pytest.approx(share)
@@ -71,7 +73,7 @@ def test_other_files_come_all_at_once():
 @pytest.mark.parametrize("rows", [7, 100])
 def test_every_triangle_is_heard_of_once_a_reading(rows):
     told = []
-    mesh = load_triangles(binary_stl(box()), heard=told.append)
+    mesh = load_triangles(binary_stl(box()), on_progress=told.append)
     for reading in (mesh.records, mesh.blocks):
         told.clear()
         assert len(list(reading(rows))) == len(told)
@@ -83,7 +85,7 @@ def test_a_mesh_that_takes_longer_than_foreseen(tmp_path):
     path.write_bytes(binary_stl(two(torus(2.0, 0.5, 100, 50))))
     meter = Meter([path.stat().st_size, 500])
     late = []
-    mass_properties(path, heard=lambda triangles: (meter.on_progress(triangles), late.append(meter.overdue)))
+    mass_properties(path, on_progress=lambda triangles: (meter.on_progress(triangles), late.append(meter.overdue)))
     assert late[0] is False
     assert late[-1] is True
     assert late == sorted(late)

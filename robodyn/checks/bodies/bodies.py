@@ -14,8 +14,8 @@ from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView
-from robodyn.solids.inertia.boxes import Box
 from robodyn.solids.inertia.laws import second_moments, symmetric
+from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
 
 _LEAST = 0.01

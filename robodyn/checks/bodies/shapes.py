@@ -17,7 +17,7 @@ from robodyn.checks.reading.tree import Group
 from robodyn.programs.vectors import length, product
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import GeometryView, LinkView
-from robodyn.solids.inertia.boxes import Box, around, half_size
+from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
 

@@ -15,7 +15,7 @@ from robodyn.checks.bodies.masses import widest
 from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.solids.inertia.boxes import Box
+from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats, first_largest
 from robodyn.support.wording import figure
 

@@ -12,7 +12,7 @@ from robodyn.checks.bodies.unit_slips import slips
 from robodyn.checks.examples import a_shaped_link, inertia
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.solids.inertia.boxes import Box
+from robodyn.solids.inertia.validity import Box
 from robodyn.support.wording import figure
 
 

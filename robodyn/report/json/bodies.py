@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import MeshError
 from robodyn.report.json.encode import encode, finite, select, written
+from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import Validity, validity
-from robodyn.solids.inertia.view import View
 from robodyn.solids.mesh_mass import Part
 
 if TYPE_CHECKING:

@@ -15,9 +15,8 @@ from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
 from robodyn.robot.urdf.geometry import Kind, Shape, link_shapes
 from robodyn.robot.urdf.parts import Description, Link
-from robodyn.solids.inertia.boxes import box_bound
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.inertia.validity import PRINTED
+from robodyn.solids.inertia.validity import PRINTED, box_bound
 from robodyn.support.floats import Floats, first_largest, ranked
 
 UNCERTAIN = 1e-12

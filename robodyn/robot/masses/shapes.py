@@ -11,8 +11,8 @@ from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.urdf.geometry import Kind, Shape, link_named, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description
 from robodyn.solids.inertia import solids
-from robodyn.solids.inertia.boxes import Box, around, counted_twice, half_size
 from robodyn.solids.inertia.properties import MassProperties, composite
+from robodyn.solids.inertia.validity import Box, around, counted_twice, half_size
 from robodyn.solids.mesh_mass import WATER, Part
 from robodyn.support.wording import shown
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import Array, Scalar
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 
 def exact(numbers: ArrayLike) -> Array:

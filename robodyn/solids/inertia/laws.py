@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, skew
-from robodyn.solids.inertia.exact import Floats
+from robodyn.support.floats import Floats
 
 
 def symmetric(entries: Iterable[float]) -> Floats:

@@ -12,9 +12,10 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, product
-from robodyn.solids.inertia.exact import Floats, exact, fraction, rounded, two_floats
+from robodyn.solids.inertia.exact import exact, fraction, rounded, two_floats
 from robodyn.solids.inertia.laws import Inertia, inertia_matrix, orthogonal, parallel_axis
 from robodyn.solids.inertia.principal import Principal, principal_axes
+from robodyn.support.floats import Floats
 
 Pose = tuple[Array, Array]
 """Rotation (3, 3) and origin (3,) [m] of a frame in another."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 Numbers = NDArray[np.signedinteger[Any]]
 Mask = NDArray[np.bool_]

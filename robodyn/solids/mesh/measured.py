@@ -1,4 +1,4 @@
-"""A surface measured: as it is where it is proven sound, else after what it needed of repair."""
+"""A surface measured, as it is where it is proven sound, else after repair; and as a body of uniform density."""
 
 from __future__ import annotations
 
@@ -7,14 +7,18 @@ from sys import float_info
 from typing import TYPE_CHECKING
 
 from robodyn.errors import MeshError
+from robodyn.solids.inertia.conversions import from_integrals, from_surface_integrals
+from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.closed.fingerprint import Fingerprint
 from robodyn.solids.mesh.closed.one_shell import is_one_shell
 from robodyn.solids.mesh.integrate.integrals import Integrals, measure
+from robodyn.solids.mesh.integrate.sweep import surface
 from robodyn.solids.mesh.triangles import Triangles
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.region.quadrature import Quadrature
     from robodyn.solids.mesh.repair.repair import Repaired, Step
+
 
 _FLAT = 1e-12
 """Volume over area and width below which a shell may have no sign: ten times what `nesting` asks."""
@@ -133,3 +137,38 @@ def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
             file=triangles.name,
         )
     return fixed
+
+
+def solid(found: Integrals | Quadrature, triangles: Triangles, density: float) -> MassProperties:
+    """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3.
+
+    Raises:
+        MeshError: they enclose no volume.
+    """
+    if not found.volume:
+        raise MeshError(
+            "the surface encloses no volume", remedy="--shell THICKNESS takes it as a sheet", file=triangles.name
+        )
+    volume, first, second = found.moments
+    return from_integrals(
+        volume,
+        first,
+        second,
+        density=density,
+        reference=found.reference,
+        scale=triangles.scale,
+    )
+
+
+def sheet(triangles: Triangles, density: float, thickness: float) -> MassProperties:
+    """Return the triangles as a sheet of so many metres, at so many kg/m^3."""
+    found = surface(triangles)
+    return from_surface_integrals(
+        found.area,
+        found.first,
+        found.S,
+        density=density,
+        thickness=thickness,
+        reference=found.reference,
+        scale=triangles.scale,
+    )

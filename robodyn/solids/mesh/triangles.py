@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
+from robodyn.support.floats import Floats
 
-Floats = NDArray[np.float64]
 Corners = NDArray[np.floating[Any]]
 
 BLOCK = 4096

@@ -14,8 +14,8 @@ from robodyn.report.text import text
 from robodyn.robot.masses.compare import compare, relative, slip
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.urdf.description import load_description
+from robodyn.solids.inertia.conversions import inertial_element
 from robodyn.solids.inertia.solids import box
-from robodyn.solids.inertia.view import inertial_element
 
 ROBOTS = Path(__file__).parents[3] / "robots"
 EPS = np.finfo(float).eps

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import IDENTITY, ZERO
-from robodyn.solids.inertia.boxes import box_bound
 from robodyn.solids.inertia.conversions import from_inertia
 from robodyn.solids.inertia.exact import exact
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.solids import box
+from robodyn.solids.inertia.validity import box_bound
 
 
 def test_masses_in_the_corners_reach_it():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robodyn.programs.vectors import IDENTITY, ZERO, rotation_from_rpy
-from robodyn.solids.inertia.boxes import Box, around, counted_twice, overlaps
+from robodyn.solids.inertia.validity import Box, around, counted_twice, overlaps
 
 UNIT = Box(np.zeros(3), np.ones(3))
 

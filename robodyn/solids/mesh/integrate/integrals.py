@@ -7,7 +7,6 @@ from math import ceil, floor, fsum, inf, log10
 from sys import float_info
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, Scalar
@@ -17,8 +16,7 @@ from robodyn.solids.mesh.integrate.exact import Moments, exact_moments
 from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.integrate.sweep import Sweep, swept, swept_with_edges
 from robodyn.solids.mesh.triangles import Triangles
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 ROUNDING = float_info.epsilon / 2
 """Relative error of the float nearest to a number."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import fsum
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import Array
@@ -16,9 +16,7 @@ from robodyn.solids.mesh.blocks import block_space, fill, reference_in
 from robodyn.solids.mesh.closed.fingerprint import EdgeSums, Fingerprint
 from robodyn.solids.mesh.integrate.kernel import Kernel, surface_kernel, symmetric
 from robodyn.solids.mesh.triangles import Triangles, check_all_finite
-from robodyn.support.floats import LARGEST
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import LARGEST, Floats
 
 _SAFE = 2.0**-170, 2.0**180
 """Sizes of boxes whose fifth powers, and those of the triangles in them, stay clear of the ends of a float's range."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 Integers = NDArray[np.signedinteger[Any]]
 

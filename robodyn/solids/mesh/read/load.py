@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.kinds import SCENES, kind_of, scale_of
 from robodyn.solids.mesh.read.source import Source, open_source
-from robodyn.solids.mesh.read.stl_binary import Heard, is_complete, open_binary
+from robodyn.solids.mesh.read.stl_binary import OnProgress, is_complete, open_binary
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 
 _HEAD = 4096
@@ -22,7 +22,7 @@ def load_triangles(
     *,
     file_type: str | None = None,
     unit: str | None = None,
-    heard: Heard | None = None,
+    on_progress: OnProgress | None = None,
 ) -> Triangles:
     """Return the triangles of a mesh.
 
@@ -33,7 +33,7 @@ def load_triangles(
         source: name of a file; `-` is standard input; or the bytes themselves.
         file_type: one of `kinds.KINDS`; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
-        heard: is told how many triangles of a binary STL have been read, whenever some have.
+        on_progress: called with how many triangles of a binary STL have been read, whenever some have.
 
     Raises:
         MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
@@ -46,7 +46,7 @@ def load_triangles(
         return read_scene(found, kind, unit)
     scale, note = scale_of(unit, None, found.name)
     if kind == "stl":
-        return _read_stl(found, scale, (note,), heard)
+        return _read_stl(found, scale, (note,), on_progress)
     if kind == "ply":
         from robodyn.solids.mesh.read.ply import read_ply
 
@@ -84,11 +84,11 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
     return MemoryTriangles(name, values, 24 if values.dtype == np.float32 else 53, scale)
 
 
-def _read_stl(source: Source, scale: float, notes: tuple[str, ...], heard: Heard | None) -> Triangles:
+def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None) -> Triangles:
     """Binary if the size says so, even where the header begins with `solid`, or if there are bytes that no text has."""
     head = source.data(_HEAD)
     if is_complete(head, source.size) or head.translate(None, _CONTROLS) != head:
-        return open_binary(source, head, scale, notes, heard)
+        return open_binary(source, head, scale, notes, on_progress)
     if b"solid" not in head.lower() and b"facet" not in head.lower():
         raise source.error("is text without 'solid' or 'facet', no STL", remedy="is its type another?")
     from robodyn.solids.mesh.read.stl_ascii import read_ascii

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.lines import Integers, Tokens, runs
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Corners, Floats, IndexedTriangles, not_finite
+from robodyn.solids.mesh.triangles import Corners, IndexedTriangles, not_finite
+from robodyn.support.floats import Floats
 
 _SAMPLE, _MOST = 64, 1024
 _FEW, _FLOAT32, _FLOAT64 = 5, 9, 16

@@ -16,7 +16,8 @@ from robodyn.solids.mesh.read.assets import asset_of
 from robodyn.solids.mesh.read.kinds import scale_of
 from robodyn.solids.mesh.read.polygons import triangles_of
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Corners, Floats, IndexedTriangles
+from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
+from robodyn.support.floats import Floats
 from robodyn.support.libraries import library_messages, treated_warnings
 
 _FLOAT32 = ("dae", "zae", "glb", "gltf")
@@ -34,7 +35,7 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
     Raises:
         MeshError: trimesh cannot read it, or there are no triangles.
     """
-    with _told(source, kind):
+    with _library_errors(source, kind):
         asset = asset_of(source, kind)
         scale, note = scale_of(unit, asset.metres, source.name)
         loaded, logged = _loaded(source, kind, asset.data)
@@ -137,7 +138,7 @@ def _moved(geometry: Mapping[str, Any], matrix: Floats) -> Iterator[_Part]:
 
 
 @contextmanager
-def _told(source: Source, kind: str) -> Iterator[None]:
+def _library_errors(source: Source, kind: str) -> Iterator[None]:
     """Tells whatever a library raises about a damaged file as a MeshError."""
     try:
         yield

@@ -10,7 +10,8 @@ import numpy as np
 from robodyn.solids.mesh.read.lines import Integers, Tokens, tokens, whole_lines
 from robodyn.solids.mesh.read.polygons import add_sample, significand
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import Floats, MemoryTriangles
+from robodyn.solids.mesh.triangles import MemoryTriangles
+from robodyn.support.floats import Floats
 
 _WORDS = 21
 _LAYOUT = {

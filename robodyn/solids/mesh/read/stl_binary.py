@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import BLOCK, Corners, Floats, check_finite
+from robodyn.solids.mesh.triangles import BLOCK, Corners, check_finite
+from robodyn.support.floats import Floats
 
 START, RECORD = 84, 50
-Heard = Callable[[int], object]
-"""Is told how many triangles have been read, after each block of them."""
+OnProgress = Callable[[int], object]
+"""Called with how many triangles have been read, after each block of them."""
 
 _TYPE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -40,7 +41,7 @@ class StlTriangles:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     significand: int = 24
-    heard: Heard | None = None
+    on_progress: OnProgress | None = None
 
     @property
     def name(self) -> str:
@@ -57,8 +58,8 @@ class StlTriangles:
         """As `blocks`, but in the memory of the next, and perhaps not finite."""
         for block in self._records(rows):
             yield block
-            if self.heard is not None:
-                self.heard(len(block))
+            if self.on_progress is not None:
+                self.on_progress(len(block))
 
     def _records(self, rows: int) -> Iterator[Corners]:
         held = self.source.memory()
@@ -92,7 +93,7 @@ def _columns(corners: Corners) -> Corners:
 
 
 def open_binary(
-    source: Source, head: bytes, scale: float, notes: tuple[str, ...], heard: Heard | None = None
+    source: Source, head: bytes, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None = None
 ) -> StlTriangles:
     """Return the triangles of a file that begins with `head`.
 
@@ -119,4 +120,4 @@ def open_binary(
         )
     elif extra:
         notes = (*notes, f"{extra} bytes after the last triangle are left out")
-    return StlTriangles(source, count, scale, notes, warnings, heard=heard)
+    return StlTriangles(source, count, scale, notes, warnings, on_progress=on_progress)

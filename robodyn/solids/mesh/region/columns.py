@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import IDENTITY, Array, length, product
-from robodyn.support.floats import first_largest
+from robodyn.support.floats import Floats, first_largest
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 COLUMNS = 4096

@@ -11,7 +11,7 @@ from robodyn.solids.mesh.region.columns import Lattice
 from robodyn.solids.mesh.region.pieces import COLUMNS, centred, directions, excess, relative
 from robodyn.solids.mesh.region.winding_region import Field
 from robodyn.solids.mesh.region.winding_tree import WindingTree
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _FEWEST = 128
 """Columns in each direction to begin with."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from robodyn.programs.vectors import length, product
 from robodyn.solids.mesh.indexed import Mask
-from robodyn.solids.mesh.region.columns import Floats, Hits, Integers, Lattice, in_order
+from robodyn.solids.mesh.region.columns import Hits, Integers, Lattice, in_order
+from robodyn.support.floats import Floats
 
 
 @dataclass(frozen=True, eq=False)

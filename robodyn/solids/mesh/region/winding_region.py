@@ -11,7 +11,7 @@ from robodyn.solids.mesh.indexed import Indexed, Mask
 from robodyn.solids.mesh.region.columns import Hits, Integers, Lattice, in_order
 from robodyn.solids.mesh.region.pieces import Pieces, joined
 from robodyn.solids.mesh.region.winding_tree import WindingTree
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _NEAR_END = 1e-6
 """Share of a piece from its end at which the winding number there is taken."""

@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.indexed import Indexed, Numbers
 from robodyn.solids.mesh.region.columns import frame_along
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _FRAME = frame_along(np.array((0.36, 0.48, 0.8)))
 """Along nothing that a part has, so that its points do not lie side by side."""

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _ROUNDING = 16 * np.finfo(np.float64).eps
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.indexed import Indexed, Mask
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _PAIRS = 1 << 17
 """Points times triangles of a block: its intermediate results stay in the cache."""

@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, triple
 from robodyn.solids.mesh.repair.inside import Interior, OpenInterior
 from robodyn.solids.mesh.repair.shells import Shells
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _NOISE = 1e-13
 """Volume over the sum of the sizes of its terms below which a shell is flat and has no sign."""

@@ -12,7 +12,8 @@ from robodyn.solids.mesh.repair.holes import Filling, filled
 from robodyn.solids.mesh.repair.nesting import Nesting, nested
 from robodyn.solids.mesh.repair.shells import Shells, wound
 from robodyn.solids.mesh.repair.union import United, united
-from robodyn.solids.mesh.triangles import Floats, MemoryTriangles, Triangles
+from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
+from robodyn.support.floats import Floats
 
 _BY_REGION = ("overlaps", "winding numbers")
 """Steps that leave the surface as it is."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from robodyn.solids.mesh.indexed import Mask, Numbers, components, triple
 from robodyn.solids.mesh.repair.inside import Interior
-from robodyn.solids.mesh.triangles import Floats, Triangles
+from robodyn.solids.mesh.triangles import Triangles
+from robodyn.support.floats import Floats
 
 _PAIRS = 16
 """Pairs of shells that are tried for what they share."""

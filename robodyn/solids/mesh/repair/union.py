@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
 from robodyn.solids.mesh.repair.nesting import Nesting
-from robodyn.solids.mesh.triangles import Floats
+from robodyn.support.floats import Floats
 
 _TOUCH = 1e-11
 """Volume that bodies may share, of the sum of their volumes, and still only touch."""

@@ -12,10 +12,11 @@ import numpy as np
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import IDENTITY, Array, length, product, rotation_about
 from robodyn.solids.mesh.integrate.integrals import Integrals
-from robodyn.solids.mesh.region.columns import COLUMNS, Floats, Lattice, differing_volume, frame_along
+from robodyn.solids.mesh.region.columns import COLUMNS, Lattice, differing_volume, frame_along
 from robodyn.solids.mesh.symmetry.higher_moments import CentralMoments, central_moments
 from robodyn.solids.mesh.tessellation.lines import LineMasses, line_masses
 from robodyn.solids.mesh.triangles import Triangles
+from robodyn.support.floats import Floats
 
 _BITS = 30
 _SHIFT = 0.3819660113

@@ -5,13 +5,10 @@ from __future__ import annotations
 from math import atan2, gcd, inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.mesh.symmetry.even_form import EvenForm
-from robodyn.support.floats import first_largest
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats, first_largest
 
 DISTINCT = 1e-9
 """Principal second moments that are closer than this part of the largest leave their axes open."""

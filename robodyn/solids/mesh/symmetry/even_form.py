@@ -8,8 +8,8 @@ from math import factorial
 import numpy as np
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.region.columns import Floats
 from robodyn.solids.mesh.symmetry.higher_moments import determinants
+from robodyn.support.floats import Floats
 
 _BLOCK = 512
 

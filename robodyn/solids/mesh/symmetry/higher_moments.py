@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, product
-
-Floats = NDArray[np.float64]
+from robodyn.support.floats import Floats
 
 FREQUENCIES = 8
 """Highest order of the moments about an axis."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from robodyn.solids.mesh.region.columns import Floats
+from robodyn.support.floats import Floats
 
 Verdict = Literal["exact", "within tessellation", "near", "none"]
 

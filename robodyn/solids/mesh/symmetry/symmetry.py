@@ -12,10 +12,11 @@ from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product, rotation_about
 from robodyn.solids.inertia.exact import exact, fraction
 from robodyn.solids.inertia.properties import MassProperties
-from robodyn.solids.mesh.region.columns import Floats, frame_along
+from robodyn.solids.mesh.region.columns import frame_along
 from robodyn.solids.mesh.symmetry.asymmetry import GOLDEN_TURN, CentredBody, mirror
 from robodyn.solids.mesh.symmetry.kinds import Axis, Product, Symmetry
 from robodyn.solids.mesh.symmetry.search import Search
+from robodyn.support.floats import Floats
 
 _FIXED = 1e-2
 """How far a map may move what it leaves as it is, and what counts as no direction of its own: errors of normals."""

@@ -11,8 +11,8 @@ from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, length, product
 from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.solids.mesh.integrate.integrals import Integrals
-from robodyn.solids.mesh.tessellation.edges import Floats
 from robodyn.solids.mesh.tessellation.lines import LineMasses
+from robodyn.support.floats import Floats
 
 OUTSIDE = 0.5
 """Of what facets lack where their corners are on the smooth surface, that they take in where they touch it."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, arctan2
 from robodyn.solids.mesh.indexed import components
+from robodyn.support.floats import Floats
 
 Integers = NDArray[np.int64]
 
@@ -60,8 +61,6 @@ def _hashed(X: Array) -> NDArray[np.uint64]:
     words ^= words >> _HALF
     return words
 
-
-Floats = NDArray[np.float64]
 
 SHARPEST = radians(65)
 """Facets that meet at a larger angle are meant so, unless both belong to curved faces."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.solids.mesh.indexed import Mask
-from robodyn.solids.mesh.tessellation.edges import BENT, BentEdges, Floats
+from robodyn.solids.mesh.tessellation.edges import BENT, BentEdges
+from robodyn.support.floats import Floats
 
 _UNLIKE = 3
 _UNPAIRED = 0.6

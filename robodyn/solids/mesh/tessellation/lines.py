@@ -9,8 +9,9 @@ import numpy as np
 
 from robodyn.programs.vectors import Array
 from robodyn.solids.mesh.indexed import Mask
-from robodyn.solids.mesh.tessellation.edges import BENT, SHARPEST, BentEdges, Floats, Integers, bent_edges
+from robodyn.solids.mesh.tessellation.edges import BENT, SHARPEST, BentEdges, Integers, bent_edges
 from robodyn.solids.mesh.tessellation.facets import companions, endings, like, opposed, planes, sides, taper
+from robodyn.support.floats import Floats
 
 FINE = radians(40)
 """Facets that meet at a larger angle are too coarse to say how symmetric a body may be that they stand for."""

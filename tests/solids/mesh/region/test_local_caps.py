@@ -8,9 +8,9 @@ from helpers.mesh_samples import moved, torus, uv_sphere
 from helpers.repaired_meshes import R
 
 from robodyn.solids.mesh.indexed import Edges, Indexed, areas, merged
-from robodyn.solids.mesh.region.local_caps import local_caps
+from robodyn.solids.mesh.region.quadrature import local_caps
+from robodyn.solids.mesh.repair.holes import boundary_loops
 from robodyn.solids.mesh.repair.inside import winding_numbers
-from robodyn.solids.mesh.repair.loops import boundary_loops
 
 
 def cone(body, seed=0):

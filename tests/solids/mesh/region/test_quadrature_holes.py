@@ -11,7 +11,7 @@ from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.integrate.integrals import integrate
 from robodyn.solids.mesh.region.quadrature import by_winding_numbers
 from robodyn.solids.mesh.region.winding_tree import WindingTree
-from robodyn.solids.mesh.repair.loops import boundary_loops, cap_of
+from robodyn.solids.mesh.repair.holes import boundary_loops, cap_of
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
 
