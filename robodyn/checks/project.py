@@ -12,7 +12,7 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from robodyn.checks.context import DEFAULT, Thresholds
-from robodyn.checks.fixes.fix import Fixed, fixed
+from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Task, check_one, rules_for
 from robodyn.checks.sources import files_of
 from robodyn.errors import InputError, SceneError, unreadable

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import PurePath
 from textwrap import indent, wrap
 
-from robodyn.checks.fixes.fix import Fixed, Made
+from robodyn.checks.fixes import Fixed, Made
 from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
 from robodyn.checks.run import Checked
 from robodyn.report.check_words import LEVELS, check_line, check_verdict

@@ -8,11 +8,12 @@ from math import isfinite
 
 import numpy as np
 
-from robodyn.checks.bodies.frames import link_poses, pose
+from robodyn.checks.bodies.masses import link_poses, pose, widest
 from robodyn.checks.bodies.shapes import box_of, group_boxes, real_shapes, solids
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
+from robodyn.robot.urdf.source_positions import Span
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.validity import Box
@@ -44,6 +45,11 @@ class Body:
     own: Box | None
     group: Box | None
     pose: Pose
+
+    @property
+    def tensor_span(self) -> Span:
+        """Where to point at in its tensor."""
+        return self.inertial.entries[widest(self.link.tensor or (0.0,) * 6)].span
 
     @property
     def box(self) -> Box | None:

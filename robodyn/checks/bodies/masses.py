@@ -1,4 +1,4 @@
-"""Masses and moments that several rules ask for."""
+"""Poses, masses and moments that several rules ask for."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from math import fsum, sqrt
 
 import numpy as np
 
-from robodyn.checks.bodies.frames import centres_of_mass
 from robodyn.checks.context import Context
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Severity
 from robodyn.programs.linear import eigen
-from robodyn.programs.vectors import product
-from robodyn.robot.urdf.view import InertialView, LinkView
+from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.robot.kinematics import Pose
+from robodyn.robot.urdf.view import InertialView, LinkView, OriginView
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats
 
@@ -22,6 +22,28 @@ Tensor = tuple[float, ...]
 
 POINT = 1e-6
 """Radius of gyration [m] below which a body counts as a point."""
+
+
+def pose(origin: OriginView) -> Pose | None:
+    """Return the pose of an origin; None where a number in it cannot be read."""
+    xyz, rpy = origin.xyz.or_default(0.0, 0.0, 0.0), origin.rpy.or_default(0.0, 0.0, 0.0)
+    if xyz is None or rpy is None:
+        return None
+    return Pose(rotation_from_rpy(rpy[0], rpy[1], rpy[2]), np.array(xyz))
+
+
+def link_poses(context: Context) -> Mapping[str, Pose]:
+    """The pose of each link's frame in that of its rigid group's first link; without those that cannot be read."""
+    poses: dict[str, Pose] = {}
+    for group in context.tree.groups:
+        first, *others = group.links
+        poses[first.name] = Pose(np.eye(3), np.zeros(3))
+        for link in others:
+            joint = context.tree.above[link.name]
+            outer, inner = poses.get(joint.parent), pose(joint.origin)
+            if outer is not None and inner is not None:
+                poses[link.name] = Pose(product(outer.R, inner.R), outer.p + product(outer.R, inner.p))
+    return poses
 
 
 def carried_masses(context: Context) -> Mapping[Group, float]:
@@ -88,10 +110,12 @@ def gyration(context: Context, group: Group) -> float | None:
 
 
 def _part(context: Context, link: LinkView) -> tuple[float, float, tuple[float, ...]] | None:
-    centre = context.once(centres_of_mass).get(link.name)
-    if link.mass is None or link.tensor is None or centre is None:
+    """Return mass, half the trace of the tensor and the centre of mass in the frame of the group's first link."""
+    outer = context.once(link_poses).get(link.name)
+    inner = None if link.inertial is None else pose(link.inertial.origin)
+    if link.mass is None or link.tensor is None or outer is None or inner is None:
         return None
-    return link.mass, trace(link.tensor) / 2, centre
+    return link.mass, trace(link.tensor) / 2, tuple((outer.p + product(outer.R, inner.p)).tolist())
 
 
 def widest(tensor: Tensor) -> int:

@@ -1,14 +1,13 @@
-"""Boxes and volumes of what links and rigid groups are made of."""
+"""Boxes around what links and rigid groups are made of."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from math import pi, prod
+from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.frames import link_poses, pose
+from robodyn.checks.bodies.masses import link_poses, pose
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts
@@ -21,20 +20,11 @@ from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Solid:
-    """One shape in its link's frame.
+class Solid(NamedTuple):
+    """The box around a shape in its own axes [m], and where these are in the link's frame."""
 
-    Attributes:
-        view: it.
-        box: around it in its own axes [m]; pose: where these are.
-        volume: m^3; None where the surface of a mesh does not tell.
-    """
-
-    view: GeometryView
     box: Box
     pose: Pose
-    volume: float | None
 
     def placed(self, outer: Pose) -> Box:
         """Return the box along outer axes, in which the link's frame stands at a pose."""
@@ -50,39 +40,26 @@ def solids(context: Context) -> Solids:
     found = {}
     for link in context.view.links:
         for geometry in link.geometries:
-            where = pose(geometry.origin)
-            if where is None or geometry.shape is None or geometry in mistaken:
-                continue
-            sized = _mesh(geometry, facts) if geometry.shape.tag == "mesh" else _primitive(geometry)
-            if sized is not None:
-                found[geometry] = Solid(geometry, sized[0], where, sized[1])
+            where, box = pose(geometry.origin), _mesh(geometry, facts) or _primitive(geometry)
+            if where is not None and box is not None and geometry not in mistaken:
+                found[geometry] = Solid(box, where)
     return found
 
 
-def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> tuple[Box, float | None] | None:
-    assert geometry.shape is not None, "it is a mesh"
+def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:
+    if geometry.shape is None or geometry.shape.tag != "mesh":
+        return None
     known = facts.get(geometry.shape.get("filename") or "")
     scale = geometry.scale.or_default(1.0, 1.0, 1.0)
     if known is None or known.problem is not None or scale is None or not all(scale):
         return None
     ends = np.array((known.lo, known.hi)) * np.array(scale)
-    volume = abs(known.volume * prod(scale)) if known.closed and not known.overlapping else 0.0
-    return Box(ends.min(axis=0), ends.max(axis=0)), volume or None
+    return Box(ends.min(axis=0), ends.max(axis=0))
 
 
-def _primitive(geometry: GeometryView) -> tuple[Box, float] | None:
+def _primitive(geometry: GeometryView) -> Box | None:
     half = _half_size(geometry)
-    if half is None or not (half > 0).all():
-        return None
-    x, _, z = half.tolist()
-    tag = "" if geometry.shape is None else geometry.shape.tag
-    volume = {
-        "box": 8 * float(half.prod()),
-        "cylinder": 2 * pi * x**2 * z,
-        "sphere": 4 / 3 * pi * x**3,
-        "capsule": pi * x**2 * (2 * (z - x) + 4 / 3 * x),
-    }[tag]
-    return Box(-half, half), volume
+    return Box(-half, half) if half is not None and (half > 0).all() else None
 
 
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
@@ -131,14 +108,13 @@ def own_box(link: LinkView, R: Floats) -> Box | None:
     None where a mesh or nothing is there. A primitive is bounded by the box around it in its own axes, which is exact
     for boxes.
     """
-    return around_known([_box(geometry, R) for geometry in link.geometries])
-
-
-def _box(geometry: GeometryView, R: Floats) -> Box | None:
-    placed, half = pose(geometry.origin), _half_size(geometry)
-    if placed is None or half is None:
-        return None
-    return Box(-half, half).placed(product(R.T, placed.R), product(R.T, placed.p))
+    boxes: list[Box | None] = []
+    for geometry in link.geometries:
+        where, half = pose(geometry.origin), _half_size(geometry)
+        if where is None or half is None:
+            return None
+        boxes.append(Solid(Box(-half, half), where).placed(Pose(R.T, np.zeros(3))))
+    return around_known(boxes)
 
 
 def _half_size(geometry: GeometryView) -> Floats | None:

@@ -8,8 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from robodyn.checks.bodies.frames import pose
-from robodyn.checks.bodies.masses import Tensor, nearest
+from robodyn.checks.bodies.masses import Tensor, nearest, pose
 from robodyn.checks.causes.evidence import SAME, UPPER, Evidence, Symptom, apart, evidence_of
 from robodyn.checks.causes.forms import FORMS, Given, Proposal
 from robodyn.checks.context import Context

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,8 +67,7 @@ def changes(before: Model, after: Model) -> Iterator[Change]:
     same in every run, of the coordinates that both have; others are at rest. The last change is their largest
     difference in a state over the largest torque there.
     """
-    yield from _joints(before, after)
-    yield from _bodies(before, after)
+    yield from (change for change in (*_joints(before, after), *_bodies(before, after)) if change.size > SAME)
     common = [name for name in after.rates if name in before.rates]
     floating = any(joint.kind == "floating" for joint in (*before.independent, *after.independent))
     if not common or floating:
@@ -89,27 +88,19 @@ def _joints(before: Model, after: Model) -> Iterator[Change]:
         if name not in old:
             yield Change("joint", name, "the joint is new", np.inf)
             continue
-        for what, value in _FIELDS.items():
-            was, now = value(old[name]), value(joint)
+        for (what, was), now in zip(_fields(old[name]).items(), _fields(joint).values(), strict=True):
             if was != now:
                 yield Change("joint", name, f"{what} {_shown(was)} has become {_shown(now)}", np.inf)
         moved = max(float(np.abs(old[name].R - joint.R).max()), float(np.abs(old[name].p - joint.p).max()))
-        if moved > SAME:
-            yield Change("joint", name, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved)
+        yield Change("joint", name, f"its place has moved by {moved:.3g} (m, or in the rotation)", moved)
     if [name for name in before.joint_names if name in new] != [name for name in after.joint_names if name in old]:
         yield Change("robot", after.name, "the joints are in another order", np.inf)
 
 
-_FIELDS: dict[str, Callable[[Joint], object]] = {
-    "type": lambda joint: joint.kind,
-    "axis": lambda joint: tuple(joint.axis.tolist()),
-    "lower": lambda joint: joint.lower,
-    "upper": lambda joint: joint.upper,
-    "effort": lambda joint: joint.effort,
-    "velocity": lambda joint: joint.velocity,
-    "damping": lambda joint: joint.damping,
-    "friction": lambda joint: joint.friction,
-}
+def _fields(joint: Joint) -> dict[str, object]:
+    """Return what is compared of a joint, by the word for it."""
+    numbers = ("lower", "upper", "effort", "velocity", "damping", "friction")
+    return {"type": joint.kind, "axis": tuple(joint.axis.tolist())} | {name: getattr(joint, name) for name in numbers}
 
 
 def _shown(value: object) -> str:
@@ -123,15 +114,12 @@ def _bodies(before: Model, after: Model) -> Iterator[Change]:
             continue
         was, now = old[body.name], body.inertia
         mass = abs(now.m - was.m) / max(abs(now.m), abs(was.m), 1e-300)
-        if mass > SAME:
-            yield Change("link", body.name, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass)
+        yield Change("link", body.name, f"mass {was.m:.6g} kg has become {now.m:.6g} kg", mass)
         centre = length(now.centre_of_mass - was.centre_of_mass)
-        if centre > SAME:
-            yield Change("link", body.name, f"the centre of mass has moved by {centre:.3g} m", centre)
+        yield Change("link", body.name, f"the centre of mass has moved by {centre:.3g} m", centre)
         size = max(float(np.abs(now.I).max()), float(np.abs(was.I).max()), 1e-300)
         tensor = float(np.abs(now.I - was.I).max()) / size
-        if tensor > SAME:
-            yield Change("link", body.name, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor)
+        yield Change("link", body.name, f"the inertia about its origin has changed by {100 * tensor:.3g} %", tensor)
 
 
 def _torques_apart(before: Model, after: Model, common: list[str]) -> tuple[float, float]:

@@ -11,7 +11,6 @@ of the mass that they are fixed to are passed over. The wrists of the UR5 exceed
 import numpy as np
 
 from robodyn.checks.bodies.bodies import Body
-from robodyn.checks.bodies.masses import widest
 from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -42,20 +41,14 @@ def _beyond_reach(body: Body) -> Fault | None:
     spread = float(np.trace(body.S)) / body.mass
     own = _reach(body.box, body.c)
     group = own if body.group is None else _reach(body.group, body.in_group[0])
-    if spread > group:
-        severity, bound, what = (Severity.ERROR if spread > FAR * group else Severity.WARNING, group, "its rigid group")
-    elif spread > FAR * own:
-        severity, bound, what = Severity.WARNING, own, "the link"
-    else:
+    if spread <= group and spread <= FAR * own:
         return None
-    return _fault(
-        body,
-        severity,
-        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {what} "
-        f"reach {bound**0.5:.3g} m from there: {_times(spread / bound)} the second moment that is possible",
-        spread * body.mass,
-        bound * body.mass,
+    bound, which = (group, "its rigid group") if spread > group else (own, "the link")
+    what = (
+        f"its inertia is that of mass {spread**0.5:.3g} m from its centre (root mean square), but the shapes of {which}"
+        f" reach {bound**0.5:.3g} m from there: {figure(spread / bound)} times the second moment that is possible"
     )
+    return _fault(body, Severity.ERROR if spread > FAR * group else Severity.WARNING, what, spread, bound)
 
 
 def _beyond_box(body: Body) -> Fault | None:
@@ -75,31 +68,15 @@ def _beyond_box(body: Body) -> Fault | None:
     if ratio <= _SLIGHT:
         return None
     wherever = spread[axis] > sides[axis] ** 2 / 4
-    return _fault(
-        body,
-        Severity.WARNING if ratio > FAR and wherever else Severity.NOTE,
-        f"along {'xyz'[axis]} its inertia needs {_times(ratio)} the second moment that any mass in the box around the "
-        "shapes can have",
-        float(spread[axis]) * body.mass,
-        float(bound[axis]) * body.mass,
-    )
+    severity = Severity.WARNING if ratio > FAR and wherever else Severity.NOTE
+    what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
+    return _fault(body, severity, f"{what} around the shapes can have", float(spread[axis]), float(bound[axis]))
 
 
 def _reach(box: Box, c: Floats) -> float:
     return float((np.maximum(box.hi - c, c - box.lo) ** 2).sum())
 
 
-def _times(ratio: float) -> str:
-    return f"{figure(ratio)} times"
-
-
-def _fault(body: Body, severity: Severity, what: str, measured: float, bound: float) -> Fault:
-    assert body.link.tensor is not None, "it has second moments"
-    return Fault(
-        body.inertial.entries[widest(body.link.tensor)].span,
-        what,
-        _ADVICE,
-        measured=measured,
-        bound=bound,
-        severity=severity,
-    )
+def _fault(body: Body, severity: Severity, what: str, spread: float, bound: float) -> Fault:
+    measured, most = spread * body.mass, bound * body.mass
+    return Fault(body.tensor_span, what, _ADVICE, measured=measured, bound=most, severity=severity)

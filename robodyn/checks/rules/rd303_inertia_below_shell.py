@@ -5,7 +5,7 @@ moment of inertia of 2/3 m r^2; parts of that size have more, for they are longe
 nearly all mass is in one spot. That of a point is RD204's.
 """
 
-from robodyn.checks.bodies.masses import is_a_point, principal_moments, widest
+from robodyn.checks.bodies.masses import is_a_point, principal_moments
 from robodyn.checks.bodies.unit_slips import judged
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -24,7 +24,7 @@ def check(context: Context) -> Faults:
         largest = principal_moments(tensor)[2]
         if 0 < largest < _LEAST * shell:
             yield Fault(
-                body.inertial.entries[widest(tensor)].span,
+                body.tensor_span,
                 f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
                 f"of its mass that fits into its shapes (radius {radius:.3g} m)",
                 "check the unit (kg m^2) and the mass; write the inertia of the part",

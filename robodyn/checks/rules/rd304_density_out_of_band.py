@@ -6,7 +6,7 @@ steel that fills it has 7850. Links of published robots have 390 to 1200. The ba
 `least-density` and `most-density`.
 """
 
-from robodyn.checks.bodies.frames import link_poses
+from robodyn.checks.bodies.masses import link_poses
 from robodyn.checks.bodies.shapes import around_known, box_of, real_shapes, solids
 from robodyn.checks.bodies.unit_slips import slips
 from robodyn.checks.examples import a_shaped_link, inertia

@@ -8,7 +8,6 @@ them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a 
 """
 
 from robodyn.checks.bodies.bodies import Body, bodies
-from robodyn.checks.bodies.masses import widest
 from robodyn.checks.bodies.unit_slips import slips
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -33,7 +32,4 @@ def check(context: Context) -> Faults:
 def _place(body: Body, what: str) -> Span:
     if what == "mass":
         return body.inertial.mass.span
-    if what == "inertia":
-        assert body.link.tensor is not None, "it is wrong"
-        return body.inertial.entries[widest(body.link.tensor)].span
-    return body.inertial.origin.xyz.span
+    return body.tensor_span if what == "inertia" else body.inertial.origin.xyz.span

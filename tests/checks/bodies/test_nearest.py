@@ -7,7 +7,7 @@ import pytest
 from helpers.planted_defects import HEALTHY
 
 from robodyn.checks.bodies.masses import nearest
-from robodyn.checks.fixes.fix import fixed
+from robodyn.checks.fixes import fixed
 from robodyn.checks.run import check_one
 from robodyn.support.floats import Floats
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from helpers.clean_arm import arm
 
-from robodyn.checks.fixes.fix import edited, together
+from robodyn.checks.fixes import edited, together
 from robodyn.checks.rule import Edit, Finding, Fix
 from robodyn.checks.run import check_one
 

@@ -11,8 +11,7 @@ from helpers.clean_arm import INERTIA, arm
 
 import robodyn
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.fixes.fix import ROUNDS, Fixed, fixed
-from robodyn.checks.fixes.proof import SAME, change_of_dynamics
+from robodyn.checks.fixes import ROUNDS, SAME, Fixed, change_of_dynamics, fixed
 from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Edit, Finding, Fix
 from robodyn.checks.run import Options, check_one

@@ -15,7 +15,7 @@ from helpers.peers import peer
 from helpers.planted_defects import DEFECTS, SOUND
 from pinned_findings import name_of, published
 
-from robodyn.checks.fixes.fix import Fixed, fixed
+from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import check_one
 

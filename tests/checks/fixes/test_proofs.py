@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.clean_arm import INERTIA, arm
 
-from robodyn.checks.fixes.proof import SAME, change_of_dynamics, unproven
+from robodyn.checks.fixes import SAME, change_of_dynamics, unproven
 
 
 @pytest.mark.parametrize(

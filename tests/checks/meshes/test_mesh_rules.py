@@ -12,7 +12,7 @@ from helpers.mesh_samples import binary_stl, box, flipped, moved
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.context import Asked
-from robodyn.checks.fixes.fix import fixed
+from robodyn.checks.fixes import fixed
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Options, check_one
 

@@ -1,1 +1,0 @@
-"""Fixes of files, and the proof that they leave the dynamics alone."""
