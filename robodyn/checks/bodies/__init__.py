@@ -1,1 +1,1 @@
-"""Links as rigid bodies: masses, frames, the boxes around their shapes, slips of units."""
+"""Links as rigid bodies: poses, masses, the boxes around their shapes, slips of units."""
