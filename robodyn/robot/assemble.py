@@ -25,7 +25,7 @@ def load(
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
 ) -> Model:
-    """The Model of a URDF or xacro file.
+    """Return the Model of a URDF or xacro file.
 
     Args:
         source: its path, or the bytes of a URDF.
@@ -42,7 +42,7 @@ def load(
 
 
 def assemble(description: Description, *, moving_base: bool = False) -> Model:
-    """The Model of a description.
+    """Return the Model of a description.
 
     A body is a link that a joint moves, with every link fixed to it: their moments are added in the body's frame, which
     is exact but for rounding. A planar joint J becomes the slides J_x, J_y and the hinge J_theta about its axis, with

@@ -19,12 +19,12 @@ _ATTITUDE = (0.0, 0.0, 0.0, 1.0)
 
 
 def coordinates(model: Model) -> tuple[str, ...]:
-    """Names of the coordinates that place the links in the base's frame: all but those of a base that moves."""
+    """Return names of the coordinates that place the links in the base's frame: all but those of a base that moves."""
     return model.coordinates[7 if model.floating else 0 :]
 
 
 def configuration(model: Model, values: Values = ()) -> Floats:
-    """The q of a configuration; coordinates that are not given are zero, a floating joint at its place.
+    """Return the q of a configuration; coordinates that are not given are zero, a floating joint at its place.
 
     Args:
         values: of all `coordinates` in their order, or of some by name [rad or m].
@@ -53,7 +53,7 @@ def unit_rows(model: Model, states: Floats) -> Floats:
 
 
 def rates(model: Model, values: Values = ()) -> Floats:
-    """The velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
+    """Return the velocities or accelerations of the joints, a base that moves being at rest; what is not given is zero.
 
     Args:
         values: of all joints in the order of `model.rates`, or of some by name [rad or m, per s or s^2].
@@ -102,7 +102,7 @@ def _check_attitudes(model: Model, q: Floats) -> None:
 
 
 def beyond_limits(model: Model, q: Floats) -> tuple[str, ...]:
-    """What is outside its limits, mimic joints included, in words."""
+    """Return what is outside its limits, mimic joints included, in words."""
     found = []
     for body in model.bodies:
         joint = body.joint
@@ -123,7 +123,7 @@ def _beyond(joint: Joint, value: float) -> list[str]:
 
 
 def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
-    """Rotation and origin of every link's frame in the frame of the base, wherever the base is.
+    """Return rotation and origin of every link's frame in the frame of the base, wherever the base is.
 
     Accuracy: 4 eps for each joint between, of rotations and of the robot's size.
     """
@@ -132,7 +132,7 @@ def link_poses(model: Model, q: Floats) -> dict[str, Pose]:
 
 
 def body_poses(model: Model, q: Floats) -> list[Pose]:
-    """Rotation and origin of every body's frame in the frame of the base; see `link_poses`."""
+    """Return rotation and origin of every body's frame in the frame of the base; see `link_poses`."""
     still = [0.0] * model.n
     return poses(model.parents, [REST, *motions(model, q.tolist(), still, still)[1:]])
 

@@ -18,12 +18,12 @@ WIDTH = {"fixed": (0, 0), "revolute": (1, 1), "prismatic": (1, 1), "floating": (
 
 
 def placement(origin: Origin) -> tuple[Floats, Floats]:
-    """Rotation and offset of an origin."""
+    """Return rotation and offset of an origin."""
     return rotation_from_rpy(*origin.rpy), np.array(origin.xyz, dtype=float)
 
 
 def elementary(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
-    """The elementary joints, in a row, that a described joint is made of; none if it is fixed."""
+    """Return the elementary joints, in a row, that a described joint is made of; none if it is fixed."""
     if described.type == "fixed":
         return []
     if described.type == "floating":
@@ -62,7 +62,7 @@ def elementary(described: DescribedJoint, R: Floats, p: Floats) -> list[Joint]:
 
 
 def _across(normal: Floats) -> tuple[Floats, Floats]:
-    """Two unit vectors that make a right-handed frame with `normal`; x and y for z, y and z for x, z and x for y."""
+    """Return two unit vectors that make a right-handed frame with `normal`: x and y for z, y and z for x, and so on."""
     k = int(np.argmax(np.abs(normal)))
     first = np.zeros(3)
     first[(k + 1) % 3] = 1.0
@@ -72,7 +72,7 @@ def _across(normal: Floats) -> tuple[Floats, Floats]:
 
 
 def numbered(joints: list[Joint], description: Description) -> list[Joint]:
-    """The joints with their places in q and qd (the base first, then the file's order) and their transmissions."""
+    """Return the joints with places in q and qd (the base first, then the file's order) and transmissions."""
     order = {name: k for k, described in enumerate(description.joints) for name in _parts(described)}
     ranked = sorted(range(1, len(joints)), key=lambda i: order[joints[i].name])
     index = {joints[i].name: i for i in ranked}
@@ -104,12 +104,12 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
 
 
 def _parts(described: DescribedJoint) -> list[str]:
-    """Names of the elementary joints that a described joint is made of."""
+    """Return names of the elementary joints that a described joint is made of."""
     return [joint.name for joint in elementary(described, np.eye(3), np.zeros(3))]
 
 
 def _master(i: int, joints: list[Joint], index: dict[str, int]) -> tuple[int, float, float]:
-    """The independent joint that joint i follows in the end, and q_joint = multiplier q_master + offset."""
+    """Return the independent joint that joint i follows in the end, and q_joint = multiplier q_master + offset."""
     multiplier, offset = 1.0, 0.0
     while (followed := joints[i].mimics) is not None:
         multiplier, offset = multiplier * joints[i].multiplier, multiplier * joints[i].offset + offset

@@ -40,7 +40,7 @@ REST = Motion(IDENTITY, ZERO, ZERO, ZERO, ZERO, ZERO)
 
 
 def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> Motion:
-    """How the joint moves its body relative to the parent body.
+    """Return how the joint moves its body relative to the parent body.
 
     Revolute: `R = R_0 rot(axis, q)`, `w = axis qd`, `wd = axis qdd`. Prismatic: `p = p_0 + R_0 axis q`, `v = axis qd`,
     `a = axis qdd`. Floating: position and quaternion in the parent's axes; its rates are the angular velocity in the
@@ -73,7 +73,7 @@ def joint_motion(joint: Joint, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: S
 
 
 def motions(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar], qdd: Sequence[Scalar]) -> list[Motion]:
-    """The motion of every joint of the model; mimic joints move by `multiplier q + offset` of their master.
+    """Return the motion of every joint of the model; mimic joints move by `multiplier q + offset` of their master.
 
     Args:
         q: nq scalars; qd, qdd: n scalars, in the model's order.
@@ -104,7 +104,7 @@ class Pose(NamedTuple):
 
 
 def poses(parents: Sequence[int], motions: Sequence[Motion]) -> list[Pose]:
-    """The pose of every body in the ground's axes: `R_i = R_j R`, `p_i = p_j + R_j p`."""
+    """Return the pose of every body in the ground's axes: `R_i = R_j R`, `p_i = p_j + R_j p`."""
     out: list[Pose] = []
     for j, joint in zip(parents, motions, strict=True):
         R_j, p_j = out[j] if j >= 0 else (IDENTITY, ZERO)
@@ -120,7 +120,7 @@ class Velocity(NamedTuple):
 
 
 def velocities(parents: Sequence[int], motions: Sequence[Motion]) -> list[Velocity]:
-    """The velocity of every body: `w_i = R^T w_j + w_J`, `v_i = R^T (v_j + w_j x p) + v_J`."""
+    """Return the velocity of every body: `w_i = R^T w_j + w_J`, `v_i = R^T (v_j + w_j x p) + v_J`."""
     out: list[Velocity] = []
     for j, joint in zip(parents, motions, strict=True):
         w_j, v_j = out[j] if j >= 0 else (ZERO, ZERO)
@@ -150,7 +150,7 @@ class Acceleration(NamedTuple):
 
 
 def accelerations(parents: Sequence[int], motions: Sequence[Motion]) -> list[Acceleration]:
-    """The acceleration of every body relative to the ground.
+    """Return the acceleration of every body relative to the ground.
 
     `wd_i = R^T wd_j + R^T w_j x w_J + wd_J`, `a_i = R^T (a_j + wd_j x p + w_j x (w_j x p)) + 2 R^T w_j x v_J + a_J`.
     """

@@ -94,11 +94,7 @@ def coverage(joints: Sequence[Joint]) -> tuple[Coverage, ...]:
     return (
         _split("effort", moving, lambda joint: joint.effort, MOST_EFFORT),
         _split("velocity", moving, lambda joint: joint.velocity, MOST_VELOCITY),
-        Coverage(
-            "position",
-            tuple(joint.name for joint in ranged if _ends(joint)),
-            tuple(Unchecked(joint.name, None) for joint in ranged if not _ends(joint)),
-        ),
+        _split("position", ranged, lambda joint: None if None in (joint.lower, joint.upper) else 1.0, np.inf),
     )
 
 
@@ -139,10 +135,6 @@ def within(exceeded: bool, limits: Sequence[Coverage], doubts: Sequence[Doubt]) 
     if exceeded:
         return False
     return None if doubts or any(each.unchecked for each in limits) else True
-
-
-def _ends(joint: Joint) -> bool:
-    return joint.lower is not None and joint.upper is not None
 
 
 def _split(

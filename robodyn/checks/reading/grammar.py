@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.parts import INERTIA, SIZES
 from robodyn.robot.urdf.view import Subject
 
 
@@ -22,17 +23,14 @@ class Kind:
 
 _MATERIAL = {"material": Kind({"name": 0}, (), ("color", "texture"))}
 _SHAPE_KINDS = {
-    "box": Kind({"size": 3}, ("size",)),
-    "cylinder": Kind({"radius": 1, "length": 1}, ("radius", "length")),
-    "sphere": Kind({"radius": 1}, ("radius",)),
-    "capsule": Kind({"radius": 1, "length": 1}, ("radius", "length")),
+    **{tag: Kind({size: 3 if size == "size" else 1 for size in sizes}, sizes) for tag, sizes in SIZES.items()},
     "mesh": Kind({"filename": 0, "scale": 3}),
 }
 _LINK_KINDS = {
     "link": Kind({"name": 0}, (), ("inertial", "visual", "collision", "contact"), ("visual", "collision")),
     "inertial": Kind({}, (), ("origin", "mass", "inertia")),
     "mass": Kind({"value": 1}),
-    "inertia": Kind(dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz", "iyx", "izx", "izy"), 1)),
+    "inertia": Kind(dict.fromkeys((*INERTIA, "iyx", "izx", "izy"), 1)),
     "origin": Kind({"xyz": 3, "rpy": 3, "quat_xyzw": 4}),
     "visual": Kind({"name": 0}, (), ("origin", "geometry", "material")),
     "collision": Kind({"name": 0}, (), ("origin", "geometry", "material", "verbose")),

@@ -97,7 +97,7 @@ class Comparison:
 
 
 def compare(description: Description, kind: Kind = "visual", reading: Reading | None = None) -> Comparison:
-    """Declared against shape-derived mass properties, link by link; shapes have one density per link, by the mass.
+    """Return declared against shape-derived mass properties; shapes have one density per link, by the mass.
 
     Args:
         kind: which shapes, "visual" or "collision".
@@ -135,7 +135,7 @@ def _compared(
 
 
 def _reason(error: RobodynError) -> str:
-    """Without the remedy, which is for a mesh on the command line."""
+    """Return what is wrong without the remedy, which is for a mesh on the command line."""
     if isinstance(error, MeshError) and error.file is not None:
         return f"{Path(error.file).name}: {error.what}"
     return error.what
@@ -164,12 +164,12 @@ def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
 
 
 def relative(I: Floats, right: Floats) -> float:
-    """|I - right| / |right| in Frobenius' norm."""
+    """Return |I - right| / |right| in Frobenius' norm."""
     return float(length(I - right) / length(right))
 
 
 def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
-    """The slip that explains a declared inertia matrix [kg m^2], in words, if one does: at most one.
+    """Return the slip that explains a declared inertia matrix [kg m^2], in words, if one does: at most one.
 
     A slip explains it if it leaves a difference of at most 5 %, and a tenth of that without it. Known are products of
     inertia with the opposite sign, a matrix about the origin of the link's frame in place of the centre of mass, and a

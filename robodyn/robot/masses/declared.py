@@ -77,7 +77,7 @@ class RobotInertia:
 
 
 def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
-    """What stands in a link's <inertial>, in the link's frame: R I R^T about the origin's xyz; None without one.
+    """Return what stands in a link's <inertial>, in the link's frame: R I R^T about the origin's xyz; None without one.
 
     Accuracy: that of `MassProperties.placed` for the rotation in floats.
     """
@@ -89,7 +89,7 @@ def declared(link: Link, pose: Pose | None = None) -> LinkInertia | None:
 
 
 def link_inertia(description: Description, name: str) -> LinkInertia:
-    """What is declared of a link, in its own frame.
+    """Return what is declared of a link, in its own frame.
 
     Raises:
         InputError: there is no such link, or it has no <inertial>.
@@ -107,7 +107,7 @@ def link_inertia(description: Description, name: str) -> LinkInertia:
 
 
 def robot_inertia(description: Description, at: Values = ()) -> RobotInertia:
-    """All links as one rigid body in the frame of the base: the composite of their bodies at their poses.
+    """Return all links as one rigid body in the frame of the base: the composite of their bodies at their poses.
 
     Method: forward kinematics in floats, then the laws in fractions (see `composite`). Links that no body could be are
     added as declared, with a warning.

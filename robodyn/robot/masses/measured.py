@@ -32,7 +32,7 @@ class How(TypedDict, total=False):
 
 
 def unwatched(files: Sequence[Path]) -> AbstractContextManager[Tick]:
-    """Nobody is told."""
+    """Do nothing: no progress callback."""
     return nullcontext(lambda: None)
 
 
@@ -51,7 +51,7 @@ class Reading:
     watch: Watch = unwatched
 
     def parts(self, files: Iterable[MeshFile]) -> dict[MeshFile, Outcome]:
-        """The part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once.
+        """Return the part that each mesh is at the density 1000 kg/m^3, or why it is none; each is read once.
 
         Two threads on two processors gain 5 % at most, as most of the time is Python's own: reading DAE, and repairs.
         Two processes, each of which has to import what it needs, gain 1.5 times for TALOS's 38 meshes (3.5 s), and lose

@@ -42,14 +42,14 @@ class ShapesInertia:
 
 
 def mesh_file(shape: Shape) -> MeshFile | None:
-    """The file that has to be read for a shape, if any."""
+    """Return the file that has to be read for a shape, if any."""
     return None if shape.path is None else (shape.path, shape.geometry.scale)
 
 
 def shapes_inertia(
     description: Description, shapes: Sequence[Shape], meshes: Mapping[MeshFile, Outcome]
 ) -> ShapesInertia:
-    """The composite body of shapes, closed forms and integrals over meshes, each at its pose.
+    """Return the composite body of shapes, closed forms and integrals over meshes, each at its pose.
 
     What shapes share counts twice.
 
@@ -123,7 +123,7 @@ def link_from_shapes(
     mass: float | None = None,
     reading: Reading | None = None,
 ) -> LinkShapes:
-    """The composite body of a link's shapes in the link's frame, all of one density.
+    """Return the composite body of a link's shapes in the link's frame, all of one density.
 
     Args:
         density: kg/m^3; mass: of the link [kg]; by default the mass that the description declares, if it is positive,

@@ -1,1 +1,1 @@
-"""URDF: one parse with faults as data, a strict description and a tolerant view of it, geometry, packages, xacro."""
+"""URDF: one parse and one view with faults as data, strict reading that raises the first, geometry, packages, xacro."""

@@ -16,6 +16,7 @@ WITH_RANGE = frozenset({"revolute", "prismatic"})
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 SHAPES = (*SIZES, "mesh")
+Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class Geometry:
 
     kind: Literal["visual", "collision"]
     origin: Origin
-    shape: Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+    shape: Shape
     size: tuple[float, ...] = ()
     filename: str | None = None
     scale: Vector = (1.0, 1.0, 1.0)

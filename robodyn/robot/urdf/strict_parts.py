@@ -17,13 +17,13 @@ from robodyn.robot.urdf.parts import (
     Limit,
     Link,
     Mimic,
+    Shape,
     Vector,
 )
 from robodyn.robot.urdf.strict import Strict
 from robodyn.robot.urdf.view import GeometryView, InertialView, JointView, LinkView
 from robodyn.support.wording import alternatives, shown
 
-Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 _UNIT_SCALE: Vector = (1.0, 1.0, 1.0)
 _DEFAULT_AXIS: Vector = (1.0, 0.0, 0.0)
 _UNIT_TOLERANCE = 1e-6
