@@ -17,6 +17,8 @@ from robodyn.support.floats import Floats
 
 MOST_UNASKED = 1e5
 """Steps, where one shorter than usual is chosen, or evaluations by dop853: rather than more of them, radau."""
+MOST_EVER = 1e9
+"""Evaluations that dop853 is left to: hours. A motion that would take more is not one of a robot."""
 TOO_LONG = "by steps that are too long for it (STEP TOO LONG)"
 """The clause of steps that are kept though they are too long."""
 LOOKED_AT = 1e5
@@ -126,9 +128,11 @@ def _instead(
     options = chosen.options
     if isinstance(error, TooMuchError) and free.method and options.most < most:
         here = stiffest(a_plan, error.state[: a_plan.model.nq])
-        if here is None or here.rate * duration <= MOST_UNASKED:
-            return chosen
-        return _by_radau(options, _when(here, error.time))
+        if here is not None and here.rate * duration > MOST_UNASKED:
+            return _by_radau(options, _when(here, error.time))
+        if options.most * duration > MOST_EVER * error.time:
+            raise error
+        return chosen
     if error.remedy == SHORTER and free.method and free.step:
         return _by_radau(options, f"{options.method.name} does not get through ({error.what})")
     if error.remedy == SHORTER and options.step > fastest.longest(options.method):

@@ -10,6 +10,8 @@ from helpers.command_line import motion, run
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
+from robodyn.simulation import follow
+
 URDF = """<robot name="arm">
   <link name="base"/>
   <link name="upper"><inertial><origin xyz="0.2 0 0" rpy="0.1 0 0"/><mass value="2"/>
@@ -157,3 +159,12 @@ def test_the_largest_float_is_no_limit() -> None:
     )
     for command in COMMANDS:
         assert run(*command).status in (0, 1)
+
+
+def test_a_motion_of_an_impossible_body_that_would_take_for_ever_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(follow, "MOST_UNASKED", 3e3)
+    monkeypatch.setattr(follow, "MOST_EVER", 3e7)
+    changed("robot.urdf", 'ixz="0" iyy="0.01"', 'ixz="-1e29" iyy="0.01"')
+    outcome = run(*SIMULATE, "--rtol", "1e-4")
+    assert outcome.status == 2
+    assert "dop853 has taken 3e+03 evaluations and is at " in outcome.err
