@@ -91,8 +91,8 @@ class Fault:
         at: the attribute (or the start tag) at fault.
         what: what is wrong, with the numbers, without the subject: "the mass is -1 kg, not positive".
         remedy: what to do about it.
-        subject: what it is about, if it is not the link or joint that `at` is in; None for the file as a whole.
         measured, bound: the number and what it must keep to, in SI units.
+        subject: what it is about, if it is not the link or joint that `at` is in; None for the file as a whole.
         severity: where it is not the rule's.
         cause: why it is so, where that can be established.
         fix: where one edit is uniquely right.
@@ -101,9 +101,9 @@ class Fault:
     at: Span
     what: str
     remedy: str
-    subject: Subject | None = HERE
     measured: float | None = None
     bound: float | None = None
+    subject: Subject | None = HERE
     severity: Severity | None = None
     cause: str | None = None
     fix: Fix | None = None
@@ -114,7 +114,7 @@ Faults = Iterable[Fault]
 
 def text_faults(context: Context, code: str) -> Faults:
     """Return what the reader of XML has noted for a rule."""
-    return [Fault(found.at, found.what, found.remedy, None) for found in context.reading.found(code)]
+    return [Fault(found.at, found.what, found.remedy, subject=None) for found in context.reading.found(code)]
 
 
 @dataclass(frozen=True, slots=True)

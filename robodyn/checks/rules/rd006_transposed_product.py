@@ -23,14 +23,10 @@ def check(context: Context) -> Faults:
             state = f"{lower} is ignored" if below is None else f"{lower} = {below:g} is ignored"
             if below is not None and above is not None and below != above:
                 state += f", and differs from {upper} = {above:g}"
-            yield Fault(
-                inertia.attributes[lower].span,
-                f"{state}: URDF has the upper triangle of the matrix only",
-                f"delete {lower}, and see that {upper} is right",
-                measured=below,
-                bound=above,
-                fix=None if below is None else _fix(inertia, lower, upper, above == below),
-            )
+            what = f"{state}: URDF has the upper triangle of the matrix only"
+            remedy = f"delete {lower}, and see that {upper} is right"
+            fix = None if below is None else _fix(inertia, lower, upper, above == below)
+            yield Fault(inertia.attributes[lower].span, what, remedy, below, above, fix=fix)
 
 
 def _fix(inertia: Element, lower: str, upper: str, same: bool) -> Fix | None:

@@ -16,10 +16,7 @@ def check(context: Context) -> Faults:
 
 
 def unused(waiver: Waiver, code: str) -> Fault:
-    return Fault(
-        waiver.at,
-        f"the waiver of {code} has nothing to waive",
-        "delete it, or put it above the element that the finding is in",
-        fix=Fix("delete the waiver", (Edit(*waiver.erased, ""),), safe=True) if len(waiver.codes) == 1 else None,
-        subject=None,
-    )
+    what = f"the waiver of {code} has nothing to waive"
+    remedy = "delete it, or put it above the element that the finding is in"
+    fix = Fix("delete the waiver", (Edit(*waiver.erased, ""),), safe=True) if len(waiver.codes) == 1 else None
+    return Fault(waiver.at, what, remedy, fix=fix, subject=None)

@@ -19,4 +19,4 @@ def check(context: Context) -> Faults:
     roots = [link for link in view.links if link.name not in above]
     if orderly and led and len(roots) > 1:
         what = f"{len(roots)} links have no parent: {listed([link.name for link in roots])}"
-        yield Fault(roots[1].name_span, what, "join them to one tree", measured=len(roots), bound=1)
+        yield Fault(roots[1].name_span, what, "join them to one tree", len(roots), 1)

@@ -12,4 +12,4 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 def check(context: Context) -> Faults:
     if not context.view.links:
         what = "the robot has no links"
-        yield Fault(context.view.root.span, what, "add a <link>", measured=0, bound=1, subject=None)
+        yield Fault(context.view.root.span, what, "add a <link>", 0, 1, subject=None)

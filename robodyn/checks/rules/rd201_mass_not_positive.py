@@ -19,4 +19,4 @@ def check(context: Context) -> Faults:
         if severity is not None:
             what = f"the mass is {link.mass:g} kg, not positive"
             remedy = "write the mass of the part, or fix the link to one that has mass"
-            yield Fault(link.inertial.mass.span, what, remedy, measured=link.mass, bound=0.0, severity=severity)
+            yield Fault(link.inertial.mass.span, what, remedy, link.mass, 0.0, severity=severity)

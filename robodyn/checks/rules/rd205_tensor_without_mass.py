@@ -18,4 +18,4 @@ def check(context: Context) -> Faults:
             continue
         what = f"the mass is 0, and the moments of inertia add up to {trace(link.tensor):g} kg m^2"
         remedy = "write the mass of the part, or zeros for its inertia"
-        yield Fault(link.inertial.mass.span, what, remedy, measured=trace(link.tensor), bound=0.0)
+        yield Fault(link.inertial.mass.span, what, remedy, trace(link.tensor), 0.0)

@@ -25,5 +25,5 @@ def check(context: Context) -> Faults:
             f"{small:.6g}, {middle:.6g}, {large:.6g} kg m^2"
         )
         remedy = "every principal moment of a body is positive; write its inertia about the centre of mass"
-        fault = Fault(inertial.entries[widest(tensor)].span, what, remedy, measured=small, bound=bound * large)
+        fault = Fault(inertial.entries[widest(tensor)].span, what, remedy, small, bound * large)
         yield explained(context, fault, link)

@@ -28,5 +28,5 @@ def check(context: Context) -> Faults:
             f"add up to {small + middle:.6g}, {lack} % less than the largest"
         )
         remedy = "the largest may not exceed the sum of the others; robodyn inertia computes them from a mesh"
-        fault = Fault(inertial.entries[largest].span, what, remedy, measured=large, bound=small + middle)
+        fault = Fault(inertial.entries[largest].span, what, remedy, large, small + middle)
         yield explained(context, fault, link)

@@ -34,4 +34,4 @@ def _fault(group: Group, quantity: str, value: float, bound: float, unit: str) -
     numbers = inertial.mass if unit == "kg" else inertial.entries[0]
     what = f"what moves with it has a {quantity} of {value:.3g} {unit}, less than {bound:g} {unit}"
     remedy = "check the unit (kg, m); write the inertia of the part, or fix the link to its neighbour"
-    return Fault(numbers.span, what, remedy, measured=value, bound=bound)
+    return Fault(numbers.span, what, remedy, value, bound)

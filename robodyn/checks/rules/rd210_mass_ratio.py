@@ -30,4 +30,4 @@ def check(context: Context) -> Faults:
         reported.add(odd)
         what = f"it joins bodies of {inner:g} kg and {group.mass:g} kg, a ratio of {ratio:.3g}"
         remedy = "check the unit of both masses (kg)"
-        yield Fault(odd.heaviest[1].mass.span, what, remedy, subject=group.joint.subject, measured=ratio, bound=bound)
+        yield Fault(odd.heaviest[1].mass.span, what, remedy, ratio, bound, subject=group.joint.subject)

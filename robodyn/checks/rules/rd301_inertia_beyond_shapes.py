@@ -79,4 +79,4 @@ def _reach(box: Box, c: Floats) -> float:
 
 def _fault(body: Body, severity: Severity, what: str, spread: float, bound: float) -> Fault:
     measured, most = spread * body.mass, bound * body.mass
-    return Fault(body.tensor_span, what, _ADVICE, measured=measured, bound=most, severity=severity)
+    return Fault(body.tensor_span, what, _ADVICE, measured, most, severity=severity)

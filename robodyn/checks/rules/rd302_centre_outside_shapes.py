@@ -26,11 +26,8 @@ def check(context: Context) -> Faults:
             continue
         moves = context.tree.group[body.link.name].joint is not None
         origin = body.inertial.origin
-        yield Fault(
-            body.inertial.element.span if origin.element is None else origin.xyz.span,
-            f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across",
-            "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's",
-            measured=away,
-            bound=size,
-            severity=Severity.ERROR if away > size and moves else Severity.WARNING,
-        )
+        what = f"the centre of mass is {away:.3g} m outside the box around the shapes, which is {size:.3g} m across"
+        remedy = "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's"
+        at = body.inertial.element.span if origin.element is None else origin.xyz.span
+        severity = Severity.ERROR if away > size and moves else Severity.WARNING
+        yield Fault(at, what, remedy, away, size, severity=severity)

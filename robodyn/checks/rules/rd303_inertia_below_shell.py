@@ -23,11 +23,9 @@ def check(context: Context) -> Faults:
         shell = 2 / 3 * body.mass * radius**2
         largest = principal_moments(tensor)[2]
         if 0 < largest < _LEAST * shell:
-            yield Fault(
-                body.tensor_span,
+            what = (
                 f"the largest principal moment {largest:.3g} kg m^2 is {largest / shell:.2g} of that of a shell "
-                f"of its mass that fits into its shapes (radius {radius:.3g} m)",
-                "check the unit (kg m^2) and the mass; write the inertia of the part",
-                measured=largest,
-                bound=_LEAST * shell,
+                f"of its mass that fits into its shapes (radius {radius:.3g} m)"
             )
+            remedy = "check the unit (kg m^2) and the mass; write the inertia of the part"
+            yield Fault(body.tensor_span, what, remedy, largest, _LEAST * shell)

@@ -31,14 +31,12 @@ def check(context: Context) -> Faults:
             continue
         dense = density > limits.most_density
         _, inertial = group.heaviest
-        yield Fault(
-            inertial.mass.span,
+        what = (
             f"what moves with it weighs {group.mass:.4g} kg, which is {figure(density)} kg/m^3 of the box around "
-            f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}",
-            "check the unit of the mass (kg) and the size of the shapes",
-            measured=density,
-            bound=limits.most_density if dense else limits.least_density,
+            f"its shapes, {'denser than solid steel' if dense else 'lighter than foam'}"
         )
+        remedy = "check the unit of the mass (kg) and the size of the shapes"
+        yield Fault(inertial.mass.span, what, remedy, density, limits.most_density if dense else limits.least_density)
 
 
 def _box(context: Context, group: Group) -> Box | None:

@@ -19,14 +19,9 @@ def check(context: Context) -> Faults:
     known = context.once(bodies)
     for name, slip in context.once(slips).items():
         by = f"divide it by {slip.factor:g}" if slip.factor > 1 else f"multiply it by {1 / slip.factor:g}"
-        yield Fault(
-            _place(known[name], slip.what),
-            slip.sentence,
-            f"{by} if that is so",
-            subject=known[name].link.subject,
-            measured=slip.factor,
-            bound=1.0,
-        )
+        what = slip.sentence
+        remedy = f"{by} if that is so"
+        yield Fault(_place(known[name], slip.what), what, remedy, slip.factor, 1.0, subject=known[name].link.subject)
 
 
 def _place(body: Body, what: str) -> Span:

@@ -24,4 +24,4 @@ def check(context: Context) -> Faults:
                 f"{figure(100 * abs(left - right) / max(left, right), 2)} % apart"
             )
             remedy = "one of the two is wrong, or allow it where the parts differ"
-            yield Fault(one.inertial.mass.span, what, remedy, measured=right, bound=left)
+            yield Fault(one.inertial.mass.span, what, remedy, right, left)

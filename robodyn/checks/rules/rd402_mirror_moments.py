@@ -26,7 +26,7 @@ def check(context: Context) -> Faults:
             f"{_listed(left)}"
         )
         remedy = "one of the two is wrong, or allow it where the parts differ"
-        yield Fault(one.inertial.entries[0].span, what, remedy, measured=one.moments_apart, bound=MOMENTS)
+        yield Fault(one.inertial.entries[0].span, what, remedy, one.moments_apart, MOMENTS)
 
 
 def _listed(moments: list[float]) -> str:

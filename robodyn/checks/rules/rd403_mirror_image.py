@@ -29,21 +29,19 @@ def check(context: Context) -> Faults:
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{shown(one.other)}, although their principal moments agree"
             )
-            yield Fault(one.inertial.entries[0].span, what, _REMEDY, measured=one.tensors_apart, bound=MOMENTS)
+            yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, MOMENTS)
 
 
 def _centre(one: Twins) -> Fault:
     origin = one.inertial.origin.element
     copied = length(one.c_right - product(one.pair.D.T, one.c)) <= one.most_shift
-    return Fault(
-        one.inertial.element.span if origin is None else value_span(origin, "xyz"),
+    cause = "it is a copy of its twin's, which is not reflected" if copied else None
+    what = (
         f"the centre of mass is at {_listed(one.c_right)} m; the mirror image of that of {shown(one.other)} is at "
-        f"{_listed(one.c)}, {one.shift:.3g} m away",
-        _REMEDY,
-        measured=one.shift,
-        bound=one.most_shift,
-        cause="it is a copy of its twin's, which is not reflected" if copied else None,
+        f"{_listed(one.c)}, {one.shift:.3g} m away"
     )
+    at = one.inertial.element.span if origin is None else value_span(origin, "xyz")
+    return Fault(at, what, _REMEDY, one.shift, one.most_shift, cause=cause)
 
 
 def _listed(point: Floats) -> str:

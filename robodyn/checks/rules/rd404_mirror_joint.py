@@ -14,7 +14,6 @@ from robodyn.checks.examples import ARM_LIMIT, two_arms
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.view import JointView
 from robodyn.support.wording import shown
 
@@ -41,8 +40,8 @@ def check(context: Context) -> Faults:
             what = f"the axis is not parallel to the mirror image of that of {shown(left.name)}"
             remedy = "correct one of the two"
             yield Fault(view.element.span if view.axis.element is None else view.axis.span, what, remedy)
-            continue
-        yield from _limits(pair, view, direction)
+        else:
+            yield from _limits(pair, view, direction)
 
 
 def _direction(pair: Pair) -> int | None:
@@ -66,18 +65,15 @@ def _limits(pair: Pair, view: JointView, direction: int) -> Iterator[Fault]:
         low, high = left.lower or 0.0, left.upper or 0.0
         image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
         slack = _LIMIT * max(1.0, abs(high - low))
-        for name, value, wanted in zip(
-            ("lower", "upper"), (right.lower or 0.0, right.upper or 0.0), image, strict=True
-        ):
+        ends = (("lower", right.lower or 0.0), ("upper", right.upper or 0.0))
+        for (name, value), wanted in zip(ends, image, strict=True):
             if abs(value - wanted) > slack:
                 what = f"{name} is {value:g}; the mirror image of the range of {twin} is {image[0]:g} to {image[1]:g}"
-                at = value_span(view.limit.element, name)
-                yield Fault(at, what, _REMEDY, measured=value, bound=wanted)
+                yield Fault(getattr(view.limit, name).span, what, _REMEDY, value, wanted)
     for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity)):
         if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other)):
             what = f"{name} is {other:g}, that of its mirror twin {twin} is {one:g}"
-            at = value_span(view.limit.element, name)
-            yield Fault(at, what, _REMEDY, measured=other, bound=one)
+            yield Fault(getattr(view.limit, name).span, what, _REMEDY, other, one)
 
 
 _REMEDY = "correct one of the two, or allow it where the joints differ"

@@ -13,4 +13,4 @@ def check(context: Context) -> Faults:
     for joint in context.view.joints:
         if joint.type in WITH_AXIS and joint.axis.values is not None and not any(joint.axis.values):
             remedy = 'write the direction in the joint frame, for example xyz="0 0 1"'
-            yield Fault(joint.axis.span, "the axis is 0 0 0, which is no direction", remedy, measured=0.0, bound=1.0)
+            yield Fault(joint.axis.span, "the axis is 0 0 0, which is no direction", remedy, 0.0, 1.0)

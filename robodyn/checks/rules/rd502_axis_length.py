@@ -23,7 +23,7 @@ def check(context: Context) -> Faults:
         if abs(length - 1) > bound:
             what = f"the axis has the length {length:.6g}, not 1"
             remedy = "divide it by its length"
-            yield Fault(joint.axis.span, what, remedy, measured=length, bound=1.0, fix=_fix(axis, joint.axis.span))
+            yield Fault(joint.axis.span, what, remedy, length, 1.0, fix=_fix(axis, joint.axis.span))
 
 
 def _fix(axis: tuple[float, ...], at: Span) -> Fix:

@@ -18,10 +18,7 @@ def check(context: Context) -> Faults:
         if lower > upper:
             absent = [name for name in ("lower", "upper") if joint.limit.element.get(name) is None]
             default = f" ({absent[0]} is absent, and so 0)" if absent else ""
-            yield Fault(
-                (joint.limit.lower if joint.limit.lower.given else joint.limit.upper).span,
-                f"lower {lower:g} is greater than upper {upper:g}{default}: there is no position",
-                f'write {absent[0]}="..."' if absent else "exchange the two, or correct a sign",
-                measured=lower,
-                bound=upper,
-            )
+            what = f"lower {lower:g} is greater than upper {upper:g}{default}: there is no position"
+            remedy = f'write {absent[0]}="..."' if absent else "exchange the two, or correct a sign"
+            at = (joint.limit.lower if joint.limit.lower.given else joint.limit.upper).span
+            yield Fault(at, what, remedy, lower, upper)

@@ -25,6 +25,4 @@ def check(context: Context) -> Faults:
                     "a stand-in that limits nothing" if value > 0 else "not positive"
                 )
             remedy = "write what the drive can do"
-            yield Fault(
-                numbers.span, what, remedy, measured=value, bound=most if value is not None and value > 0 else 0.0
-            )
+            yield Fault(numbers.span, what, remedy, value, most if value is not None and value > 0 else 0.0)

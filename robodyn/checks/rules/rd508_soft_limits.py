@@ -33,7 +33,7 @@ def check(context: Context) -> Faults:
             if value is not None and hard is not None and not inverted and outside * (value - hard) > _SLACK:
                 what = f"the soft {name} limit {value:g} is outside the hard one, {hard:g}"
                 remedy = "move it inside, so that the controller stops before the end stop"
-                yield Fault(soft[name].span, what, remedy, measured=value, bound=hard)
+                yield Fault(soft[name].span, what, remedy, value, hard)
         if lower is not None and upper is not None and lower > upper:
             what = f"the soft lower limit {lower:g} is greater than the soft upper one, {upper:g}"
-            yield Fault(soft["lower"].span, what, "exchange the two", measured=lower, bound=upper)
+            yield Fault(soft["lower"].span, what, "exchange the two", lower, upper)

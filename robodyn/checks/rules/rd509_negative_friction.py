@@ -14,4 +14,4 @@ def check(context: Context) -> Faults:
         for found in (joint.damping, joint.friction):
             if found.value is not None and found.value < 0:
                 what = f"the {found.attribute} is {found.value:g}, and feeds energy in"
-                yield Fault(found.span, what, "write it without the sign", measured=found.value, bound=0.0)
+                yield Fault(found.span, what, "write it without the sign", found.value, 0.0)

@@ -20,14 +20,12 @@ def check(context: Context) -> Faults:
             continue
         beyond = max(own[0] - reached[0], reached[1] - own[1])
         if beyond > context.thresholds.mimic_range:
-            yield Fault(
-                joint.mimic.multiplier.span,
+            what = (
                 f"following joint '{joint.mimic.joint}' through its range, it goes from {reached[0]:.6g} to "
-                f"{reached[1]:.6g}, beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}",
-                "correct multiplier or offset, or the limits of one of the two",
-                measured=beyond,
-                bound=context.thresholds.mimic_range,
+                f"{reached[1]:.6g}, beyond its own limits {own[0]:.6g} and {own[1]:.6g} by {beyond:.3g}"
             )
+            remedy = "correct multiplier or offset, or the limits of one of the two"
+            yield Fault(joint.mimic.multiplier.span, what, remedy, beyond, context.thresholds.mimic_range)
 
 
 def _range(joint: JointView | None) -> tuple[float, float] | None:

@@ -33,13 +33,9 @@ def check(context: Context) -> Faults:
         if geometry.shape is None or (slip.name.uri, scale) in reported:
             continue
         reported.add((slip.name.uri, scale))
-        yield Fault(
-            value_span(geometry.shape, "filename" if scale is None else "scale"),
-            f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}",
-            _remedy(slip.factor),
-            measured=slip.longest,
-            bound=slip.longest / slip.factor,
-        )
+        what = f"the mesh {shown_path(slip.name.uri)} has the wrong unit: {slip.how}"
+        at = value_span(geometry.shape, "filename" if scale is None else "scale")
+        yield Fault(at, what, _remedy(slip.factor), slip.longest, slip.longest / slip.factor)
 
 
 def _remedy(factor: float) -> str:

@@ -8,21 +8,19 @@ where they should be in all four. So this is a warning: meshes on both sides of 
 negative scales are half a turn, right in all four, and a remark.
 """
 
-from collections.abc import Iterator
-
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
-from robodyn.robot.urdf.view import GeometryView, LinkView
-
-_EXPORT = "export the mesh of this part"
 
 
 @rule(Severity.ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'))
 def check(context: Context) -> Faults:
-    for link in context.view.links:
-        for geometry in link.geometries:
-            yield from _sizes(link, geometry)
+    for geometry in (geometry for link in context.view.links for geometry in link.geometries):
+        for size in geometry.sizes:
+            if geometry.shape is not None and size.values is not None and min(size.values) <= 0:
+                what = f"the {size.attribute} of the <{geometry.kind}> {geometry.shape.tag} is {_shown(size.values)}"
+                remedy = "write the size in metres, or remove the shape"
+                yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
         scale = use.geometry.scale.values
@@ -32,37 +30,20 @@ def check(context: Context) -> Faults:
         yield _scale(uses, scale)
 
 
-def _sizes(link: LinkView, geometry: GeometryView) -> Iterator[Fault]:
-    shape = geometry.shape
-    for size in geometry.sizes:
-        if shape is not None and size.values is not None and min(size.values) <= 0:
-            what = f"the {size.attribute} of the <{geometry.kind}> {shape.tag} is {_shown(size.values)}"
-            remedy = "write the size in metres, or remove the shape"
-            yield Fault(size.span, f"{what}, not positive", remedy, measured=min(size.values), bound=0.0)
-
-
 def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
     """Return one finding for all uses of a mesh with one scale."""
-    severity = Severity.NOTE
     if 0 in scale:
-        what, remedy, severity = "leaves no volume", 'write scale="1 1 1", or leave it out', Severity.ERROR
+        severity, remedy = Severity.ERROR, 'write scale="1 1 1", or leave it out'
+        what = "leaves no volume"
     elif sum(value < 0 for value in scale) % 2:
-        what, severity = (
-            "mirrors the mesh: to programs that do not turn its faces, its volume is negative",
-            Severity.WARNING,
-        )
-        remedy = f"{_EXPORT}, mirrored"
+        severity, remedy = Severity.WARNING, "export the mesh of this part, mirrored"
+        what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
     else:
-        what, remedy = "turns the mesh by half a turn, which every known program does", f"{_EXPORT}, or turn it by rpy"
+        severity, remedy = Severity.NOTE, "export the mesh of this part, or turn it by rpy"
+        what = "turns the mesh by half a turn, which every known program does"
     more = f" (and {len(uses) - 1} more of this mesh)" if len(uses) > 1 else ""
-    return Fault(
-        uses[0].geometry.scale.span,
-        f"the scale {_shown(scale)} {what}{more}",
-        remedy,
-        measured=min(scale),
-        bound=0.0,
-        severity=severity,
-    )
+    what = f"the scale {_shown(scale)} {what}{more}"
+    return Fault(uses[0].geometry.scale.span, what, remedy, min(scale), 0.0, severity=severity)
 
 
 def _shown(values: tuple[float, ...]) -> str:

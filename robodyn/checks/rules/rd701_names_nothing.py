@@ -42,12 +42,10 @@ def check(context: Context) -> Faults:
                 continue
             if used.name not in remedies:
                 remedies[used.name] = alternatives(used.name, names, "joints" if used.kind == "joint" else "links")
-            yield Fault(
-                value_span(used.element, used.attribute),
-                f"there is no {used.kind} {shown(used.name)} in the robot",
-                remedies[used.name],
-                subject=Subject(owner.tag, owner.get("name") or owner.get("reference") or ""),
-            )
+            what = f"there is no {used.kind} {shown(used.name)} in the robot"
+            remedy = remedies[used.name]
+            at = value_span(used.element, used.attribute)
+            yield Fault(at, what, remedy, subject=Subject(owner.tag, owner.get("name") or owner.get("reference") or ""))
     yield from _in_srdf(context)
 
 

@@ -13,7 +13,6 @@ from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import StaticTorque, static_torques
 from robodyn.robot.model import Model
-from robodyn.robot.urdf.numbers import value_span
 
 _HEAVY = f'<origin xyz="0.5 0 0"/><mass value="2"/>{INERTIA}'
 _MOST_JOINTS = 8
@@ -34,15 +33,12 @@ def check(context: Context) -> Faults:
         if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
-        yield Fault(
-            value_span(limit.element, "effort"),
+        what = (
             f"the robot's own weight asks for {abs(one.torque):.4g} {unit} at rest, more than the effort limit "
-            f"{joint.effort:g}, at {_pose(context.model, one)}",
-            "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver",
-            subject=context.view.joint[joint.name].subject,
-            measured=abs(one.torque),
-            bound=joint.effort,
+            f"{joint.effort:g}, at {_pose(context.model, one)}"
         )
+        remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
+        yield Fault(limit.effort.span, what, remedy, abs(one.torque), joint.effort)
 
 
 def _pose(model: Model, one: StaticTorque) -> str:

@@ -7,7 +7,6 @@ findings. The examples are held against a motion that swings the arm by 1 rad.
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.numbers import value_span
 
 
 @rule(
@@ -39,4 +38,4 @@ def check(context: Context) -> Faults:
             f"{excess.unit}, beyond the limit {excess.limit:g}"
         )
         remedy = "slow the motion down or raise the limit; robodyn torques says when"
-        yield Fault(value_span(joint.limit.element, name), what, remedy, measured=excess.value, bound=excess.limit)
+        yield Fault(getattr(joint.limit, name).span, what, remedy, excess.value, excess.limit)

@@ -3,7 +3,6 @@
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import gravity_bounds
-from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.wording import figure
 
 FACTOR = 1000.0
@@ -28,12 +27,8 @@ def check(context: Context) -> Faults:
         if limit is None or joint.effort is None or not FACTOR * most < joint.effort <= sentinel or not most > 0.0:
             continue
         unit = "N" if joint.kind == "prismatic" else "N m"
-        yield Fault(
-            value_span(limit.element, "effort"),
+        what = (
             f"the effort limit {joint.effort:g} {unit} is {figure(joint.effort / most, 2)} times what the weight "
-            f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}",
-            "write what the actuator can give",
-            subject=context.view.joint[joint.name].subject,
-            measured=joint.effort,
-            bound=FACTOR * most,
+            f"of the whole robot asks for at the reach of this joint, {most:.3g} {unit}"
         )
+        yield Fault(limit.effort.span, what, "write what the actuator can give", joint.effort, FACTOR * most)

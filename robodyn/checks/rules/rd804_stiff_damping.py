@@ -3,7 +3,6 @@
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.reflected_inertia import reflected_inertias
-from robodyn.robot.urdf.numbers import value_span
 
 STEP = 1e-3
 """s; the usual step of a simulation."""
@@ -25,14 +24,14 @@ def check(context: Context) -> Faults:
         if not 0.0 < step < STEP:
             continue
         view = context.view.joint[joint.name]
-        dynamics = view.element.find("dynamics")
         unit = "kg" if joint.kind == "prismatic" else "kg m^2"
-        yield Fault(
-            view.element.span if dynamics is None else value_span(dynamics, "damping"),
+        what = (
             f"damping {joint.damping:g} on a reflected inertia of {inertia:.3g} {unit}: explicit integration "
-            f"diverges with steps above {step:.2g} s",
-            "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
-            "damping, or integrate implicitly",
-            measured=step,
-            bound=STEP,
+            f"diverges with steps above {step:.2g} s"
         )
+        remedy = (
+            "add the rotor's inertia (rotorInertia and mechanicalReduction of its transmission), lower the "
+            "damping, or integrate implicitly"
+        )
+        at = view.element.span if view.damping.element is None else view.damping.span
+        yield Fault(at, what, remedy, step, STEP)

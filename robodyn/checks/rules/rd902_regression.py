@@ -33,13 +33,9 @@ def check(context: Context) -> Faults:
     if before is None:
         return
     for change in changes(before, context.model):
-        yield Fault(
-            _place(context, change),
-            f"{change.what}, against {against}",
-            "see that the change is meant",
-            subject=Subject(change.kind, change.name),
-            measured=change.size if isfinite(change.size) else None,
-        )
+        subject, measured = Subject(change.kind, change.name), change.size if isfinite(change.size) else None
+        what = f"{change.what}, against {against}"
+        yield Fault(_place(context, change), what, "see that the change is meant", measured, subject=subject)
 
 
 def _place(context: Context, change: Change) -> Span:
