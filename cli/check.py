@@ -24,8 +24,7 @@ from robodyn.cli.screen import complain, page, show
 from robodyn.errors import InputError
 from robodyn.report.check import check_diff, check_page, check_sections, fix_lines, statistics_sections
 from robodyn.report.json.descriptions import check_json
-from robodyn.report.renderers.github import check_github
-from robodyn.report.renderers.junit import check_junit
+from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.report.renderers.sarif import check_sarif
 from robodyn.report.text import text
 from robodyn.robot.urdf.packages import EXPANDED

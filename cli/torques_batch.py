@@ -22,9 +22,9 @@ from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
 from robodyn.programs.run.llvm.machine import compiler
-from robodyn.report.batch import batch_sections, outcome_line
 from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
+from robodyn.report.torques import batch_sections, outcome_line
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
 from robodyn.support.threads import processes

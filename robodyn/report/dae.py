@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.counts import Counts
 from robodyn.equations.dae.dae import Dae
-from robodyn.report.dae_actions import acting
-from robodyn.report.dae_numbers import MOST, both_lines, elimination_lines, numbers_sections, shortened
+from robodyn.report.dae_numbers import MOST, acting, both_lines, elimination_lines, numbers_sections, shortened
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import Content, number, printable
 

@@ -23,17 +23,12 @@ _NAMES = 4
 """So many joints are named of those that have no limit."""
 
 
-def limits_verdict(result: Result) -> Verdict:
-    """Return whether the motion keeps to the limits of the description, as far as that was checked."""
-    of = " of the description" if result.sizing is not None and result.sizing.exceeded else ""
+def limits_verdict(result: Result | Simulation) -> Verdict:
+    """Return whether a motion keeps to the limits of the description, as far as that was checked."""
+    sizing = getattr(result, "sizing", None)
+    of = " of the description" if sizing is not None and sizing.exceeded else ""
     nearest = tuple(nearest_limits(result.joints))
     return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest, of)
-
-
-def simulation_limits(result: Simulation) -> Verdict:
-    """Return whether a simulated motion keeps to the limits of speeds and drives, as far as that was checked."""
-    nearest = tuple(nearest_limits(result.joints))
-    return verdict_on_limits(len(result.joints), result.exceeded, result.limits, result.doubts, nearest)
 
 
 def verdict_on_limits(
@@ -162,18 +157,13 @@ def nearest_limits(joints: Sequence[Reached]) -> Iterator[str]:
             yield f"Nearest to its limit of {what} is {printable(joint.name)}, at {100 * use(joint):.0f} % of it."
 
 
-def limits_section(joints: int, exceeded: Sequence[Excess], limits: Sequence[Coverage], headline: str) -> Section:
-    """Return the verdict's headline, or a table of what is exceeded, and what could not be checked.
-
-    Args:
-        joints: how many there are.
-        headline: of the verdict, where nothing is exceeded.
-    """
-    unchecked = paragraphs(unchecked_words(limits))
-    if not exceeded:
-        return [Paragraph(f"{headline}."), *unchecked]
-    head, rows = exceeded_table(exceeded)
-    return [Table(f"LIMITS EXCEEDED by {len(rows)} of {count(joints, 'joint')}", head, rows), *unchecked]
+def limits_section(result: Result | Simulation) -> Section:
+    """Return the verdict's headline, or a table of what is exceeded, and what could not be checked."""
+    unchecked = paragraphs(unchecked_words(result.limits))
+    if not result.exceeded:
+        return [Paragraph(f"{limits_verdict(result).headline}."), *unchecked]
+    head, rows = exceeded_table(result.exceeded)
+    return [Table(f"LIMITS EXCEEDED by {len(rows)} of {count(len(result.joints), 'joint')}", head, rows), *unchecked]
 
 
 def exceeded_table(exceeded: Sequence[Excess]) -> Content:

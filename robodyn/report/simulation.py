@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits import limits_section, simulation_limits, use
+from robodyn.report.limits import limits_section, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
 from robodyn.report.table import drift_text, moment, number, relative_text
 from robodyn.simulation.loop_figures import LoopFigures
@@ -44,8 +44,7 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[S
         how = 'joint_limits = "spring" or "ignore" in a scene goes on'
         yield [Paragraph(f"ENDED EARLY: {result.ended} ({how})")]
     if result.joints:
-        headline = simulation_limits(result).headline
-        yield limits_section(len(result.joints), result.exceeded, result.limits, headline)
+        yield limits_section(result)
     yield remarks("warning", (doubt.said for doubt in result.doubts))
     yield remarks("note", result.notes)
 

@@ -6,13 +6,14 @@ that of its moment. A power is told beside the largest torque at the largest spe
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import length, product
+from robodyn.report.table import moment, number
 from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
@@ -22,10 +23,23 @@ if TYPE_CHECKING:
     from robodyn.simulation.result import Simulation
 
 
-Sizes = Mapping[str, float]
+class Sizes(dict[str, float]):
+    """The largest of each unit, and numbers beside it as text."""
+
+    def number(self, value: float, unit: str) -> str:
+        """Return a number of this unit."""
+        return number(value, self[unit])
+
+    def amount(self, value: float, unit: str) -> str:
+        """Return a number with its unit."""
+        return f"{number(value, self[unit])} {unit}"
+
+    def moment(self, when: float, value: float, unit: str) -> str:
+        """Return when a value of this unit is at its largest."""
+        return moment(when, value, self[unit])
 
 
-def sizes(forces: Iterable[float], moments: Iterable[float], reach: float) -> dict[str, float]:
+def sizes(forces: Iterable[float], moments: Iterable[float], reach: float) -> Sizes:
     """Return the sizes of forces and moments.
 
     Args:
@@ -33,7 +47,7 @@ def sizes(forces: Iterable[float], moments: Iterable[float], reach: float) -> di
         reach: of the robot [m].
     """
     force = max(map(abs, forces), default=0.0)
-    return {"N": force, "N m": max(max(map(abs, moments), default=0.0), force * reach)}
+    return Sizes({"N": force, "N m": max(max(map(abs, moments), default=0.0), force * reach)})
 
 
 def speed_unit(unit: str) -> str:

@@ -1,14 +1,15 @@
-"""The result of `torques`: joints, what makes their peaks, base loads, self-checks, limits, warnings."""
+"""The result of `torques`, of one trajectory or of many: joints, their peaks, base loads, self-checks, limits."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.loads.result import Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.limits import limits_section, limits_verdict, offenders_first
-from robodyn.report.sizes import result_sizes
-from robodyn.report.table import number, printable, relative_text
+from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
+from robodyn.report.sizes import Sizes, result_sizes, speed_unit
+from robodyn.report.table import Columns, Content, by_columns, number, printable, relative_text
 from robodyn.report.torques_tables import (
     base_table,
     derivation_table,
@@ -49,8 +50,7 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         yield [Table(f"Effects: {plan}", *effect_table(result))]
     yield _checks(result)
     if result.joints or result.doubts:
-        headline = limits_verdict(result).headline
-        yield limits_section(len(result.joints), result.exceeded, result.limits, headline)
+        yield limits_section(result)
     if result.accuracy:
         yield [Paragraph(f"accuracy: {'' if result.accuracy.met else 'NOT MET: '}{result.accuracy.said}")]
     yield remarks("warning", result.warnings)
@@ -110,3 +110,67 @@ def _places(result: Result, most: int | None) -> Iterator[str]:
     for place, names in places.items():
         more = "" if most is None or len(names) <= most else f" and {len(names) - most} more"
         yield f"at {place} {', '.join(names[:most])}{more}"
+
+
+_LISTED = 3
+"""Exceeded limits that a line names."""
+
+
+def outcome_line(outcome: Outcome) -> str:
+    """Return what became of one trajectory."""
+    name = printable(outcome.trajectory)
+    if outcome.status == "failed":
+        return f"{name}: failed"
+    before = "finished before, " if outcome.status == "finished before" else ""
+    more = f" and {len(outcome.exceeded) - _LISTED} more" if len(outcome.exceeded) > _LISTED else ""
+    limits = f", LIMITS EXCEEDED: {printable(', '.join(outcome.exceeded[:_LISTED]))}{more}" if outcome.exceeded else ""
+    samples = f"{count(outcome.samples, 'sample')}, {outcome.duration:.6g} s"
+    return f"{name}: {before}{samples}{limits} -> {printable(outcome.table)}"
+
+
+def batch_sections(batch: Batch) -> Iterator[Section]:
+    """Yield the summary: how many there are of each kind, and the worst of each joint."""
+    kinds: tuple[Status, ...] = ("computed", "finished before", "failed")
+    found = [f"{amount} {kind}" for kind in kinds if (amount := batch.count(kind))]
+    done = [outcome for outcome in batch.outcomes if outcome.status != "failed"]
+    yield [Paragraph(f"{batch.robot}: {count(len(batch.outcomes), 'file')}, {', '.join(found)}")]
+    if batch.worst:
+        yield [Table("The worst of each joint", *worst_table(batch.worst))]
+    if done:
+        yield paragraphs(_limits(done))
+
+
+def _limits(done: Sequence[Outcome]) -> list[str]:
+    """Return the verdict on the limits of all motions, and what is in doubt, each with the files that it is about."""
+    doubts = {doubt.clause: doubt for outcome in done for doubt in reversed(outcome.doubts)}
+    limits, over = done[0].limits, sum(bool(outcome.exceeded) for outcome in done)
+    verdict = verdict_on_limits(len(done[0].joints), (), limits, tuple(doubts.values()))
+    said = f"LIMITS EXCEEDED in {count(over, 'file')}" if over else f"{verdict.headline}."
+    lines = [said, *unchecked_words(limits)]
+    for clause in doubts:
+        about = [(x.trajectory, doubt.said) for x in done for doubt in x.doubts if doubt.clause == clause]
+        others = f" and {count(len(about) - 1, 'other file')}" if len(about) > 1 else ""
+        lines.append(f"warning: {about[0][0]}{others}: {about[0][1]}")
+    return lines
+
+
+def worst_table(worst: tuple[Worst, ...]) -> Content:
+    size = Sizes()
+    for joint in worst:
+        for unit, value in ((joint.unit, joint.peak), (speed_unit(joint.unit), joint.max_speed)):
+            size[unit] = max(size.get(unit, 0.0), abs(value))
+    columns: Columns[Worst] = [
+        ("joint", lambda joint: joint.name),
+        ("peak", lambda joint: size.amount(joint.peak, joint.unit)),
+        ("at [s]", lambda joint: size.moment(joint.peak_time, joint.peak, joint.unit)),
+        ("in", lambda joint: joint.peak_in),
+        ("of effort limit", lambda joint: use(joint.peak, joint.effort_limit)),
+        ("RMS", lambda joint: size.number(joint.rms, joint.unit)),
+        ("in", lambda joint: joint.rms_in),
+        ("max speed", lambda joint: size.amount(joint.max_speed, speed_unit(joint.unit))),
+        ("in", lambda joint: joint.max_speed_in),
+        ("of velocity limit", lambda joint: use(joint.max_speed, joint.velocity_limit)),
+    ]
+    if worst[0].level is not None:
+        columns += [("verdict", lambda joint: joint.level or ""), ("in", lambda joint: joint.level_in)]
+    return by_columns(columns, worst)

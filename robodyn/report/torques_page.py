@@ -57,7 +57,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     ordered = offenders_first(result)
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
-        from robodyn.report.sizing_page import sizing_verdict
+        from robodyn.report.torques_parts import sizing_verdict
 
         blocks.append(sizing_verdict(result))
     if result.accuracy is not None:
@@ -70,7 +70,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(ordered))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
-            from robodyn.report.sizing_page import sizing_blocks
+            from robodyn.report.torques_parts import sizing_blocks
 
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)

@@ -1,4 +1,4 @@
-"""Two parts of a report on torques: the heaviest load, and whether the numbers can be trusted."""
+"""Parts of a report on torques: the heaviest load, drives and bearings, and whether the numbers can be trusted."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from collections.abc import Iterator
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
 from robodyn.loads.doubts import energy_doubt
-from robodyn.loads.history import History
+from robodyn.loads.history import Curves, History
 from robodyn.loads.result import Result
-from robodyn.report.document import Block, Figure, Findings, Gallery, Heading, Paragraph, Table, Verdict
+from robodyn.report.document import Block, Figure, Findings, Gallery, Heading, Level, Paragraph, Table, Verdict
 from robodyn.report.free_body import action_table
+from robodyn.report.limits import offenders, offenders_first
 from robodyn.report.pictures.svg import NOTES, symbols
 from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes
-from robodyn.report.table import Content, number, printable, relative_text
+from robodyn.report.sizing import in_words, sizing_sections
+from robodyn.report.table import number, printable, relative_text
 from robodyn.report.torques_tables import derivation_table, effect_table
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -107,15 +109,51 @@ def _grounds(result: Result) -> Iterator[Block]:
         yield Table(methods, *rows) if rows else Paragraph(f"{methods}.")
     yield Heading("Effects")
     plan = f"{result.operations} operations per sample; {result.executor}: {result.reason}"
-    yield Table("Which effects count, and why", *_effect_table(result), note=plan)
+    saved = any(effect.saved is not None for effect in result.effects)
+    yield Table("Which effects count, and why", *effect_table(result, saved), note=plan)
     if result.warnings:
         yield Heading("Warnings")
         yield Findings(tuple(("doubtful", line, ()) for line in result.warnings))
 
 
-def _effect_table(result: Result) -> Content:
-    """Return the table of effects without the column of what is saved, where that was not computed."""
-    head, rows = effect_table(result)
-    if any(effect.saved is not None for effect in result.effects):
-        return head, rows
-    return (*head[:3], *head[4:]), [(*row[:3], *row[4:]) for row in rows]
+def sizing_blocks(result: Result, model: Model, scene: Scene, curves: Curves | None) -> Iterator[Block]:
+    """Yield a verdict if all is well (others lead the page), torque against speed at the shafts of motors, and tables.
+
+    Args:
+        curves: of the joints; None without figures.
+    """
+    sizing = result.sizing
+    if sizing is None:
+        return
+    yield Heading("Motors, bearings, foundation")
+    if not sizing.exceeded:
+        yield sizing_verdict(result)
+    if curves is not None:
+        from robodyn.report.pictures.torques_plots import motor_figures
+
+        figures = dict(motor_figures(sizing, model, scene, curves))
+        over = offenders(result)
+        ordered = sorted(figures, key=lambda name: name not in over)
+        if ordered:
+            yield Gallery(tuple(figures[name] for name in ordered))
+    for section in sizing_sections(offenders_first(result)):
+        yield from (block for block in section if isinstance(block, Table))  # verdicts come first here
+
+
+def sizing_verdict(result: Result) -> Verdict:
+    """Return whether motors, gears and joints bear the motion; green only where all have limits, none in doubt."""
+    sizing = result.sizing
+    assert sizing is not None, "it is asked for"
+    over = [joint for joint in sizing.joints if joint.exceeded]
+    if not over:
+        known = [joint for joint in sizing.joints if joint.level == "OK"]
+        if not known:
+            return Verdict("neutral", "No limits of motors and gears are known")
+        clauses = ", ".join(doubt.clause for doubt in result.doubts)
+        headline = f"{len(known)} of {len(sizing.joints)} joints have limits, and keep to them"
+        sure: Level = "good" if len(known) == len(sizing.joints) else "neutral"
+        return Verdict("doubtful" if clauses else sure, f"{headline} {clauses}".strip())
+    level: Level = "bad" if any(joint.level == "over peak" for joint in over) else "doubtful"
+    reasons = tuple(f"{printable(joint.name)}: {in_words(each)}." for joint in over for each in joint.exceeded)
+    count = f"{len(over)} of {len(sizing.joints)} joints ask more than their motors, gears or limits bear"
+    return Verdict(level, count if len(sizing.joints) > 1 else "The joint asks more than its drive bears", reasons)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from robodyn.dynamics.momenta import GROUND
-from robodyn.loads.result import JointLoad, MomentumReport, Result
+from robodyn.loads.result import ComponentLoad, EffectReport, JointLoad, MomentumReport, Result
 from robodyn.report.limits import use
 from robodyn.report.sizes import result_sizes, speed_unit
-from robodyn.report.table import Content, is_noise, moment, number, printable
-from robodyn.trajectory.motion import Derivation
+from robodyn.report.table import Columns, Content, by_columns, is_noise, moment, number, printable
+from robodyn.trajectory.motion import Derivation, JointDerivation
 
 _KNOWN = 1e-6
 """Of a peak: an error bar that is smaller is left out."""
@@ -19,52 +19,52 @@ _UNITS = {"com": "m", "p": "kg m/s", "L": "kg m^2/s", "T": "J", "V": "J", "power
 def load_table(result: Result) -> Content:
     """Return what each joint carries."""
     size = result_sizes(result)
-    rows = []
-    for joint in result.joints:
-        load, speed = size[joint.unit], speed_unit(joint.unit)
-        rows.append(
-            (
-                joint.name,
-                f"{number(joint.peak, load)} {joint.unit}",
-                moment(joint.peak_time, joint.peak, load),
-                number(joint.rms, load),
-                number(joint.cubic_mean, load),
-                f"{number(joint.max_speed, size[speed])} {speed}",
-                number(joint.peak_power, size["W"]),
-                number(joint.work_positive, size["J"]),
-                number(joint.work_negative, size["J"]),
-                use(joint.peak, joint.effort_limit),
-                use(joint.max_speed, joint.velocity_limit),
-            )
-        )
-    head = ("joint", "peak", "at [s]", "RMS", "cubic mean", "max speed", "peak power [W]", "work [J]", "returned [J]")
-    return (*head, "of effort limit", "of velocity limit"), rows
+    columns: Columns[JointLoad] = [
+        ("joint", lambda joint: joint.name),
+        ("peak", lambda joint: size.amount(joint.peak, joint.unit)),
+        ("at [s]", lambda joint: size.moment(joint.peak_time, joint.peak, joint.unit)),
+        ("RMS", lambda joint: size.number(joint.rms, joint.unit)),
+        ("cubic mean", lambda joint: size.number(joint.cubic_mean, joint.unit)),
+        ("max speed", lambda joint: size.amount(joint.max_speed, speed_unit(joint.unit))),
+        ("peak power [W]", lambda joint: size.number(joint.peak_power, "W")),
+        ("work [J]", lambda joint: size.number(joint.work_positive, "J")),
+        ("returned [J]", lambda joint: size.number(joint.work_negative, "J")),
+        ("of effort limit", lambda joint: use(joint.peak, joint.effort_limit)),
+        ("of velocity limit", lambda joint: use(joint.max_speed, joint.velocity_limit)),
+    ]
+    return by_columns(columns, result.joints)
 
 
 def base_table(result: Result) -> Content:
     """Return peaks of the base wrench."""
-    size = result_sizes(result)
-    rows = []
-    for part in result.base_wrench:
-        unit = "N" if part.name[0] == "f" else "N m"
-        peak, rms = number(part.peak, size[unit]), number(part.rms, size[unit])
-        rows.append((part.name, f"{peak} {unit}", moment(part.peak_time, part.peak, size[unit]), rms))
-    return ("", "peak", "at [s]", "RMS"), rows
-
-
-def effect_table(result: Result) -> Content:
-    """Return which effects are on, what they cost, and why."""
-    rows = [
-        (
-            effect.name,
-            "on" if effect.verdict.active else "off",
-            str(effect.operations) if effect.verdict.active else "",
-            str(effect.saved) if effect.verdict.active and effect.saved is not None else "",
-            effect.verdict.reason,
-        )
-        for effect in result.effects
+    size, units = result_sizes(result), {"f": "N", "m": "N m"}
+    columns: Columns[ComponentLoad] = [
+        ("", lambda part: part.name),
+        ("peak", lambda part: size.amount(part.peak, units[part.name[0]])),
+        ("at [s]", lambda part: size.moment(part.peak_time, part.peak, units[part.name[0]])),
+        ("RMS", lambda part: size.number(part.rms, units[part.name[0]])),
     ]
-    return ("effect", "", "operations alone", "saved without", "why"), rows
+    return by_columns(columns, result.base_wrench)
+
+
+def effect_table(result: Result, saved: bool = True) -> Content:
+    """Return which effects are on, what they cost, and why.
+
+    Args:
+        saved: with the operations that each takes beside the others.
+    """
+    columns: Columns[EffectReport] = [
+        ("effect", lambda effect: effect.name),
+        ("", lambda effect: "on" if effect.verdict.active else "off"),
+        ("operations alone", lambda effect: _figure(effect, effect.operations)),
+        ("saved without", lambda effect: _figure(effect, effect.saved)),
+        ("why", lambda effect: effect.verdict.reason),
+    ]
+    return by_columns([column for column in columns if saved or column[0] != "saved without"], result.effects)
+
+
+def _figure(effect: EffectReport, operations: int | None) -> str:
+    return str(operations) if effect.verdict.active and operations is not None else ""
 
 
 def share_table(result: Result) -> Content:
@@ -102,26 +102,15 @@ def derivation_table(derivation: Derivation, samples_suffice: bool = True) -> tu
     text = f"Derived: {quantities} by {'these methods' if several else (acceleration or velocity)[0]}"
     if not shown:
         return f"{text}; {'the data are clean' if samples_suffice else 'the samples are too few'}", None
-    rows: list[tuple[str, ...]] = [
-        (
-            joint.name,
-            joint.acceleration if joint.velocity == "given" else joint.velocity,
-            joint.source,
-            f"{joint.noise:.2g}",
-            f"{joint.quantum:.3g}" if joint.quantum else "",
-            f"{joint.std:.2g}",
-        )
-        for joint in shown
+    columns: Columns[JointDerivation] = [
+        ("joint", lambda joint: joint.name),
+        ("method", lambda joint: joint.acceleration if joint.velocity == "given" else joint.velocity),
+        ("from", lambda joint: joint.source),
+        ("its noise", lambda joint: f"{joint.noise:.2g}"),
+        ("grid", lambda joint: f"{joint.quantum:.3g}" if joint.quantum else ""),
+        ("noise left", lambda joint: f"{joint.std:.2g}"),
     ]
-    head = (
-        "joint",
-        "method",
-        "from",
-        "its noise",
-        "grid",
-        "noise left",
-    )
-    return text, (head, rows)
+    return text, by_columns(columns, shown)
 
 
 def _named(methods: Iterable[str]) -> list[str]:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from robodyn.checks.rule import Excerpt, Finding, Severity
 from robodyn.checks.run import Options, check_one
-from robodyn.report.renderers.github import check_github
+from robodyn.report.renderers.ci import check_github
 
 
 def finding(file: str = "a.urdf", message: str = "m", remedy: str = "r", cause: str | None = None) -> Finding:

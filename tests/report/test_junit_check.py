@@ -9,7 +9,7 @@ from lxml import etree
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.run import Checked, Options, check_one
-from robodyn.report.renderers.junit import check_junit
+from robodyn.report.renderers.ci import check_junit
 
 SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))
 

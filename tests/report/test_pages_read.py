@@ -13,8 +13,7 @@ import robodyn
 import robodyn.report
 from robodyn.report.document import Document, Table
 from robodyn.report.renderers import html as html_page
-from robodyn.report.renderers.glossary import MEANINGS
-from robodyn.report.renderers.html import html
+from robodyn.report.renderers.html import MEANINGS, html
 from robodyn.report.simulation_page import simulation_page
 from robodyn.report.torques_page import torques_page
 from robodyn.scene.read import load_scene

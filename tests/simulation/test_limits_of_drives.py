@@ -12,7 +12,7 @@ from helpers.example_robots import path_of
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.report.limits import simulation_limits
+from robodyn.report.limits import limits_verdict
 from robodyn.scene.scene import Drive, ExternalWrench, Scene
 
 PUSHED = "[drive]\nelbow = { torque = 9.0 }\nshoulder = { torque = 2.0 }\n"
@@ -109,11 +109,11 @@ def test_when_and_how_long_a_slide_is_too_fast() -> None:
 def test_what_carries_a_robot_is_assumed_and_said() -> None:
     how = {"duration": 1e-3, "executor": "numpy", "method": "euler"}
     standing = robodyn.simulate(robodyn.load(path_of("solo")), Scene(), **how)
-    assert simulation_limits(standing).headline.endswith("as long as the base is held (assumed)")
+    assert limits_verdict(standing).headline.endswith("as long as the base is held (assumed)")
     assert "there is no contact at its feet" in standing.doubts[0].said
     free = robodyn.load(path_of("solo"), moving_base=True)
     falling = robodyn.simulate(free, Scene(moving_base=True), **how)
-    assert simulation_limits(falling).headline.endswith("as the robot falls freely (assumed)")
+    assert limits_verdict(falling).headline.endswith("as the robot falls freely (assumed)")
     pushed = Scene(moving_base=True, wrenches=(ExternalWrench("base_link", (0.0, 0.0, 24.0)),))
     for scene in (pushed, Scene(moving_base=True, gravity=(0, 0, 0)), Scene(moving_base=True, held=True)):
         assert robodyn.simulate(free, scene, **how).doubts == ()
@@ -131,7 +131,7 @@ def test_a_body_that_is_thrown_falls_freely() -> None:
 def test_motors_are_not_looked_at() -> None:
     scene = robodyn.load_scene(ROBOTS / "puma560_sizing.toml")
     result = robodyn.simulate(robodyn.load(ROBOTS / "puma560.urdf"), scene, 1e-3, executor="numpy")
-    assert "but for motors, which are not looked at" in simulation_limits(result).headline
+    assert "but for motors, which are not looked at" in limits_verdict(result).headline
     assert result.within_limits is None
 
 

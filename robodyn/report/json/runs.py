@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from robodyn.report.json.encode import encode, select, written
 from robodyn.report.json.loads import limits_data
-from robodyn.report.limits import simulation_limits
+from robodyn.report.limits import limits_verdict
 
 if TYPE_CHECKING:
     from robodyn.measure.accuracy.ladder import Accuracy, Ladder, Rung
@@ -42,7 +42,7 @@ def simulation_json(result: Simulation) -> str:
                 result,
                 "joints limits_exceeded:exceeded limits within_limits verdict doubts warnings notes",
                 limits=limits_data(result.limits),
-                verdict=simulation_limits(result),
+                verdict=limits_verdict(result),
                 warnings=[doubt.said for doubt in result.doubts],
             ),
         }

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.dae import Dae
-from robodyn.report.dae_actions import acting
+from robodyn.report.dae_numbers import acting
 from robodyn.report.renderers.latex_closed import escaped
 
 HEAD = r"""% Needs \usepackage{amsmath}.
