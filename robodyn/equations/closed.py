@@ -109,14 +109,11 @@ def closed(model: Model, scene: Scene = DEFAULT, products: int = PRODUCTS) -> Cl
 
 
 def _check_small(model: Model) -> None:
-    what = remedy = ""
     if model.nq != model.n:
-        what, remedy = "a floating joint has no closed form here", REMEDY
-    elif model.n > MOST_JOINTS:
+        raise InputError("a floating joint has no closed form here", remedy=REMEDY, file=model.file)
+    if model.n > MOST_JOINTS:
         what = f"{model.n} coordinates are too many for a closed form, which goes up to {MOST_JOINTS}"
-        remedy = REMEDY
-    if what:
-        raise InputError(what, remedy=remedy, file=model.file)
+        raise InputError(what, remedy=REMEDY, file=model.file)
 
 
 def _symbols(model: Model) -> Symbols:

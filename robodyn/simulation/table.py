@@ -173,13 +173,6 @@ class Signal:
         assert self.table is not None
         return self.table.time - self.table.time[0], self.table.columns
 
-    def _loads(self, time: Floats, within: Floats) -> Iterator[Floats]:
-        """Yield the torques and parts of wrenches, each (N,)."""
-        rows, columns = self._rows
-        last = np.searchsorted(rows, within * (1.0 + NEAR), side="right") - 1 if self.held else None
-        for name in (curve.column for curve in self.curves if curve.kind == LOAD):
-            yield np.interp(time, rows, columns[name]) if last is None else columns[name][last]
-
     def check_duration(self, duration: float) -> None:
         """Raise if the table ends before the simulation."""
         if self.table is not None and duration > self.table.duration * (1.0 + 1e-9):
@@ -215,12 +208,16 @@ class Signal:
             return np.empty((len(time), 0))
         kinds = {curve.kind for curve in self.curves}
         smooth = {kind: self._splines(time, kind == RATE).T for kind in (REFERENCE, RATE) if kind in kinds}
-        loads = self._loads(time, time if within is None else within)
-        parts = [
-            next(loads) if curve.kind == LOAD else smooth[curve.kind][self._smooth.index(curve.column)]
-            for curve in self.curves
-        ]
-        return np.column_stack(parts)
+        (rows, columns), meant = self._rows, time if within is None else within
+        last = np.searchsorted(rows, meant * (1.0 + NEAR), side="right") - 1
+
+        def values(curve: Curve) -> Floats:
+            if curve.kind != LOAD:
+                return np.asarray(smooth[curve.kind][self._smooth.index(curve.column)])
+            column = columns[curve.column]
+            return column[last] if self.held else np.asarray(np.interp(time, rows, column))
+
+        return np.column_stack([values(curve) for curve in self.curves])
 
     def in_steps(self, steps: Piece, nodes: tuple[float, ...]) -> Floats:
         """(N, nodes * curves + 1) for N steps: at each of their nodes (fractions of a step), and the step's length."""

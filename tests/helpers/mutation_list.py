@@ -283,7 +283,7 @@ MUTATIONS = {
     "simulation/test_tables.py": [
         ("simulation/equations.py", "speed - qd[i]", "speed + qd[i]"),
         ("simulation/table.py", "kind == RATE", "kind != RATE"),
-        ("simulation/table.py", "within * (1.0 + NEAR)", "time * (1.0 + NEAR)"),
+        ("simulation/table.py", "meant * (1.0 + NEAR)", "time * (1.0 + NEAR)"),
         ("simulation/steps.py", "[h * x for x in mean]", "[h * x for x in qd]"),
     ],
     "loads/test_bearings.py": [

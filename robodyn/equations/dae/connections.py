@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +21,7 @@ class Connection:
     Attributes:
         kind: "fixed", "revolute", "prismatic", "floating", "mimic", "point", "hinge", "weld" or "directions".
         body, other: what is held, and what holds it; -1 is the ground.
-        equations: one for each reaction.
-        reactions: names of the reactions, F for forces and M for moments, each with its direction.
+        held: names of the reactions, F for forces and M for moments, each with its direction, and their equations.
         free: rates of the joint's own coordinates, f of them; along them act drives, friction, springs and rotors.
     """
 
@@ -29,9 +29,18 @@ class Connection:
     kind: str
     body: int
     other: int
-    equations: tuple[Equation, ...]
-    reactions: tuple[str, ...]
+    held: tuple[tuple[str, Equation], ...]
     free: tuple[Equation, ...] = ()
+
+    @cached_property
+    def equations(self) -> tuple[Equation, ...]:
+        """One for each reaction."""
+        return tuple(equation for _, equation in self.held)
+
+    @cached_property
+    def reactions(self) -> tuple[str, ...]:
+        """Names of the reactions."""
+        return tuple(name for name, _ in self.held)
 
 
 class Anchors(NamedTuple):
@@ -96,15 +105,7 @@ def connected(
     name: str, kind: str, anchors: Anchors, found: Sequence[tuple[str, Equation]], free: Sequence[Equation] = ()
 ) -> Connection:
     """Return a connection of named equations."""
-    return Connection(
-        name,
-        kind,
-        anchors.body,
-        anchors.other,
-        tuple(equation for _, equation in found),
-        tuple(label for label, _ in found),
-        tuple(free),
-    )
+    return Connection(name, kind, anchors.body, anchors.other, tuple(found), tuple(free))
 
 
 def weld(name: str, anchors: Anchors, kind: str = "weld") -> Connection:

@@ -43,7 +43,7 @@ def _joint(joint: Joint, anchors: Anchors, near: Scalar) -> Connection:
     if joint.kind == "floating":
         turns = [Turn(body, other, e, R) for e in PLAIN.vectors]
         moves = [Along(body, other, own, to, product(R, e)) for e in PLAIN.vectors]
-        return Connection(joint.name, "floating", body, other, (), (), (*turns, *moves))
+        return Connection(joint.name, "floating", body, other, (), (*turns, *moves))
     if joint.kind == "revolute":
         return hinge(joint.name, anchors, joint.axis, "revolute", [Turn(body, other, joint.axis, R, near)])
     return slide(joint.name, anchors, joint.axis, "prismatic", [Along(body, other, own, to, product(R, joint.axis))])
@@ -59,7 +59,7 @@ def mimic_connections(model: Model, joints: Sequence[Connection]) -> Iterator[Co
         master: Equation = joints[number[joint.mimics]].free[0]
         rule = Sum(((1.0, joints[i].free[0]), (-joint.multiplier, master)), -joint.offset)
         name = f"{joint.name} follows {joint.mimics}"
-        yield Connection(name, "mimic", i, body.parent, (rule,), ("F" if joint.kind == "prismatic" else "M",))
+        yield Connection(name, "mimic", i, body.parent, (("F" if joint.kind == "prismatic" else "M", rule),))
 
 
 def loop_connections(model: Model, centres: Sequence[Array], loops: Sequence[Loop]) -> Iterator[Connection]:

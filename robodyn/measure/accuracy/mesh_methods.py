@@ -56,18 +56,22 @@ def by_voxels(corners: Floats, count: int) -> Moments:
 
 def by_chance(corners: Floats, count: int) -> Moments:
     """By so many random points in the box; one counts where a ray from it leaves the body once more than it enters."""
-    lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
+    points, size = _random_points(corners, count)
     rows = max(_TESTS // len(corners), 1)
     within = np.concatenate([_winding(points[k : k + rows], corners) > 0 for k in range(0, count, rows)])
-    return _of_points(points[within], hi - lo, count)
+    return _of_points(points[within], size, count)
 
 
 def by_winding_numbers(corners: Floats, count: int) -> Moments:
     """By so many random points in the box; one counts where the surface goes around it, by its solid angle."""
+    points, size = _random_points(corners, count)
+    return _of_points(points[WindingTree.of(merged(corners)).numbers(points) > 0.5], size, count)
+
+
+def _random_points(corners: Floats, count: int) -> tuple[Floats, Floats]:
+    """Return random points in the box around the corners, and its size."""
     lo, hi = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    points = lo + (hi - lo) * np.random.default_rng(0).random((count, 3))
-    return _of_points(points[WindingTree.of(merged(corners)).numbers(points) > 0.5], hi - lo, count)
+    return lo + (hi - lo) * np.random.default_rng(0).random((count, 3)), hi - lo
 
 
 def by_triangles(triangles: Triangles, dtype: type, reference: Floats) -> Moments:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from math import inf
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,43 +72,35 @@ def simulation_accuracy(
     a_plan = plan(model, replace(scene, joint_limits="ignore"))
     run = partial(followed, a_plan.scene)
     reference = motion_reference(a_plan, duration, run)
-    tries, start, executor = [], start_of(a_plan), "auto" if compiler().problem else "compiled"
+    tries: list[_Try] = []
+    start = start_of(a_plan)
     for method in METHODS:
-        found, lost = _tries(a_plan, run, method, duration, reference, executor)
+        found, lost = _tries(a_plan, run, method, duration, reference)
         tries += found
         notes += lost
-    acts = {
-        each.name: partial(integrated, a_plan, each.options, duration, each.executor, signal, start) for each in tries
-    }
-    times = timed(acts)
+    times = timed({each.name: partial(integrated, a_plan, *each.how, signal, start) for each in tries})
     rungs = tuple(each.rung(times[each.name][1]) for each in tries)
     ladder = Ladder("simulation", ("end", "way"), reference.how, "motion", rungs)
     name = f"{model.name}, {duration:g} s"
     return Accuracy(name, (ladder,), _prices(a_plan), notes=(*assumed, *notes))
 
 
-@dataclass(frozen=True, eq=False)
-class _Try:
-    name: str
-    options: MethodOptions
-    executor: str
-    errors: tuple[float, float]
-    drift: float
-    evaluations: int
-    operations: float
+class _Try(NamedTuple):
+    """What `integrated` is given for a rung, and the rung but for its time."""
 
-    def rung(self, time: Spread) -> Rung:
-        return Rung(self.name, self.errors, time, self.operations, self.evaluations, self.drift)
+    name: str
+    how: tuple[MethodOptions, float, str]
+    rung: Callable[[Spread], Rung]
 
 
 def _tries(
-    a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference, executor: str
+    a_plan: Plan, run: Run, method: Method, duration: float, reference: Reference
 ) -> tuple[list[_Try], list[str]]:
     """Return a method at ever shorter steps or tolerances as long as that helps, and what failed."""
     found: list[_Try] = []
     failed: list[str] = []
-    why = ""
-    executor = "auto" if method.adaptive else executor
+    why, before = "", inf
+    executor = "auto" if method.adaptive or compiler().problem else "compiled"
     run = partial(run, method=method.name, executor=executor)
     for name, options, given in _settings(method, duration):
         try:
@@ -120,14 +112,16 @@ def _tries(
             failed, why = [*failed, name], error.what
             continue
         took = perf_counter() - begin
-        end, way = state_errors(motion, reference)
-        if not np.isfinite(way):
+        errors = state_errors(motion, reference)
+        if not np.isfinite(errors[1]):
             failed, why = [*failed, name], "a number overflows"
             continue
-        work = _operations(a_plan, method, motion)
-        found.append(_Try(name, options, executor, (end, way), drift_of(motion), motion.evaluations, work))
-        if took > LONGEST / 4 or (len(found) > 1 and way > GAIN * found[-2].errors[1]):
+        work, drift = _operations(a_plan, method, motion), drift_of(motion)
+        rung = partial(Rung, name, errors, operations=work, evaluations=motion.evaluations, drift=drift)
+        found.append(_Try(name, (options, duration, executor), rung))
+        if took > LONGEST / 4 or errors[1] > GAIN * before:
             break
+        before = errors[1]
     lost = "; ".join(failed) if found else method.name
     return found, [f"left out: {lost}: {why}"] if failed else []
 

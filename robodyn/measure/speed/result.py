@@ -94,9 +94,9 @@ class ProgramBench:
     operations: int
     outputs: int
     trace: float
-    build: Timing | None
-    samples: int | None
-    compiled: Timing | None
+    build: Timing | None = None
+    samples: int | None = None
+    compiled: Timing | None = None
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
 
@@ -107,27 +108,21 @@ def _programs(a_plan: Plan, work: Work, watch: Callable[[str], None]) -> tuple[P
         "energy and losses": partial(energy, a_plan),
         "momentum laws": partial(laws, a_plan),
     }
-    traced: dict[str, tuple[Program, float]] = {}
-    builds: dict[str, Timing] = {}
-    samples: dict[str, int] = {}
+    found: list[ProgramBench] = []
     acts: dict[str, Callable[[], object]] = {}
     for name, make in makers.items():
         watch(name)
         start = perf_counter()
         program = make()
-        traced[name] = program, perf_counter() - start
+        one = ProgramBench(name, program.size, len(program.outputs), perf_counter() - start)
         if not compiler().problem:
-            builds[name] = repeated(partial(compile_anew, program, work.widths))
-            samples[name] = max(1, min(work.samples, LARGEST_RESULT // (8 * max(len(program.outputs), 1))))
-            acts[name] = _run(CompiledBlocks(program, work.widths), work.sources, samples[name])
+            samples = max(1, min(work.samples, LARGEST_RESULT // (8 * max(len(program.outputs), 1))))
+            one = replace(one, build=repeated(partial(compile_anew, program, work.widths)), samples=samples)
+            acts[name] = _run(CompiledBlocks(program, work.widths), work.sources, samples)
+        found.append(one)
     watch("programs")
-    times = {name: timing.per(samples[name]) for name, timing in taking_turns(acts).items()}
-    return tuple(
-        ProgramBench(
-            name, program.size, len(program.outputs), trace, builds.get(name), samples.get(name), times.get(name)
-        )
-        for name, (program, trace) in traced.items()
-    )
+    times = taking_turns(acts)
+    return tuple(replace(one, compiled=times[one.name].per(one.samples)) if one.samples else one for one in found)
 
 
 def _run(compiled: CompiledBlocks, sources: Mapping[str, Floats], samples: int) -> Callable[[], object]:
