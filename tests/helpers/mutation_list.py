@@ -75,8 +75,8 @@ MUTATIONS = {
         ("solids/inertia/laws.py", "product(R, c) + p", "product(R, c) - p"),
         (
             "dynamics/effects/payload.py",
-            "inertia_of(load.mass, np.array(load.com), I_c, R, p)",
-            "inertia_of(load.mass, np.array(load.com), I_c)",
+            "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia), R, p)",
+            "inertia_of(load.mass, np.array(load.com), symmetric(load.inertia))",
         ),
         ("dynamics/effects/fluid.py", "sign(x) * (x * x)", "x * x"),
     ],
