@@ -14,6 +14,7 @@ from robodyn.report.table import is_noise, number, printable
 from robodyn.solids.inertia.conversions import View
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh_mass import Part
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.symmetry.kinds import Axis, Plane
@@ -30,8 +31,7 @@ def inertia_sections(parts: Sequence[Part], view: View) -> Iterator[Section]:
     for part in parts:
         size = " x ".join(number(x) for x in part.hi - part.lo)
         state = "closed" if part.closed else "not closed"
-        count = f"{part.triangles} triangle{'' if part.triangles == 1 else 's'}"
-        yield [Paragraph(f"{printable(part.name)}: {count}, {state}, {size} m")]
+        yield [Paragraph(f"{printable(part.name)}: {count(part.triangles, 'triangle')}, {state}, {size} m")]
         yield [amounts(part.body, _reach(part), ", at an assumed density" if part.assumed else "", part.body.area)]
         yield from inertia_tables(part.body, view)
         yield _symmetry(part)

@@ -10,6 +10,7 @@ from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae_numbers import MOST, acting, both_lines, elimination_lines, numbers_sections, shortened
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.table import Content, number, printable
+from robodyn.support.wording import count
 
 ALONG = """\
   force along n     n . (x - y) = 0
@@ -43,7 +44,7 @@ def dae_sections(found: Dae) -> Iterator[Section]:
     """Yield the report; long tables are cut after `MOST` rows, and say so."""
     robot, counts = found.robot, found.counts
     x, y, z = robot.scene.gravity
-    several = f"{counts.bodies} bod{'y' if counts.bodies == 1 else 'ies'}"
+    several = count(counts.bodies, "body", "bodies")
     head = f"{robot.model.name}: DAE form, {several}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
     yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
     yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]

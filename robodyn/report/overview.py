@@ -13,7 +13,7 @@ from robodyn.report.check_words import check_line
 from robodyn.report.document import Section, Table, paragraphs
 from robodyn.report.table import Content, number
 from robodyn.robot.urdf.parts import Joint, Limit
-from robodyn.support.wording import shown
+from robodyn.support.wording import count, shown
 
 _UNITS = {"prismatic": ("m", "N", "m/s")}
 _ANGULAR = ("rad", "N m", "rad/s")
@@ -38,9 +38,9 @@ def _head(found: Overview) -> list[str]:
     if found.base_freedoms:
         freedoms += f", {found.base_freedoms} of them the base's"
     if merged:
-        freedoms += f"; {merged} fixed joint{' is' if merged == 1 else 's are'} merged"
+        freedoms += f"; {count(merged, 'fixed joint is', 'fixed joints are')} merged"
     if found.mimics:
-        freedoms += f"; {found.mimics} joint{' mimics another' if found.mimics == 1 else 's mimic others'}"
+        freedoms += f"; {count(found.mimics, 'joint mimics another', 'joints mimic others')}"
     return [
         f"{found.file}: robot {shown(found.name)}",
         f"links: {len(found.branches)}, {found.massive} with mass",
@@ -121,13 +121,13 @@ def _mimic(joint: Joint) -> str:
 def _meshes(meshes: Meshes) -> list[str]:
     if not meshes.references:
         return ["meshes: none"]
-    count = f"meshes: {meshes.references} in {meshes.names} file{'' if meshes.names == 1 else 's'}"
+    named = f"meshes: {meshes.references} in {count(meshes.names, 'file')}"
     if not meshes.missing:
-        return [f"{count}, all found"]
+        return [f"{named}, all found"]
     lines = [
         f"  {geometry.filename} (link {shown(link)}, line {geometry.line})"
         for link, geometry in meshes.missing[:_MOST_MISSING]
     ]
     rest = len(meshes.missing) - len(lines)
     lines += [f"  and {rest} more"] if rest else []
-    return [f"{count}, {len(meshes.missing)} not found:", *lines]
+    return [f"{named}, {len(meshes.missing)} not found:", *lines]

@@ -12,6 +12,7 @@ from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, s
 from robodyn.report.table import drift_text, moment, number, relative_text
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
+from robodyn.support.wording import count
 
 FREE = "ODE, qdd = M^-1 (tau - bias) by articulated bodies"
 LOOPED = "index-1 DAE, M qdd + bias = tau + J^T lambda, J qdd = -J' qd by M = C C^T and C^-1 J^T = Q R"
@@ -149,8 +150,7 @@ def _loops(loops: LoopFigures, reach: float) -> Table:
 def _counted(loops: LoopFigures) -> list[str]:
     """Return how many equations there are, and which of them are left out."""
     kept = loops.equations - len(loops.dropped)
-    count = "1 equation" if loops.equations == 1 else f"{loops.equations} equations"
-    lines = [f"loops: {count}, {loops.rank} of them independent at the start"]
+    lines = [f"loops: {count(loops.equations, 'equation')}, {loops.rank} of them independent at the start"]
     lines[0] += f"; degrees of freedom left: {loops.freedoms}; {loops.stabilised}"
     if loops.dropped:
         names = ", ".join(loops.dropped[:_NAMED])

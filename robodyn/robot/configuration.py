@@ -11,7 +11,7 @@ from robodyn.programs.vectors import narrowed
 from robodyn.robot.kinematics import REST, Pose, motions, poses
 from robodyn.robot.model import Frame, Joint, Model
 from robodyn.support.floats import Floats
-from robodyn.support.wording import alternatives, listed, shown
+from robodyn.support.wording import alternatives, count, listed, shown
 
 Values = Sequence[float] | Mapping[str, float]
 
@@ -83,7 +83,7 @@ def _by_order(model: Model, names: tuple[str, ...], values: Sequence[float]) -> 
     if not len(values):
         return {}
     if len(values) != len(names):
-        what = f"{len(values)} value{'' if len(values) == 1 else 's'} for {len(names)} coordinates"
+        what = f"{count(len(values), 'value')} for {len(names)} coordinates"
         raise InputError(what, remedy=f"in the order: {listed(names)}" if names else "no joint moves", file=model.file)
     return dict(zip(names, values, strict=True))
 

@@ -80,7 +80,10 @@ class ObjectCache:
         return content
 
     def put(self, key: Key, content: bytes) -> None:
-        """Keep the content under this key, if that can be."""
+        """Keep the content under this key, if that can be.
+
+        Unlike `whole_file` this replaces a link or a pipe, as nothing may be written elsewhere.
+        """
         if self._folder is None:
             return
         path = self._folder / _name(key)

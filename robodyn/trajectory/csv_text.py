@@ -16,6 +16,7 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
+from robodyn.support.wording import count
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -140,7 +141,7 @@ def _parse_lines(
 def _diagnose(cells: list[bytes], dialect: Dialect, columns: Sequence[int]) -> tuple[str, str] | None:
     """What is wrong with a line and what to do, None if nothing is."""
     if len(cells) != len(dialect.names):
-        what = f"{len(cells)} cell{'s' if len(cells) > 1 else ''} where the header names {len(dialect.names)} columns"
+        what = f"{count(len(cells), 'cell')} where the header names {len(dialect.names)} columns"
         return what, "repair the row"
     for i in columns:
         name, cell = dialect.names[i], cells[i].strip()

@@ -13,6 +13,7 @@ import numpy as np
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.doubts import Doubt
+from robodyn.support.wording import count
 from robodyn.trajectory.assemble import Assembly, cut, with_neighbours
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed
@@ -151,7 +152,7 @@ class TrajectoryReader:
         self.notes = tuple(dict.fromkeys((*self.notes, *notes)))
 
     def _refuse_short(self, rows: int, needed: int) -> None:
-        what = f"has {rows} row{'s' if rows > 1 else ''}, too few to differentiate"
+        what = f"has {count(rows, 'row')}, too few to differentiate"
         remedy = f"give at least {needed} rows, or velocities and accelerations"
         raise TrajectoryError(what, remedy=remedy, file=self._table.file)
 

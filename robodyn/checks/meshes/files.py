@@ -16,7 +16,7 @@ from robodyn.robot.urdf.packages import package_of
 from robodyn.robot.urdf.source_positions import Span
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.robot.urdf.xml_reader import unexpanded
-from robodyn.support.wording import shown_path
+from robodyn.support.wording import count, shown_path
 
 STDIN = "<stdin>"
 
@@ -70,7 +70,7 @@ class MeshName:
     def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
         """Return `the mesh NAME what`, at its first use, with the count of the others."""
         use, more = self.uses[0], len(self.uses) - 1
-        others = f" (and {more} more place{'s' if more > 1 else ''})" if more else ""
+        others = f" (and {count(more, 'more place')})" if more else ""
         sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
         return Fault(at=use.at, subject=use.link.subject, what=sentence, remedy=remedy, severity=severity, fix=fix)
 

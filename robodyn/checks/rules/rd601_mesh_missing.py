@@ -12,7 +12,7 @@ from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Fix, Severity, rule
 from robodyn.robot.urdf.packages import package_of
-from robodyn.support.wording import listed, shown, shown_path
+from robodyn.support.wording import count, listed, shown, shown_path
 
 
 @rule(Severity.ERROR, good=a_shaped_link(), bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"))
@@ -66,7 +66,6 @@ def _unknown(names: list[MeshName]) -> Iterator[Fault]:
         return
     packages = [package[0] for name in names if (package := package_of(name.uri)) is not None]
     where = f"of the package {listed(list(dict.fromkeys(packages)))}" if packages else "beside standard input"
-    count = "1 mesh is" if len(names) == 1 else f"{len(names)} meshes are"
-    what = f"{count} not looked at: nothing is known {where}"
+    what = f"{count(len(names), 'mesh is', 'meshes are')} not looked at: nothing is known {where}"
     remedy = "say where it is with --package-path" if packages else "check the file by its name"
     yield Fault(names[0].uses[0].at, what, remedy, severity=Severity.NOTE, subject=None)

@@ -3,6 +3,7 @@
 from robodyn.checks.consumers.meshes import READS, unread
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.support.wording import count
 
 _KNOWN = "; ".join(
     f"{target}: {' '.join(reads.suffixes)} for {' and '.join(reads.kinds)}, and {reads.otherwise} otherwise"
@@ -23,6 +24,6 @@ def check(context: Context) -> Faults:
     for target in context.asked.targets:
         for suffix, uses in unread(context, target).items():
             reads = READS[target]
-            count = "1 shape has one" if len(uses) == 1 else f"{len(uses)} shapes have one"
-            what = f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {count}"
+            named = count(len(uses), "shape has one", "shapes have one")
+            what = f"{target} does not read {suffix or 'files without a suffix'} and {reads.otherwise}: {named}"
             yield Fault(uses[0].at, what, f"it reads {' '.join(reads.suffixes)} ({reads.source})")

@@ -8,6 +8,7 @@ from robodyn.equations.dae.connections import Connection
 from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae_numbers import acting
 from robodyn.report.renderers.latex_closed import escaped
+from robodyn.support.wording import count
 
 HEAD = r"""% Needs \usepackage{amsmath}.
 """
@@ -69,7 +70,7 @@ def dae_latex(found: Dae) -> str:
     """Return Newton's and Euler's laws of every body, constraints of every joint, the system, and what is left."""
     system, counts = found.robot.system, found.counts
     x, y, z = found.robot.scene.gravity
-    several = f"{counts.bodies} bod{'y' if counts.bodies == 1 else 'ies'}"
+    several = count(counts.bodies, "body", "bodies")
     title = (
         f"The equations of motion of {escaped(found.robot.model.name)}, {several}, in DAE form,\n"
         f"with gravity $g = ({x:g}, {y:g}, {z:g})$\\,m/s$^2$.\n"

@@ -14,6 +14,7 @@ from robodyn.solids.mesh.repair.shells import Shells, wound
 from robodyn.solids.mesh.repair.union import United, united
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles
 from robodyn.support.floats import Floats
+from robodyn.support.wording import count as many
 
 _BY_REGION = ("overlaps", "winding numbers")
 """Steps that leave the surface as it is."""
@@ -90,14 +91,14 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
         raise MeshError("has no triangle with an area", remedy="give a surface", file=triangles.name)
     shells, turned = wound(mesh)
     _check_sides(shells, triangles.name)
-    steps.taken(mesh, shells.mesh, turned, "winding", f"{_many(turned, 'face')} turned to agree with neighbours")
+    steps.taken(mesh, shells.mesh, turned, "winding", f"{many(turned, 'face')} turned to agree with neighbours")
     filling = filled(shells)
     count = filling.holes + filling.seams
     steps.taken(shells.mesh, filling.shells.mesh, count, "holes", _filling(filling))
     nesting = nested(filling.capped, filling.caps, cavities)
     count = nesting.bodies + nesting.cavities
     steps.taken(filling.capped.mesh, nesting.whole, count, "orientation", _nesting(nesting))
-    what = f"{_many(nesting.within, 'shell')} in another, wound as it is, counted once"
+    what = f"{many(nesting.within, 'shell')} in another, wound as it is, counted once"
     steps.taken(nesting.whole, nesting.shells.mesh, nesting.within, "nested", what)
     union = united(nesting, filling.caps)
     steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
@@ -124,7 +125,7 @@ def _check_sides(shells: Shells, name: str) -> None:
         shells = shells if whole is shells.mesh else wound(whole)[0]
     if shells.twisted:
         raise MeshError(
-            f"{shells.twisted} of {_many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
+            f"{shells.twisted} of {many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
             "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
             remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
             file=name,
@@ -140,7 +141,7 @@ def _region(union: United, filling: Filling, steps: _Steps) -> tuple[Indexed, Qu
         steps.measured(mesh, region, union.untested + union.folded, "overlaps", _overlaps(union))
         return mesh, region
     region = by_winding_numbers(mesh, caps)
-    what = f"{_many(filling.left, 'gap')} too large to be filled, left to winding numbers"
+    what = f"{many(filling.left, 'gap')} too large to be filled, left to winding numbers"
     steps.measured(mesh, region, filling.left, "winding numbers", what)
     return mesh, region
 
@@ -167,23 +168,23 @@ class _Steps:
 
 def _dropped(before: Indexed, after: Indexed, name: str, why: str) -> tuple[Indexed, int, str, str]:
     count = len(before.faces) - len(after.faces)
-    return after, count, name, f"{_many(count, 'face')} {why} dropped"
+    return after, count, name, f"{many(count, 'face')} {why} dropped"
 
 
 def _filling(found: Filling) -> str:
     kinds = [(found.holes, "hole"), (found.seams, "seam")]
-    gaps = " and ".join(_many(count, kind) for count, kind in kinds if count)
-    return f"{gaps} filled by {_many(found.triangles, 'triangle')}"
+    gaps = " and ".join(many(count, kind) for count, kind in kinds if count)
+    return f"{gaps} filled by {many(found.triangles, 'triangle')}"
 
 
 def _nesting(found: Nesting) -> str:
     kinds = [(found.bodies, "turned outwards"), (found.cavities, "turned inwards, being a cavity in another")]
-    return ", ".join(f"{_many(count, 'shell')} {how}" for count, how in kinds if count)
+    return ", ".join(f"{many(count, 'shell')} {how}" for count, how in kinds if count)
 
 
 def _overlaps(found: United) -> str:
     bodies = [f"{found.untested} bodies"] if found.untested else []
-    shells = [_many(found.folded, "folded shell")] if found.folded else []
+    shells = [many(found.folded, "folded shell")] if found.folded else []
     return f"overlaps of {' and '.join(bodies + shells)} counted once, by columns"
 
 
@@ -191,7 +192,7 @@ def _remarks(found: Filling, region: Quadrature | None) -> tuple[str, ...]:
     remarks = []
     if found.left and region is None:
         share = f"{100 * found.missing:.2g} % of their surface"
-        remarks.append(f"{_many(found.left, 'gap')} too large to be filled: {share} is missing")
+        remarks.append(f"{many(found.left, 'gap')} too large to be filled: {share} is missing")
     return tuple(remarks)
 
 
@@ -202,13 +203,9 @@ def _within(found: Nesting, scale: float) -> tuple[str, ...]:
     one = found.within == 1
     is_or_are, cavity = ("is", "it is a cavity") if one else ("are", "they are cavities")
     return (
-        f"{_many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
+        f"{many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
         f"if {cavity}, say --cavities ({found.less * scale**3:.4g} m^3 less)",
     )
-
-
-def _many(count: int, thing: str) -> str:
-    return f"{count} {thing}" + ("" if count == 1 else "s")
 
 
 def _replaced(triangles: Triangles, mesh: Indexed) -> Triangles:
