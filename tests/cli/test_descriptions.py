@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from helpers.command_line import ARM, ROBOTS, Outcome, motion, run
+from helpers.sampled import sampled
 
 from robodyn.robot.urdf.packages import VARIABLES
 
@@ -96,7 +97,7 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", sampled(WAYS, 3))
 def test_all_commands_find_the_same_meshes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot, more, variables = WAYS[way]
     for name, value in variables.items():

@@ -9,7 +9,10 @@ import pytest
 
 
 def sampled(cases: Iterable[Any], every: int = 8) -> list[Any]:
-    """Return the cases, or what `pytest.param` makes of them, all marked slow but the first of each `every`."""
+    """Return the cases, or what `pytest.param` makes of them, all marked slow but the first of each `every`.
+
+    Cases of several arguments are given as `pytest.param` makes them.
+    """
     return [case if k % every == 0 else _slow(case) for k, case in enumerate(cases)]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.command_line import ARM, run
 from helpers.oracles import robot
+from helpers.sampled import sampled
 
 import robodyn
 from robodyn.report.limits import limits_verdict
@@ -99,7 +100,7 @@ def both(name: str, rows: int, rng: np.random.Generator) -> tuple[robodyn.Result
     return derived, robodyn.torques(model, robodyn.motion(model, t, q, v, a)), robodyn.inverse_dynamics(model, q, v, a)
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", sampled(MOTIONS, 3))
 def test_which_numbers_of_samples_are_too_few(name: str) -> None:
     rng = np.random.default_rng(1)
     for rows in ROWS:
@@ -113,7 +114,7 @@ def test_which_numbers_of_samples_are_too_few(name: str) -> None:
         assert all("too few" in doubt.clause for doubt in given.doubts)
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", sampled(MOTIONS, 3))
 def test_error_bars_hold_the_truth_however_few_samples_there_are(name: str) -> None:
     rng, held = np.random.default_rng(2), []
     for rows in (8, 12, 20, 30, 60, 100, 400):

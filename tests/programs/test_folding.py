@@ -86,7 +86,7 @@ def traced(tree, unary=OF_TRACED):
         return None
 
 
-@settings(deadline=None, max_examples=1500)
+@settings(deadline=None, max_examples=500)
 @given(expressions, values)
 def test_in_plain_floats(tree, inputs):
     expected, program = checked(tree, inputs, OF_FLOATS), traced(tree)

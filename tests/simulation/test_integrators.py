@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.oracles import robot
+from helpers.sampled import sampled
 from helpers.simulated_robots import pendulum, tumbling
 from helpers.small_robots import random_tree
 
@@ -26,7 +27,7 @@ def settled():
     return np.array([*found.q[-1], *found.qd[-1], found.work[-1]])
 
 
-@pytest.mark.parametrize("method", FIXED, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", sampled(FIXED, 2), ids=lambda method: method.name)
 def test_order(method, settled):
     model, scene = tumbling()
     errors = []
@@ -108,7 +109,7 @@ def test_a_robot_on_the_ground_is_not_free():
     assert not robodyn.simulate(pendulum(), Scene(), 0.01).free
 
 
-@pytest.mark.parametrize("method", FIXED, ids=lambda method: method.name)
+@pytest.mark.parametrize("method", sampled(FIXED, 2), ids=lambda method: method.name)
 def test_machine_code_and_numpy_agree(method):
     model, scene = tumbling()
     runs = [

@@ -12,6 +12,7 @@ from helpers.executors import EXECUTORS, Executor
 from helpers.oracles import golden_model, random_state, robot
 from helpers.random_programs import OPERATIONS, programs, random_inputs, seeded
 from helpers.rounding_bounds import bounds
+from helpers.sampled import sampled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import isnan
@@ -50,7 +51,7 @@ MANY = pytest.param(range(SEEDS, 120), marks=pytest.mark.slow)
 
 @each_executor
 @each_kind
-@pytest.mark.parametrize("operations", [1, 4, 15, 50])
+@pytest.mark.parametrize("operations", sampled([50, 4, 15, 1], 2))
 @pytest.mark.parametrize("seeds", [range(SEEDS), MANY], ids=["some", "many"])
 def test_programs_of_seeds(executor, operations, tame, seeds):
     for seed in seeds:
@@ -98,7 +99,7 @@ def wrenches(name, dtype, ulps):
 
 
 @each_executor
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", sampled(ROBOTS, 3))
 def test_robots(executor, name):
     *run, limits = wrenches(name, *executor[1:])
     assert limits.error.max() <= 200 * float(np.finfo(executor.dtype).eps) * abs(limits.exact).max()

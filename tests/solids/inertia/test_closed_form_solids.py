@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import starmap
+
 import mpmath
 import numpy as np
 import pytest
 from helpers.oracles import EPS
+from helpers.sampled import sampled
 
 from robodyn.errors import InputError
 from robodyn.solids.inertia.solids import box, capsule, cone, cylinder, ellipsoid, sphere, torus
@@ -82,7 +85,7 @@ def _near(found, expected):
     return abs(found - expected) <= 8 * EPS * abs(expected)
 
 
-@pytest.mark.parametrize(("solid", "sizes"), SIZES)
+@pytest.mark.parametrize(("solid", "sizes"), sampled(starmap(pytest.param, SIZES), 3))
 def test_solids_of_revolution(solid, sizes):
     body = solid(*sizes, density=DENSITY)
     with mpmath.workdps(DIGITS):
@@ -130,7 +133,10 @@ def test_ellipsoid(axes):
             assert _near(body.S_c[k, k], DENSITY * slices(2))
 
 
-@pytest.mark.parametrize(("across", "along"), [(0.3, 0.3), (0.3, 0.7), (0.7, 0.3), (1.0, 1e-6), (1e-6, 1.0)])
+SPHEROIDS = [(0.3, 0.7), (0.3, 0.3), (0.7, 0.3), (1.0, 1e-6), (1e-6, 1.0)]
+
+
+@pytest.mark.parametrize(("across", "along"), sampled(starmap(pytest.param, SPHEROIDS), 3))
 def test_surface_of_spheroids(across, along):
     """Of any order of the axes."""
     with mpmath.workdps(DIGITS):

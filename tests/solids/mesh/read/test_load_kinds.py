@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from helpers.mesh_files import ascii_stl, dae, glb, indexed, obj, off, ply, rows, three_mf
 from helpers.mesh_samples import binary_stl, box, torus
+from helpers.sampled import sampled
 
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.kinds import KINDS, METRES
@@ -139,7 +140,7 @@ print(read.name, read.count, sum(len(block) for block in read.blocks()), sum(len
 """
 
 
-@pytest.mark.parametrize("kind", FILES)
+@pytest.mark.parametrize("kind", sampled(FILES, 3))
 def test_standard_input(kind):
     call = [sys.executable, "-c", READ, *([kind] if kind == "3mf" else [])]
     done = subprocess.run(call, input=FILES[kind], capture_output=True, check=True)

@@ -11,6 +11,7 @@ from helpers.convex_solids import ball, common_moments, moments, rod
 from helpers.mesh_oracle import deviation, rational_moments
 from helpers.mesh_samples import box, moved
 from helpers.repaired_meshes import repaired, taken
+from helpers.sampled import sampled
 
 from robodyn.solids.mesh.integrate.integrals import integrate
 
@@ -36,7 +37,7 @@ def united(pair):
 
 
 @pytest.mark.parametrize("away", [0.0, 1024.0])
-@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("pair", sampled(PAIRS, 3))
 def test_moments_of_the_union(pair, away):
     shift = away * np.array((1.0, -2.0, 0.5))
     V, first, S = united(pair)
