@@ -182,12 +182,9 @@ def _config(table: SceneTable, file: str) -> Config:
 
 
 def _thresholds(table: SceneTable) -> Thresholds:
-    values = {}
-    for field in fields(Thresholds):
-        key = field.name.replace("_", "-")
-        values[field.name] = table.number(key, getattr(DEFAULT, field.name))
-        if values[field.name] < 0:
-            raise table.error(f'"{key}" is {values[field.name]:g}', remedy="thresholds are positive or zero")
+    remedy = "thresholds are positive or zero"
+    names = {field.name: field.name.replace("_", "-") for field in fields(Thresholds)}
+    values = {name: table.nonnegative(key, getattr(DEFAULT, name), remedy) for name, key in names.items()}
     table.finish()
     return Thresholds(**values)
 

@@ -15,14 +15,12 @@ from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.numbers import numbers
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure
 
 _DIGITS = 12
-
 
 TELLS = {
     Symptom.IMPOSSIBLE: frozenset({"RD306", "RD308", "RD310", "RD311", "RD312"}),
@@ -53,11 +51,6 @@ class Cause:
     fix: Fix | None
     physical: bool
 
-    @property
-    def sentence(self) -> str:
-        """For the finding that this explains."""
-        return f"{self.what} ({self.code})"
-
 
 def causes(context: Context) -> Mapping[str, Cause]:
     """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
@@ -84,7 +77,7 @@ def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     """
     cause = context.once(causes).get(link.name)
     if cause is not None:
-        return replace(fault, cause=cause.sentence, fix=cause.fix)
+        return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
     given = _given(link)
     near = None if given is None else nearest(given.tensor)
     if given is None or near is None:
@@ -102,13 +95,8 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
         if cause is None or cause.code != code or not cause.physical:
             continue
         assert link.inertial is not None, "it has a tensor"
-        yield Fault(
-            at=link.inertial.entries[_first_changed(link, cause)].span,
-            subject=link.subject,
-            what=cause.what,
-            remedy=_remedy(cause),
-            fix=cause.fix,
-        )
+        at = link.inertial.entries[_first_changed(link, cause)].span
+        yield Fault(at, cause.what, _remedy(cause), fix=cause.fix)
 
 
 def _remedy(cause: Cause) -> str:
@@ -190,9 +178,6 @@ def _entries(I: Floats, given: Given) -> Tensor:
 def _fix(link: LinkView, tensor: Tensor | None, what: str) -> Fix | None:
     if tensor is None or link.tensor is None or link.inertial is None:
         return None
-    edits = []
-    for name, new, old in zip(INERTIA, tensor, link.tensor, strict=True):
-        at = numbers(link.inertial.inertia_element, name, 1).span
-        if new != old:
-            edits.append(Edit(at.start, at.end, repr(new)))
-    return Fix(f"correct the inertia: {what}", tuple(edits), safe=False)
+    entries = zip(link.inertial.entries, tensor, link.tensor, strict=True)
+    edits = tuple(Edit(entry.span.start, entry.span.end, repr(new)) for entry, new, old in entries if new != old)
+    return Fix(f"correct the inertia: {what}", edits, safe=False)

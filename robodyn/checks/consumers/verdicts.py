@@ -7,8 +7,7 @@ from enum import IntEnum
 from operator import eq, gt
 
 from robodyn.checks.consumers import facts
-from robodyn.checks.consumers.facts import Find, Found, joints, ranges, root
-from robodyn.checks.consumers.meshes import missing_meshes, unread_meshes, uris, visuals
+from robodyn.checks.consumers.facts import Find, Found, joints, missing_meshes, ranges, root, unread_meshes
 from robodyn.checks.context import Context
 
 
@@ -53,8 +52,14 @@ FACTS = (
     Fact("mujoco", _REJECTS, "wants an axis that is not zero", _MUJOCO, _NO_AXIS),
     Fact("mujoco", _REJECTS, "reads meshes in .stl, .obj and .msh only", _MUJOCO, unread_meshes("mujoco")),
     Fact("mujoco", _REJECTS, "wants meshes to be there", _MUJOCO, missing_meshes("mujoco", "collision")),
-    Fact("mujoco", _REJECTS, 'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>', _MUJOCO, uris),
-    Fact("mujoco", _ALTERS, "leaves out what is only <visual>", _MUJOCO, visuals),
+    Fact(
+        "mujoco",
+        _REJECTS,
+        'opens no URI without <mujoco><compiler strippath="true" meshdir="..."/>',
+        _MUJOCO,
+        facts.uris,
+    ),
+    Fact("mujoco", _ALTERS, "leaves out what is only <visual>", _MUJOCO, facts.visuals),
     Fact("mujoco", _ALTERS, "makes the root a part of the world, without its mass", _MUJOCO, _HEAVY_ROOT),
     Fact("mujoco", _ALTERS, "ignores equal limits", _MUJOCO, ranges(eq)),
     Fact("mujoco", _ALTERS, "makes mimic a soft equality constraint", _MUJOCO, _MIMIC),

@@ -15,8 +15,6 @@ from robodyn.errors import MeshError
 from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.threads import in_threads
 
-Triple = tuple[float, float, float]
-NOTHING = (0.0, 0.0, 0.0)
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000
 """Triangles up to which the shells of a closed surface are told from each other."""
@@ -43,8 +41,8 @@ class MeshFacts:
     remedy: str = ""
     finite: bool = True
     triangles: int = 0
-    lo: Triple = NOTHING
-    hi: Triple = NOTHING
+    lo: tuple[float, ...] = (0.0, 0.0, 0.0)
+    hi: tuple[float, ...] = (0.0, 0.0, 0.0)
     volume: float = 0.0
     closed: bool = False
     mixed: bool = False
@@ -93,8 +91,8 @@ def mesh_facts(path: Path) -> MeshFacts:
     scale = triangles.scale
     return MeshFacts(
         triangles=integrals.count,
-        lo=_triple(integrals.lo * scale),
-        hi=_triple(integrals.hi * scale),
+        lo=tuple((integrals.lo * scale).tolist()),
+        hi=tuple((integrals.hi * scale).tolist()),
         volume=integrals.volume * scale**3,
         closed=edges.closed,
         mixed=edges.mixed,
@@ -103,13 +101,6 @@ def mesh_facts(path: Path) -> MeshFacts:
         one_sided=one_sided,
         doubt="; ".join(triangles.warnings),
     )
-
-
-def _triple(values: object) -> Triple:
-    import numpy as np
-
-    x, y, z = np.asarray(values, dtype=float).tolist()
-    return x, y, z
 
 
 MAKER = "mesh facts 2"

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms
-from robodyn.checks.mirror.names import named_pairs
-from robodyn.checks.mirror.pairs import Plane, link_inertia, pairs, reflected
+from robodyn.checks.mirror.pairs import Plane, link_inertia, named_pairs, pairs, reflected
 from robodyn.checks.run import check_one
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.conversions import from_inertia
