@@ -41,7 +41,7 @@ def links() -> Iterator[Triangles]:
         except MeshError:
             continue
         if edges.closed and integrals.volume > 0 and triangles.count <= LARGEST:
-            yield MemoryTriangles(path.name, triangles.array(), triangles.significand, triangles.scale)
+            yield MemoryTriangles(corners=triangles.array(), **{**triangles.labels, "name": path.name})
 
 
 def spent(triangles: Triangles) -> tuple[float, Counter[str]]:

@@ -92,9 +92,9 @@ def inertia(moments: Moments) -> Array:
 
 
 def _inside(corners: Floats, lattice: Lattice) -> Pieces:
-    every = pieces(lattice.hits(corners))
+    every, _ = pieces(lattice.hits(corners))
     found = every.of(every.weight > 0)
-    return Pieces(found.column, found.start, found.stop, np.ones(len(found.column)))
+    return found._replace(weight=np.ones(len(found.column)))
 
 
 def _of_points(inside: Floats, size: Floats, count: int) -> Moments:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from robodyn.programs.vectors import Array
-from robodyn.solids.mesh.triangles import Corners, Triangles
+from robodyn.solids.mesh.triangles import Triangles
 
 CHUNK = 256
 """Numbers that one dot product adds up: few, because the rounding errors of equal terms do not cancel."""
@@ -58,16 +58,10 @@ def fill(space: Array, triangles: Triangles, checked: bool = True) -> Iterator[A
     X = space[:3]
     as_given = X.transpose(2, 0, 1)
     rows = X.shape[-1]
-    for block in triangles.blocks(rows) if checked else _raw(triangles, rows):
+    for block in (triangles.blocks if checked else triangles.records)(rows):
         as_given[: len(block)] = block
         X[:, :, len(block) :] = X[:1, :, :1]
         yield X
-
-
-def _raw(triangles: Triangles, rows: int) -> Iterator[Corners]:
-    """The blocks as they come fastest, perhaps with corners that are not finite."""
-    blocks: Iterator[Corners] = getattr(triangles, "records", triangles.blocks)(rows)
-    return blocks
 
 
 def reference_in(X: Array) -> Array:

@@ -11,6 +11,7 @@ from robodyn.solids.inertia.conversions import from_integrals, from_surface_inte
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.mesh.closed.fingerprint import Fingerprint
 from robodyn.solids.mesh.closed.one_shell import is_one_shell
+from robodyn.solids.mesh.integrate.exact import VolumeIntegrals
 from robodyn.solids.mesh.integrate.integrals import Integrals, measure
 from robodyn.solids.mesh.integrate.sweep import surface
 from robodyn.solids.mesh.triangles import Triangles
@@ -139,7 +140,7 @@ def _repaired(triangles: Triangles, strict: bool, cavities: bool) -> Repaired:
     return fixed
 
 
-def solid(found: Integrals | Quadrature, triangles: Triangles, density: float) -> MassProperties:
+def solid(found: VolumeIntegrals, triangles: Triangles, density: float) -> MassProperties:
     """Return what triangles enclose, or the region that was integrated in their place, at so many kg/m^3.
 
     Raises:

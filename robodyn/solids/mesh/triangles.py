@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,8 @@ BLOCK = 4096
 """Triangles of a block: its corners stay in the cache."""
 
 
-class Triangles(Protocol):
+@dataclass(frozen=True, eq=False)
+class Triangles(ABC):
     """The triangles of a mesh, all with finite corners, to be read as often as wanted.
 
     name: as messages name the mesh; count: number of triangles, at least one;
@@ -27,24 +29,18 @@ class Triangles(Protocol):
     warnings: why what was read may not be the whole mesh.
     """
 
-    @property
-    def name(self) -> str: ...
+    name: str
+    _: KW_ONLY
+    significand: int = 53
+    scale: float = 1.0
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
+    @abstractmethod
     def count(self) -> int: ...
 
-    @property
-    def significand(self) -> int: ...
-
-    @property
-    def scale(self) -> float: ...
-
-    @property
-    def notes(self) -> tuple[str, ...]: ...
-
-    @property
-    def warnings(self) -> tuple[str, ...]: ...
-
+    @abstractmethod
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
         """Consecutive blocks (n, 3, 3), 1 <= n <= rows, of corners in units of the file, float32 or float64.
 
@@ -53,54 +49,49 @@ class Triangles(Protocol):
         Raises:
             MeshError: a corner is not finite (the face is named), or the file changed since it was opened.
         """
-        ...
+
+    def records(self, rows: int = BLOCK) -> Iterator[Corners]:
+        """The blocks as they come fastest: perhaps in the memory of the next, and with corners that are not finite."""
+        return self.blocks(rows)
 
     def array(self) -> Floats:
         """Return all corners, (count, 3, 3) in units of the file."""
-        ...
+        found, first = np.empty((self.count, 3, 3)), 0
+        for block in self.blocks():
+            found[first : first + len(block)] = block
+            first += len(block)
+        return found
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """All but the triangles, by the names of the fields."""
+        return {label.name: getattr(self, label.name) for label in fields(Triangles)}
 
 
 @dataclass(frozen=True, eq=False)
-class MemoryTriangles:
-    """Triangles of an array (m, 3, 3); see `Triangles`."""
+class MemoryTriangles(Triangles):
+    """Triangles of an array (m, 3, 3)."""
 
-    name: str
     corners: Corners
-    significand: int = 53
-    scale: float = 1.0
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:
         return len(self.corners)
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        for k, block in enumerate(self.records(rows)):
-            check_finite(block, k * rows, self.name)
-            yield block
+        return checked(self.records(rows), self.name)
 
     def records(self, rows: int = BLOCK) -> Iterator[Corners]:
-        """The blocks, perhaps with corners that are not finite."""
         for start in range(0, self.count, rows):
             yield self.corners[start : start + rows]
 
-    def array(self) -> Floats:
-        check_finite(self.corners, 0, self.name)
-        return self.corners.astype(np.float64)
-
 
 @dataclass(frozen=True, eq=False)
-class IndexedTriangles:
-    """Triangles of vertices (v, 3) and faces (m, 3) of indices, every used vertex finite; see `Triangles`."""
+class IndexedTriangles(Triangles):
+    """Triangles of vertices (v, 3) and faces (m, 3) of indices, every used vertex finite."""
 
-    name: str
     vertices: Corners
     faces: NDArray[np.signedinteger[Any]]
-    significand: int = 53
-    scale: float = 1.0
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:
@@ -110,13 +101,14 @@ class IndexedTriangles:
         for start in range(0, self.count, rows):
             yield self.vertices[self.faces[start : start + rows]]
 
-    def array(self) -> Floats:
-        corners: Floats = self.vertices[self.faces].astype(np.float64, copy=False)
-        return corners
 
-    def indexed(self) -> tuple[Corners, NDArray[np.signedinteger[Any]]]:
-        """Vertices (v, 3), some perhaps unused and then perhaps not finite, and faces (m, 3)."""
-        return self.vertices, self.faces
+def checked(blocks: Iterable[Corners], name: str) -> Iterator[Corners]:
+    """Yield the blocks of a mesh; `check_finite` of each."""
+    first = 0
+    for block in blocks:
+        check_finite(block, first, name)
+        first += len(block)
+        yield block
 
 
 def check_finite(block: Corners, first: int, name: str) -> None:
@@ -135,49 +127,28 @@ def check_finite(block: Corners, first: int, name: str) -> None:
     raise not_finite(first + int(row), block[row, corner], name)
 
 
-def check_all_finite(triangles: Triangles) -> None:
-    """Name the first triangle with a corner that is not finite, as every reading of the blocks does."""
-    for _ in triangles.blocks():
-        pass
-
-
 def not_finite(face: int, corner: Corners, name: str) -> MeshError:
     """Return the error of a face, counted from 0, that has this corner."""
     place = ", ".join(f"{value:g}" for value in corner)
     return MeshError(f"face {face + 1} has a corner at ({place})", remedy="coordinates must be finite", file=name)
 
 
-def box(triangles: Triangles) -> tuple[Floats, Floats]:
-    """Return the least and the largest coordinates of all corners, (3,) each, in units of the file."""
-    lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
-    for block in triangles.blocks():
-        lo = np.minimum(lo, block.min(axis=(0, 1)))
-        hi = np.maximum(hi, block.max(axis=(0, 1)))
-    return lo, hi
-
-
 @dataclass(frozen=True, eq=False)
-class ScaledTriangles:
-    """The given triangles with each coordinate times its factor; see `Triangles`.
+class ScaledTriangles(Triangles):
+    """The given triangles with each coordinate times its factor.
 
     Of a mirror image the corners are read backwards, so that what was wound outwards still is.
     """
 
     given: Triangles
     factors: Floats
-    name: str
-    count: int
-    significand: int
-    scale: float
-    notes: tuple[str, ...]
-    warnings: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        return self.given.count
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        for block in self.given.blocks(rows):
-            yield self._stretched(block)
-
-    def array(self) -> Floats:
-        return self._stretched(self.given.array()).astype(np.float64, copy=False)
+        return map(self._stretched, self.given.blocks(rows))
 
     def _stretched(self, corners: Corners) -> Corners:
         if (self.factors == 1).all():
@@ -206,6 +177,5 @@ def scaled(triangles: Triangles, factors: Sequence[float]) -> Triangles:
     if (given == 1).all():
         return triangles
     common = float(abs(given[0]))
-    kept = triangles.name, triangles.count, triangles.significand
-    size = triangles.scale * common
-    return ScaledTriangles(triangles, given / common, *kept, size, triangles.notes, triangles.warnings)
+    labels = {**triangles.labels, "scale": triangles.scale * common}
+    return ScaledTriangles(given=triangles, factors=given / common, **labels)

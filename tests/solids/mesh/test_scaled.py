@@ -26,7 +26,9 @@ def test_nothing_to_do():
 
 
 def test_a_common_factor_changes_the_scale_and_no_coordinate():
-    found = scaled(MemoryTriangles("wedge", WEDGE, 24, 0.0254, ("note",)), (0.001, 0.001, 0.001))
+    found = scaled(
+        MemoryTriangles("wedge", WEDGE, significand=24, scale=0.0254, notes=("note",)), (0.001, 0.001, 0.001)
+    )
     assert found.scale == 0.0254 * 0.001
     assert (found.name, found.count, found.significand, found.notes) == ("wedge", 4, 24, ("note",))
     np.testing.assert_array_equal(found.array(), WEDGE)

@@ -14,6 +14,7 @@ from robodyn.solids.mesh.blocks import block_space, fill
 from robodyn.solids.mesh.integrate.kernel import symmetric
 from robodyn.solids.mesh.integrate.residues import Field, integer, moduli_for, residue, residue_kernel
 from robodyn.solids.mesh.triangles import Triangles
+from robodyn.support.floats import Floats
 
 _LIMB = 26
 """Bits of the parts into which a coordinate is cut."""
@@ -30,6 +31,28 @@ class Moments(NamedTuple):
     volume: Scalar
     first: Array
     second: Array
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeIntegrals:
+    """Integrals over a volume, in units of the file.
+
+    Attributes:
+        volume: V, of 1.
+        first: (3,) of x - reference.
+        S: (3, 3) of (x - reference)(x - reference)^T.
+        reference: (3,).
+    """
+
+    volume: float
+    first: Floats
+    S: Floats
+    reference: Floats
+
+    @property
+    def moments(self) -> Moments:
+        """Volume, first and S with all that is known of their digits."""
+        return Moments(self.volume, self.first, self.S)
 
 
 def exact_moments(triangles: Triangles, reference: Array, lo: Array, hi: Array) -> Moments:

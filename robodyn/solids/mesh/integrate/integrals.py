@@ -12,7 +12,7 @@ from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import Array, Scalar
 from robodyn.solids.mesh.closed.fingerprint import Fingerprint
 from robodyn.solids.mesh.integrate.compiled_kernel import kernel_for
-from robodyn.solids.mesh.integrate.exact import Moments, exact_moments
+from robodyn.solids.mesh.integrate.exact import Moments, VolumeIntegrals, exact_moments
 from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
 from robodyn.solids.mesh.integrate.sweep import Sweep, swept, swept_with_edges
 from robodyn.solids.mesh.triangles import Triangles
@@ -23,13 +23,10 @@ ROUNDING = float_info.epsilon / 2
 
 
 @dataclass(frozen=True, eq=False)
-class Integrals:
+class Integrals(VolumeIntegrals):
     """Integrals over the volume inside a surface, in units of the file; negative where it is wound inwards.
 
     Attributes:
-        volume: V, of 1.
-        first: (3,) of x - reference.
-        S: (3, 3) of (x - reference)(x - reference)^T.
         reference: (3,) a point inside the box.
         area: of the surface.
         lo, hi: (3,) corners of its box.
@@ -41,10 +38,6 @@ class Integrals:
         unrounded: volume, first and S as fractions, before they were rounded to floats; not needed.
     """
 
-    volume: float
-    first: Floats
-    S: Floats
-    reference: Floats
     area: float
     lo: Floats
     hi: Floats
@@ -57,8 +50,7 @@ class Integrals:
 
     @property
     def moments(self) -> Moments:
-        """Volume, first and S with all that is known of their digits."""
-        return self.unrounded or Moments(self.volume, self.first, self.S)
+        return self.unrounded or super().moments
 
 
 def volume_bound(moments: Moments, perm: float, eps: float) -> float:

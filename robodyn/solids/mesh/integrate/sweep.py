@@ -15,7 +15,7 @@ from robodyn.solids.inertia.exact import exact
 from robodyn.solids.mesh.blocks import block_space, fill, reference_in
 from robodyn.solids.mesh.closed.fingerprint import EdgeSums, Fingerprint
 from robodyn.solids.mesh.integrate.kernel import Kernel, surface_kernel, symmetric
-from robodyn.solids.mesh.triangles import Triangles, check_all_finite
+from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import LARGEST, Floats
 
 _SAFE = 2.0**-170, 2.0**180
@@ -161,7 +161,8 @@ def _swept(
         raise MeshError("has no triangles", remedy="give a mesh with at least one", file=triangles.name)
     ends = np.min(lows, axis=1).astype(np.float64), np.max(highs, axis=1).astype(np.float64)
     if not np.isfinite(ends).all():
-        check_all_finite(triangles)
+        for _ in triangles.blocks():  # which names the first corner that is not finite
+            pass
     return Sweep(np.array(sums), reference, *ends, float(min(least)))
 
 
@@ -174,17 +175,12 @@ class SurfaceIntegrals:
         first: (3,) of x - reference.
         S: (3, 3) of (x - reference)(x - reference)^T.
         reference: (3,) a point inside the box.
-        lo, hi: (3,) corners of the box.
-        count: triangles.
     """
 
     area: float
     first: Floats
     S: Floats
     reference: Floats
-    lo: Floats
-    hi: Floats
-    count: int
 
 
 def surface(triangles: Triangles) -> SurfaceIntegrals:
@@ -202,12 +198,4 @@ def surface(triangles: Triangles) -> SurfaceIntegrals:
     if not sweep.safe:
         raise sweep.beyond(triangles, "large" if sweep.reach.max() > 1 else "small")
     sums = sweep.totals().astype(np.float64)
-    return SurfaceIntegrals(
-        float(sums[0] / 2),
-        sums[1:4] / 6,
-        symmetric(sums[4:10] / 24),
-        sweep.reference,
-        sweep.lo,
-        sweep.hi,
-        triangles.count,
-    )
+    return SurfaceIntegrals(float(sums[0] / 2), sums[1:4] / 6, symmetric(sums[4:10] / 24), sweep.reference)

@@ -81,7 +81,7 @@ def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") ->
         raise MeshError(what, remedy="axes are triangle, corner, coordinate", file=name)
     check_finite(values, 0, name)
     scale, _ = scale_of(unit, None, name)
-    return MemoryTriangles(name, values, 24 if values.dtype == np.float32 else 53, scale)
+    return MemoryTriangles(name, values, significand=24 if values.dtype == np.float32 else 53, scale=scale)
 
 
 def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress: OnProgress | None) -> Triangles:

@@ -113,7 +113,7 @@ def triangles_of(
     faces = _fans(corners, sizes) if larger else corners.reshape(-1, 3)
     if larger:
         notes = (*notes, f"{larger} of {len(sizes)} faces have more than three corners: cut into triangles")
-    return IndexedTriangles(name, vertices, faces, significand, scale, notes)
+    return IndexedTriangles(name, vertices, faces, significand=significand, scale=scale, notes=notes)
 
 
 def _check_sizes(name: str, sizes: Integers) -> None:

@@ -58,7 +58,8 @@ def read_ascii(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTr
         raise source.error(f"{count} facets {missing}", remedy=_TRUNCATED)
     if solids > 1:
         notes = (*notes, f"{solids} solids are taken together")
-    return MemoryTriangles(source.name, np.concatenate(parts), significand(words), scale, notes)
+    bits = significand(words)
+    return MemoryTriangles(source.name, np.concatenate(parts), significand=bits, scale=scale, notes=notes)
 
 
 def _end(text: bytes) -> int:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from robodyn.solids.mesh.read.source import Source
-from robodyn.solids.mesh.triangles import BLOCK, Corners, check_finite
-from robodyn.support.floats import Floats
+from robodyn.solids.mesh.triangles import BLOCK, Corners, Triangles, checked
 
 START, RECORD = 84, 50
 OnProgress = Callable[[int], object]
@@ -29,33 +29,24 @@ def is_complete(head: bytes, size: int) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class StlTriangles:
-    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for; see `Triangles`.
+class StlTriangles(Triangles):
+    """Triangles of a binary STL, read anew, a block at a time, whenever they are asked for.
 
     The coordinates of a block are contiguous: `block.transpose(1, 2, 0)` is in C order.
     """
 
     source: Source
-    count: int
-    scale: float = 1.0
-    notes: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
-    significand: int = 24
+    promised: int
     on_progress: OnProgress | None = None
 
     @property
-    def name(self) -> str:
-        return self.source.name
+    def count(self) -> int:
+        return self.promised
 
     def blocks(self, rows: int = BLOCK) -> Iterator[Corners]:
-        first = 0
-        for block in map(_columns, self.records(rows)):
-            check_finite(block, first, self.name)
-            first += len(block)
-            yield block
+        return checked(map(_columns, self.records(rows)), self.name)
 
-    def records(self, rows: int) -> Iterator[Corners]:
-        """As `blocks`, but in the memory of the next, and perhaps not finite."""
+    def records(self, rows: int = BLOCK) -> Iterator[Corners]:
         for block in self._records(rows):
             yield block
             if self.on_progress is not None:
@@ -75,14 +66,6 @@ class StlTriangles:
                 if stream.readinto(memoryview(data)[:wanted]) != wanted:  # type: ignore[attr-defined]
                     raise self.source.error("was cut short while it was read", remedy="run again")
                 yield np.frombuffer(data, _TYPE, wanted // RECORD)["corners"]
-
-    def array(self) -> Floats:
-        found = np.empty((self.count, 3, 3))
-        first = 0
-        for block in self.blocks():
-            found[first : first + len(block)] = block
-            first += len(block)
-        return found
 
 
 def _columns(corners: Corners) -> Corners:
@@ -120,4 +103,5 @@ def open_binary(
         )
     elif extra:
         notes = (*notes, f"{extra} bytes after the last triangle are left out")
-    return StlTriangles(source, count, scale, notes, warnings, on_progress=on_progress)
+    labels: dict[str, Any] = {"significand": 24, "scale": scale, "notes": notes, "warnings": warnings}
+    return StlTriangles(source.name, source, count, on_progress, **labels)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import ceil, cos, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +30,7 @@ _DOWN = np.where((_ORDERS[1] - _ORDERS[0]) % 3 == 1, -1, 1)
 """-1 where that order is the one of the winding."""
 
 
-@dataclass(frozen=True, eq=False)
-class Hits:
+class Hits(NamedTuple):
     """Where columns meet a surface: the number of the column, the depth, and +1 (into the body) or -1 (out of it)."""
 
     column: Integers
@@ -127,13 +127,6 @@ class Lattice:
         found = depth + part * (depth_other - depth)
         leads = (first < second)[which]
         return Hits(column + self.across * line[which], found, np.where(leads, sign[which], -sign[which]))
-
-
-def inside_volume(hits: Hits, cell: float) -> float:
-    """Return the volume where the winding number is positive."""
-    order = in_order(hits.column, hits.depth)
-    inside = np.cumsum(hits.sign[order]) > 0
-    return cell * float(np.diff(hits.depth[order])[inside[:-1]].sum())
 
 
 def differing_volume(one: Hits, other: Hits, cell: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,7 @@ from robodyn.solids.mesh.region.columns import Hits, Integers, Lattice, in_order
 from robodyn.support.floats import Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Pieces:
+class Pieces(NamedTuple):
     """Parts of columns, each between two depths and with a weight."""
 
     column: Integers
@@ -23,7 +22,7 @@ class Pieces:
 
     def of(self, chosen: Mask) -> Pieces:
         """Return some of them."""
-        return Pieces(self.column[chosen], self.start[chosen], self.stop[chosen], self.weight[chosen])
+        return Pieces._make(column[chosen] for column in self)
 
     def moments(self, lattice: Lattice) -> Floats:
         """(4, 4) integral of y y^T times the weight, y = (x, 1); exact in depth, a sum over the columns across."""
@@ -38,20 +37,22 @@ class Pieces:
         return turned
 
 
-def pieces(hits: Hits) -> Pieces:
-    """Return what lies between the first and the last hit of each column, weighted with its winding number."""
+def pieces(hits: Hits) -> tuple[Pieces, Integers]:
+    """Return what lies between the first and the last hit of each column, weighted with its winding number.
+
+    And the numbers of the hits at which these pieces start.
+    """
     order = in_order(hits.column, hits.depth)
     column, depth = hits.column[order], hits.depth[order]
     within = column[1:] == column[:-1]
     winding = np.cumsum(hits.sign[order])[:-1][within]
-    return Pieces(column[:-1][within], depth[:-1][within], depth[1:][within], winding.astype(np.float64))
+    parts = Pieces(column[:-1][within], depth[:-1][within], depth[1:][within], winding.astype(np.float64))
+    return parts, order[:-1][within]
 
 
 def joined(parts: list[Pieces]) -> Pieces:
     """Return all of them."""
-    return Pieces(
-        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("column", "start", "stop", "weight"))
-    )
+    return Pieces._make(map(np.concatenate, zip(*parts, strict=True)))
 
 
 def centred(totals: Floats, region: Floats) -> Floats:
@@ -85,7 +86,7 @@ def excess(corners: Floats, count: int = COLUMNS) -> Floats:
     found = []
     for direction in directions():
         lattice = Lattice.over(corners, direction, count=count)
-        every = pieces(lattice.hits(corners))
+        every, _ = pieces(lattice.hits(corners))
         wrong = every.of((every.weight != 0) & (every.weight != 1))
-        found.append(replace(wrong, weight=wrong.weight - (wrong.weight > 0)).moments(lattice))
+        found.append(wrong._replace(weight=wrong.weight - (wrong.weight > 0)).moments(lattice))
     return np.array(found)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.solids.mesh.indexed import Edges, Indexed, Numbers
-from robodyn.solids.mesh.integrate.exact import Moments
+from robodyn.solids.mesh.integrate.exact import VolumeIntegrals
 from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.region.open_region import OpenSurface, definite
 from robodyn.solids.mesh.region.pieces import centred, excess, relative
@@ -20,30 +20,17 @@ _TOUCH = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
-class Quadrature:
-    """Integrals over a region that are known to an error bar, in units of the file.
+class Quadrature(VolumeIntegrals):
+    """Integrals over a region that are known to an error bar.
 
     Attributes:
-        volume: V, of 1.
-        first: (3,) of x - reference.
-        S: (3, 3) of (x - reference)(x - reference)^T.
-        reference: (3,).
         bar: of the error of the volume relative to it, and of the error of the second moments about the centre relative
             to the largest of them.
         method: "columns" or "winding numbers".
     """
 
-    volume: float
-    first: Floats
-    S: Floats
-    reference: Floats
     bar: float
     method: str
-
-    @property
-    def moments(self) -> Moments:
-        """Volume, first and S."""
-        return Moments(self.volume, self.first, self.S)
 
 
 def by_columns(mesh: Indexed) -> Quadrature | None:

@@ -8,8 +8,8 @@ import numpy as np
 
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.indexed import Indexed, Mask
-from robodyn.solids.mesh.region.columns import Hits, Integers, Lattice, in_order
-from robodyn.solids.mesh.region.pieces import Pieces, joined
+from robodyn.solids.mesh.region.columns import Hits, Integers, Lattice
+from robodyn.solids.mesh.region.pieces import Pieces, joined, pieces
 from robodyn.solids.mesh.region.winding_tree import WindingTree
 from robodyn.support.floats import Floats
 
@@ -71,10 +71,10 @@ class Field:
     def above(self, level: float) -> Pieces:
         """Return the pieces with more than this winding number, less those with a positive one with caps."""
         middle = (self.ends.start + self.ends.stop) / 2
-        halves = joined([replace(self.ends, stop=middle), replace(self.ends, start=middle)])
+        halves = joined([self.ends._replace(stop=middle), self.ends._replace(start=middle)])
         first, last = self.values[:2].ravel() - level, self.values[1:].ravel() - level
         with_caps = self.ends.of(self.ends.weight > 0)
-        less = replace(with_caps, weight=-np.ones(len(with_caps.start)))
+        less = with_caps._replace(weight=-np.ones(len(with_caps.start)))
         return joined([less, *self._parts(halves, first, last, level)])
 
     @property
@@ -101,8 +101,8 @@ class Field:
         rest = half.of(cut)
         root = self._root(rest, first[cut], last[cut], level)
         leads = first[cut] > 0
-        part = replace(rest, start=np.where(leads, rest.start, root), stop=np.where(leads, root, rest.stop))
-        return [replace(piece, weight=np.ones(len(piece.start))) for piece in (whole, part)]
+        part = rest._replace(start=np.where(leads, rest.start, root), stop=np.where(leads, root, rest.stop))
+        return [piece._replace(weight=np.ones(len(piece.start))) for piece in (whole, part)]
 
     def _root(self, within: Pieces, first: Floats, last: Floats, level: float) -> Floats:
         """Regula falsi, in which the value at an end that stays is halved (Illinois)."""
@@ -135,9 +135,5 @@ def _pieces(surface: Hits, caps: Hits) -> tuple[Pieces, Mask]:
         margins = np.repeat([lo - (hi - lo) / 8, hi + (hi - lo) / 8], len(columns))
     column, depth = np.concatenate([hit, columns, columns]), np.concatenate([depth, margins])
     sign = np.concatenate([surface.sign, caps.sign, np.zeros(len(margins), caps.sign.dtype)])
-    order = in_order(column, depth)
-    of_cap = ((order >= len(surface.sign)) & (order < len(hit)))[:-1]
-    column, depth = column[order], depth[order]
-    within = column[1:] == column[:-1]
-    winding = np.cumsum(sign[order])[:-1][within].astype(np.float64)
-    return Pieces(column[:-1][within], depth[:-1][within], depth[1:][within], winding), of_cap[within]
+    found, at = pieces(Hits(column, depth, sign))
+    return found, (at >= len(surface.sign)) & (at < len(hit))

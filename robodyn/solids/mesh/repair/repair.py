@@ -103,8 +103,9 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
     union = united(nesting, filling.caps)
     steps.taken(nesting.shells.mesh, union.mesh, union.bodies, "union", f"{union.bodies} overlapping bodies united")
     mesh, region = _region(union, filling, steps)
+    changed = any(step.name not in _BY_REGION for step in steps.all)
     return Repaired(
-        triangles=_replaced(triangles, mesh) if any(step.name not in _BY_REGION for step in steps.all) else triangles,
+        triangles=MemoryTriangles(corners=mesh.corners, **triangles.labels) if changed else triangles,
         steps=tuple(steps.all),
         shells=nesting.shells.count,
         closed=not filling.left,
@@ -206,8 +207,3 @@ def _within(found: Nesting, scale: float) -> tuple[str, ...]:
         f"{many(found.within, 'shell')} in another {is_or_are} wound as it is, and taken as a part of it: "
         f"if {cavity}, say --cavities ({found.less * scale**3:.4g} m^3 less)",
     )
-
-
-def _replaced(triangles: Triangles, mesh: Indexed) -> Triangles:
-    given = triangles
-    return MemoryTriangles(given.name, mesh.corners, given.significand, given.scale, given.notes, given.warnings)

@@ -36,6 +36,8 @@ class Counted:
         self.reads += 1
         return self._kept.blocks(rows)
 
+    records = blocks
+
 
 def integrals(array, exactly=False):
     return integrate(MemoryTriangles("body", array), exactly)

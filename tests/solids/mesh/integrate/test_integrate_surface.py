@@ -88,13 +88,6 @@ def test_winding_does_not_matter():
     assert np.abs(found.S - expected.S).max() <= 4 * EPS * expected.S.max()
 
 
-def test_box_and_count():
-    found = integrals(BODIES["box"])
-    assert (found.lo == (-0.5, -1, -1.5)).all()
-    assert (found.hi == (0.5, 1, 1.5)).all()
-    assert found.count == 12
-
-
 @pytest.mark.parametrize(("size", "how"), [(1e70, "large"), (1e-70, "small")])
 def test_beyond_the_range_of_floats(size, how):
     with pytest.raises(MeshError, match=f"sheet: is too {how}"):

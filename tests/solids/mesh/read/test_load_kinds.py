@@ -17,7 +17,6 @@ from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.kinds import KINDS, METRES
 from robodyn.solids.mesh.read.load import from_array, load_triangles
 from robodyn.solids.mesh.triangles import BLOCK
-from robodyn.solids.mesh.triangles import box as box_of
 
 BOX = box((1, 2, 3))
 FILES = {
@@ -204,8 +203,8 @@ def test_arrays_that_are_no_triangles(corners, what):
 
 @pytest.mark.parametrize("kind", FILES)
 def test_the_box_around_all_corners(kind):
-    lo, hi = box_of(load_triangles(FILES[kind], file_type=kind))
-    np.testing.assert_array_equal([lo, hi], [(-0.5, -1, -1.5), (0.5, 1, 1.5)])
+    points = load_triangles(FILES[kind], file_type=kind).array().reshape(-1, 3)
+    np.testing.assert_array_equal([points.min(axis=0), points.max(axis=0)], [(-0.5, -1, -1.5), (0.5, 1, 1.5)])
 
 
 def test_every_kind_is_one_that_trimesh_reads_too():
@@ -214,8 +213,7 @@ def test_every_kind_is_one_that_trimesh_reads_too():
     assert set(KINDS) <= mesh_formats()
 
 
-def test_the_box_of_several_blocks():
+def test_the_array_of_several_blocks():
     corners = np.zeros((3 * BLOCK, 3, 3))
     corners[0], corners[BLOCK, 1] = -7, (1, 2, 3)
-    lo, hi = box_of(from_array(corners))
-    np.testing.assert_array_equal([lo, hi], [(-7, -7, -7), (1, 2, 3)])
+    np.testing.assert_array_equal(from_array(corners).array(), corners)

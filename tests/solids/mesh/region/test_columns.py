@@ -5,15 +5,16 @@ import pytest
 from helpers import mesh_samples as samples
 from helpers.symmetric_bodies import any_rotation, bracket
 
-from robodyn.solids.mesh.region.columns import Lattice, differing_volume, frame_along, inside_volume
+from robodyn.solids.mesh.region.columns import Hits, Lattice, differing_volume, frame_along
 
 ALONG = (0.0, 0.0, 1.0)
 OBLIQUE = (0.36, 0.48, 0.8)
+NO_HITS = Hits(np.empty(0, int), np.empty(0), np.empty(0, int))
 
 
 def volume(body, direction, count=4096):
     lattice = Lattice.over(body, np.array(direction), count=count)
-    return inside_volume(lattice.hits(body), lattice.cell)
+    return differing_volume(lattice.hits(body), NO_HITS, lattice.cell)
 
 
 @pytest.mark.parametrize("direction", [ALONG, OBLIQUE, (1.0, 0.0, 0.0)])
@@ -78,7 +79,7 @@ def test_body_no_column_meets_has_no_volume():
     lattice = Lattice.over(body, np.array(ALONG))
     hits = lattice.hits(samples.moved(body, (0, 50, 0)))
     assert len(hits.depth) == 0
-    assert inside_volume(hits, lattice.cell) == differing_volume(hits, hits, lattice.cell) == 0.0
+    assert differing_volume(hits, NO_HITS, lattice.cell) == differing_volume(hits, hits, lattice.cell) == 0.0
 
 
 @pytest.mark.parametrize("direction", [ALONG, OBLIQUE, (0.0, -1.0, 0.0)])
