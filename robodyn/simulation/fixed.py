@@ -11,7 +11,6 @@ import numpy as np
 
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.program import Program
 from robodyn.programs.run.choice import EXECUTORS, Work, times
 from robodyn.programs.run.llvm.machine import compiler, one_line
 from robodyn.programs.run.repeated import SINGLE, CompiledSteps, NumpySteps
@@ -180,30 +179,15 @@ def _whole_steps(duration: float, step: float) -> tuple[int, int]:
 SHORTER = "give a shorter --step, or --method radau where friction or a drive is stiff"
 
 
-class Programs(NamedTuple):
-    """A method's programs, and how many numbers they read of the state and of a table."""
-
-    step: Program
-    sweep: Program | None
-    width: int
-    columns: int
-
-    @property
-    def work(self) -> int:
-        """Operations per step, about."""
-        return self.step.size + (SWEEPS_USUAL * self.sweep.size if self.sweep else 0)
-
-
 @lru_cache(maxsize=16)
-def _programs(plan: Plan, method: Method) -> Programs:
-    steps = Steps(Equations(plan), method)
-    return Programs(steps.step(), steps.sweep(), steps.width, steps.columns)
+def _steps(plan: Plan, method: Method) -> Steps:
+    return Steps(Equations(plan), method)
 
 
 @lru_cache(maxsize=16)
 def _compiled(plan: Plan, method: Method, lanes: int) -> CompiledSteps:
-    programs = _programs(plan, method)
-    return CompiledSteps(STATE, programs.width, programs.step, programs.sweep, lanes, programs.columns)
+    steps = _steps(plan, method)
+    return CompiledSteps(STATE, steps.width, steps.step, steps.sweep, lanes, steps.columns)
 
 
 def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = SINGLE) -> CompiledSteps | NumpySteps:
@@ -214,8 +198,9 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
     """
     if executor not in EXECUTORS:
         raise InputError(f"there is no executor {executor!r}", remedy=alternatives(executor, EXECUTORS, "executors"))
-    programs = _programs(plan, method)
-    by_numpy, by_code = times(Work(programs.work, steps, 1, steps))
+    made = _steps(plan, method)
+    work = made.step.size + (SWEEPS_USUAL * made.sweep.size if made.sweep else 0)
+    by_numpy, by_code = times(Work(work, steps, 1, steps))
     if executor == "compiled" or (executor == "auto" and by_code < by_numpy):
         problem = compiler().problem
         try:
@@ -225,4 +210,4 @@ def stepper(plan: Plan, method: Method, executor: str, steps: int, lanes: int = 
             problem = f"LLVM fails on this program ({one_line(error)})"
         if executor == "compiled":
             raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
-    return NumpySteps(STATE, programs.width, programs.step, programs.sweep, programs.columns)
+    return NumpySteps(STATE, made.width, made.step, made.sweep, made.columns)

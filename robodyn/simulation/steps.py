@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.programs.program import Program, trace
@@ -45,6 +46,7 @@ class Steps:
         curves = len(self.equations.curves)
         return curves * len(self.method.moments) + 1 if curves else 0
 
+    @cached_property
     def step(self) -> Program:
         """Return the program of the state (and stages) after a step."""
 
@@ -62,6 +64,7 @@ class Steps:
 
         return trace(outputs)
 
+    @cached_property
     def sweep(self) -> Program | None:
         """The program of the state, the stages after a sweep and the square of their change; None if explicit."""
         if not self.method.implicit:

@@ -112,31 +112,27 @@ def _slopes(a_plan: Plan) -> Iterator[Slope]:
             yield Slope(joint, FRICTION, steepest / scene.slip_speed)
         if friction.viscous:
             yield Slope(joint, "viscous friction", friction.viscous)
-    for joint in model.independent:
-        drive = scene.drive.get(joint.name)
-        if drive is not None and drive.kd > 0:
-            yield Slope(joint, "the drive's kd", drive.kd)
-    yield from _at_limits(a_plan, "the limit spring's damping", "damping")
+    yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
+    yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
 
 
 def _springs(a_plan: Plan) -> Iterator[Slope]:
-    model, scene = a_plan.model, a_plan.scene
-    for body in model.bodies:
-        spring = scene.spring.get(body.joint.name)
+    for body in a_plan.model.bodies:
+        spring = a_plan.scene.spring.get(body.joint.name)
         if spring is not None and spring.stiffness > 0:
             yield Slope(body.joint, "the spring", spring.stiffness)
-    for joint in model.independent:
-        drive = scene.drive.get(joint.name)
-        if drive is not None and drive.kp > 0:
-            yield Slope(joint, "the drive's kp", drive.kp)
-    yield from _at_limits(a_plan, "the limit spring", "stiffness")
+    yield from _slopes_of(a_plan, "the drive's kp", "kp", drives=True)
+    yield from _slopes_of(a_plan, "the limit spring", "stiffness")
 
 
-def _at_limits(a_plan: Plan, cause: str, which: str) -> Iterator[Slope]:
-    value = getattr(a_plan.scene.limit_spring, which, 0.0)
-    for body in a_plan.model.bodies:
-        if value and (body.joint.lower is not None or body.joint.upper is not None):
-            yield Slope(body.joint, cause, value)
+def _slopes_of(a_plan: Plan, cause: str, which: str, drives: bool = False) -> Iterator[Slope]:
+    """Yield what drives, or springs at limits, have of a kind."""
+    model, scene = a_plan.model, a_plan.scene
+    limited = [b.joint for b in model.bodies if b.joint.lower is not None or b.joint.upper is not None]
+    for joint in model.independent if drives else limited:
+        value = getattr(scene.drive.get(joint.name) if drives else scene.limit_spring, which, 0.0)
+        if value > 0:
+            yield Slope(joint, cause, value)
 
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:

@@ -89,7 +89,7 @@ class Peer:
 
 def row(name: str, steps: int, count: int) -> tuple[str, ...]:
     model, scene = described(name)
-    size = Steps(Equations(plan(model, scene)), method_named("rk4")).step().size
+    size = Steps(Equations(plan(model, scene)), method_named("rk4")).step.size
     sources = random_sources(model, scene, count)
     q, v = sources["q"], 0.1 * sources["qd"]
     peer = Peer(model)

@@ -45,7 +45,7 @@ METHODS = ("euler", "rk4", "gauss4")
 @cache
 def programs(scene: Scene, method: str):
     steps = Steps(Equations(plan(robot("two_link_planar"), scene)), method_named(method))
-    return steps.step(), steps.sweep()
+    return steps.step, steps.sweep
 
 
 @pytest.mark.parametrize("name", ABSENT)

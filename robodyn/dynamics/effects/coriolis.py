@@ -11,9 +11,7 @@ from robodyn.scene.scene import Scene
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     moving = sum(("qd", i) not in zero_columns for i in range(model.n))
-    if not moving:
-        return Verdict(False, "nothing moves")
-    return Verdict(True, f"{moving} of {model.n} velocities are not zero")
+    return Verdict.of(moving, "nothing moves", f"{moving} of {model.n} velocities are not zero")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -13,11 +13,8 @@ from robodyn.scene.scene import Friction, Scene
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     every = joints_with_friction(model, scene)
     dry = [joint for _, joint, f in every if f.forward or f.backward or f.stribeck]
-    if not dry:
-        return Verdict(False, "no joint has Coulomb friction")
-    if all(("qd", joint.rate) in zero_columns for joint in dry):
-        return Verdict(False, "no joint with Coulomb friction moves")
-    return Verdict(True, f"{len(dry)} joints with Coulomb friction")
+    none, some = "no joint has Coulomb friction", "joints with Coulomb friction"
+    return Verdict.of_joints(dry, ("qd", zero_columns), none, "no joint with Coulomb friction moves", some)
 
 
 def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:

@@ -79,6 +79,20 @@ class Verdict(NamedTuple):
     active: bool
     reason: str
 
+    @classmethod
+    def of(cls, acting: object, none: str, some: str) -> Verdict:
+        """Return that an effect is on, as something acts, or off as nothing does."""
+        return cls(bool(acting), some if acting else none)
+
+    @classmethod
+    def of_joints(
+        cls, joints: list[Joint], moving: tuple[str, ZeroColumns], none: str, still: str, some: str
+    ) -> Verdict:
+        """Return whether there are joints of a kind, and columns of `moving` that are not zero for one of them."""
+        source, zero_columns = moving
+        at_rest = all((source, joint.rate) in zero_columns for joint in joints)
+        return cls.of(joints and not at_rest, still if joints else none, f"{len(joints)} {some}")
+
 
 EnergyOf = Callable[[Sample, Terms, Scene, list[Motion]], Scalar]
 

@@ -19,7 +19,7 @@ def _acting(scene: Scene) -> list[ExternalWrench]:
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     links = [wrench.link for wrench in _acting(scene)]
-    return Verdict(bool(links), f"acts on {', '.join(links)}" if links else "the scene has no external wrench")
+    return Verdict.of(links, "the scene has no external wrench", f"acts on {', '.join(links)}")
 
 
 def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:

@@ -15,9 +15,8 @@ from robodyn.scene.scene import Immersed, Scene
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     links = [immersed.link for immersed in scene.immersed if immersed.volume or any(immersed.drag_area)]
-    if not scene.fluid_density or not links:
-        return Verdict(False, "the scene has no fluid")
-    return Verdict(True, f"{scene.fluid_density:g} kg/m^3 around {', '.join(links)}")
+    some = f"{scene.fluid_density:g} kg/m^3 around {', '.join(links)}"
+    return Verdict.of(scene.fluid_density and links, "the scene has no fluid", some)
 
 
 def _on_body(immersed: Immersed, sample: Sample, scene: Scene, pose: Pose, moving: Velocity) -> tuple[int, Wrench]:

@@ -14,9 +14,8 @@ from robodyn.scene.scene import Scene
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
-    if not any(scene.gravity):
-        return Verdict(False, "gravity is zero")
-    return Verdict(True, "gravity is ({:g}, {:g}, {:g}) m/s^2".format(*scene.gravity))
+    some = "gravity is ({:g}, {:g}, {:g}) m/s^2".format(*scene.gravity)
+    return Verdict.of(any(scene.gravity), "gravity is zero", some)
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -16,9 +16,7 @@ def joint_rates(model: Model) -> range:
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     moving = sum(("qdd", i) not in zero_columns for i in joint_rates(model))
-    if not moving:
-        return Verdict(False, "no joint accelerates")
-    return Verdict(True, f"{moving} of {len(joint_rates(model))} coordinates accelerate")
+    return Verdict.of(moving, "no joint accelerates", f"{moving} of {len(joint_rates(model))} coordinates accelerate")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -20,7 +20,7 @@ def _sprung(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Spring]]:
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     names = [joint.name for _, joint, _ in _sprung(model, scene)]
-    return Verdict(bool(names), f"springs at {', '.join(names)}" if names else "the scene has no spring")
+    return Verdict.of(names, "the scene has no spring", f"springs at {', '.join(names)}")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -47,7 +47,7 @@ def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     if scene.limit_spring is None:
         return Verdict(False, "the scene has no springs at joint limits")
     count = len(list(_stops(model, scene)))
-    return Verdict(bool(count), f"springs at {count} joint limits" if count else "no joint has a limit")
+    return Verdict.of(count, "no joint has a limit", f"springs at {count} joint limits")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -9,9 +9,8 @@ from robodyn.scene.scene import Scene
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     names = [body.joint.name for body in model.bodies if body.joint.mimics is not None]
-    if not names:
-        return Verdict(False, "no joint mimics another")
-    return Verdict(True, f"{len(names)} joints follow others ({', '.join(names[:4])}{', ...' * (len(names) > 4)})")
+    some = f"{len(names)} joints follow others ({', '.join(names[:4])}{', ...' * (len(names) > 4)})"
+    return Verdict.of(names, "no joint mimics another", some)
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

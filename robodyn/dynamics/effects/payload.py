@@ -15,9 +15,8 @@ from robodyn.solids.inertia.laws import MASSLESS, combined, inertia_of, symmetri
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     loads = [load for load in scene.payloads if load.mass or any(load.inertia)]
-    if not loads:
-        return Verdict(False, "the scene has no payload")
-    return Verdict(True, ", ".join(f"{load.mass:g} kg on {load.link}" for load in loads))
+    some = ", ".join(f"{load.mass:g} kg on {load.link}" for load in loads)
+    return Verdict.of(loads, "the scene has no payload", some)
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

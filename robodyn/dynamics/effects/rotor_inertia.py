@@ -41,11 +41,8 @@ def reflected(model: Model, scene: Scene) -> list[float]:
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     joints = [joint for _, joint, _ in armatures(model, scene)]
-    if not joints:
-        return Verdict(False, "neither the scene nor a transmission has a rotor inertia")
-    if all(("qdd", joint.rate) in zero_columns for joint in joints):
-        return Verdict(False, "no joint with a rotor accelerates")
-    return Verdict(True, f"{len(joints)} joints with rotors")
+    none, some = "neither the scene nor a transmission has a rotor inertia", "joints with rotors"
+    return Verdict.of_joints(joints, ("qdd", zero_columns), none, "no joint with a rotor accelerates", some)
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

@@ -27,11 +27,8 @@ def joints_with_friction(model: Model, scene: Scene) -> Iterator[tuple[int, Join
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     damped = [joint for _, joint, friction in joints_with_friction(model, scene) if friction.viscous]
-    if not damped:
-        return Verdict(False, "no joint has damping")
-    if all(("qd", joint.rate) in zero_columns for joint in damped):
-        return Verdict(False, "no damped joint moves")
-    return Verdict(True, f"{len(damped)} damped joints")
+    moving = "qd", zero_columns
+    return Verdict.of_joints(damped, moving, "no joint has damping", "no damped joint moves", "damped joints")
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:

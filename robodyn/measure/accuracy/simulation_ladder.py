@@ -161,9 +161,8 @@ def _operations(a_plan: Plan, method: Method, motion: Simulation) -> float:
     if method.adaptive:
         return float(motion.evaluations * equations.derivatives().size)
     steps = Steps(equations, method)
-    sweep = steps.sweep()
-    swept = sweep.size * motion.evaluations // len(method.b) if sweep else 0
-    return float(motion.steps * steps.step().size + swept)
+    swept = steps.sweep.size * motion.evaluations // len(method.b) if steps.sweep else 0
+    return float(motion.steps * steps.step.size + swept)
 
 
 def _until_limit(run: Run, duration: float) -> tuple[float, list[str]]:
@@ -194,6 +193,6 @@ def _prices(a_plan: Plan) -> tuple[Price, ...]:
     rk4 = next(method for method in METHODS if method.name == "rk4")
     acts: dict[str, Callable[[], object]] = {
         "tracing the equations": Equations(a_plan).derivatives,
-        "tracing a step, rk4": Steps(Equations(a_plan), rk4).step,
+        "tracing a step, rk4": lambda: Steps(Equations(a_plan), rk4).step,
     }
     return tuple(Price(name, time) for name, (_, time) in timed(acts).items())
