@@ -35,53 +35,6 @@ KNOTS = 8
 GENTLER = "give a larger --rtol, or --method radau where friction or a drive is stiff"
 
 
-def adaptive_motion(
-    plan: Plan,
-    method: Method,
-    state: Floats,
-    duration: float,
-    rtol: float,
-    limits: Limits,
-    executor: str,
-    signal: Signal,
-    most: float = inf,
-    also: Sequence[float] = (),
-) -> Motion:
-    """Return the motion from a state (width,), recorded at every step that the method takes.
-
-    The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table. Quaternions
-    are four numbers here, of any length; those of the record have unit length.
-
-    Args:
-        most: evaluations of the equations of motion; also: further times at which it is recorded [s].
-
-    Raises:
-        TooMuchError: it takes more.
-        InputError: the method gives up.
-    """
-    steps = AdaptiveSteps(plan, method, rtol, executor, signal, most)
-    rows = _rows(signal, duration, method.name, most, state)
-    y, reached, wanted = state[:-1], None, np.array(also)
-    time, states = [0.0], [y]
-    for begin, end in pairwise(_apart(rows, duration)):
-        for solver in steps(begin, y, end):
-            reached = steps.limit_within(solver, y, limits) if limits.stops else None
-            when, after = (solver.t, solver.y) if reached is None else reached
-            if when > time[-1]:  # else a limit is reached where the motion begins
-                between = wanted[(wanted > solver.t_old) & (wanted < when)].tolist()
-                states += [*steps.states(solver, y, between), after]
-                time += [*between, when]
-            y = after
-            if reached is not None:
-                break
-        if reached is not None:
-            break
-    found = np.column_stack((unit_rows(plan.model, np.array(states)), np.zeros(len(states))))
-    ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
-    note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
-    return Motion(np.array(time), found, len(time) - 1, 1, steps.executor, ended, steps.evaluations, note)
-
-
 def _rows(signal: Signal, duration: float, name: str, most: float, state: Floats) -> Floats:
     """Return (N,) s, the rows at which steps end within a duration.
 
@@ -118,12 +71,46 @@ class AdaptiveSteps:
         from scipy import integrate
 
         equations = Equations(plan)
-        self.nq, self.n, self.signal, self.asked = plan.model.nq, plan.model.n, signal, executor
+        self.model, self.signal, self.asked = plan.model, signal, executor
         self.runner = runner_of(equations.derivatives(), plan, {STATE: equations.width, COLUMNS: len(signal.curves)})
         self.name, self.solver = method.name, getattr(integrate, method.scipy)
         self.options = {"rtol": rtol, "atol": rtol, "vectorized": True}
         self.executor, self.evaluations = "", 0
         self._count, self._most, self._expected = 0, most, EXPECTED if most == inf else int(most)
+
+    def motion(self, state: Floats, duration: float, limits: Limits, also: Sequence[float] = ()) -> Motion:
+        """Return the motion from a state (width,), recorded at every step that the method takes.
+
+        The error of each step is kept below `rtol (1 + |y|)` in q, qd and work. Steps end at rows of a table.
+        Quaternions are four numbers here, of any length; those of the record have unit length.
+
+        Args:
+            also: further times at which it is recorded [s].
+
+        Raises:
+            TooMuchError: it takes more evaluations than it may.
+            InputError: the method gives up.
+        """
+        rows = _rows(self.signal, duration, self.name, self._most, state)
+        y, reached, wanted = state[:-1], None, np.array(also)
+        time, states = [0.0], [y]
+        for begin, end in pairwise(_apart(rows, duration)):
+            for solver in self(begin, y, end):
+                reached = self.limit_within(solver, y, limits) if limits.stops else None
+                when, after = (solver.t, solver.y) if reached is None else reached
+                if when > time[-1]:  # else a limit is reached where the motion begins
+                    between = wanted[(wanted > solver.t_old) & (wanted < when)].tolist()
+                    states += [*self.states(solver, y, between), after]
+                    time += [*between, when]
+                y = after
+                if reached is not None:
+                    break
+            if reached is not None:
+                break
+        found = np.column_stack((unit_rows(self.model, np.array(states)), np.zeros(len(states))))
+        ended = "" if reached is None else limits.nearest(found[-1]).reached(time[-1])
+        note = f"steps end at {len(rows)} rows of the table too" if len(rows) else ""
+        return Motion(np.array(time), found, len(time) - 1, 1, self.executor, ended, self.evaluations, note)
 
     def rates(self, within: float, time: float, y: Any) -> Any:
         """Return the rates of states (width,) or (width, N) at a time in the same interval between rows as `within`."""

@@ -15,7 +15,7 @@ from robodyn.programs.run.repeated import COLUMNS
 from robodyn.robot.model import Model
 from robodyn.scene.fit import check_moves
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.simulation.adaptive import adaptive_motion
+from robodyn.simulation.adaptive import AdaptiveSteps
 from robodyn.simulation.conserving import check_free, check_leapfrog
 from robodyn.simulation.equations import STATE, Equations, state_runner
 from robodyn.simulation.events import Limits
@@ -156,9 +156,8 @@ def integrated(
     signal.check_duration(duration)
     limits.check_start(state)
     if method.adaptive:
-        return adaptive_motion(
-            a_plan, method, state, duration, options.rtol, limits, executor, signal, options.most, also
-        )
+        steps = AdaptiveSteps(a_plan, method, options.rtol, executor, signal, options.most)
+        return steps.motion(state, duration, limits, also)
     if method.leapfrog:
         check_leapfrog(Equations(a_plan))
     if method.keeps:
