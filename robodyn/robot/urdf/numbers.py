@@ -40,8 +40,9 @@ def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
     Raises:
         NumbersError: with what is wrong and what to write.
     """
+    words = text.split()
     try:
-        numbers = tuple(map(float, text.split()))
+        numbers = (float(text),) if len(words) == 1 else tuple(map(float, words))
     except ValueError:
         raise _not_numbers(text) from None
     if "_" in text or not text.isascii():

@@ -33,7 +33,7 @@ class Strict:
 
     def child(self, element: Element, tag: str, owner: str) -> Element | None:
         """Return the child with that tag, of which there may be one at most."""
-        children = element.findall(tag)
+        children = [child for child in element.children if child.tag == tag]
         if len(children) > 1:
             what = f"{_where(element, owner)} has {len(children)} <{tag}> elements"
             raise self.error(children[1].line, what, "keep one of them")
@@ -61,8 +61,9 @@ class Strict:
 
     def numbers(self, read: Numbers, owner: str, *default: float) -> tuple[float, ...]:
         """Return the numbers of an attribute; the default, which is noted, where it is absent and there is one."""
-        numbers = self.given(read, owner)
+        numbers = read.values
         if numbers is None:
+            self.given(read, owner)
             assert read.element is not None, "its element is there"
             if not default:
                 self._missing(read.element, read.attribute, owner)
@@ -72,7 +73,7 @@ class Strict:
         return numbers
 
     def number(self, read: Numbers, owner: str, *default: float) -> float:
-        return self.numbers(read, owner, *default)[0]
+        return (read.values or self.numbers(read, owner, *default))[0]
 
     def vector(self, read: Numbers, owner: str, *default: float) -> Vector:
         return cast("Vector", self.numbers(read, owner, *default))
