@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -48,26 +48,26 @@ def watched(reader: TrajectoryReader) -> Iterator[Callable[..., None]]:
 
 
 @contextmanager
-def counted(files: Sequence[Path]) -> Iterator[Callable[[], None]]:
-    """Yield a function to call after each of some files; it moves the bar if there is one."""
-    if not worth_a_bar(map(bytes_of, files)):
+def _counting(shown: bool, what: str, total: int, *columns: str, **options: Any) -> Iterator[Callable[[], None]]:
+    """Yield a function to call after each of so many things; it moves the bar if there is one."""
+    if not shown:
         yield lambda: None
         return
-    with _bar("measuring", len(files), "MofNCompleteColumn", "TaskProgressColumn") as (bar, task):
-        yield lambda: bar.update(task, advance=1)
+    with _bar(what, total, "MofNCompleteColumn", *columns, **options) as (bar, task):
+        yield lambda: bar.update(task, advance=1, refresh=bool(options))
 
 
-@contextmanager
-def robots_done(count: int, what: str = "checking") -> Iterator[Callable[[], None]]:
-    """Yield a function to call after each of some descriptions; it moves the bar, if there is one, and the time left.
+def counted(files: Sequence[Path]) -> AbstractContextManager[Callable[[], None]]:
+    """Return a context that yields a function to call after each of some files."""
+    return _counting(worth_a_bar(map(bytes_of, files)), "measuring", len(files), "TaskProgressColumn")
+
+
+def robots_done(count: int, what: str = "checking") -> AbstractContextManager[Callable[[], None]]:
+    """Return a context that yields a function to call after each of some descriptions.
 
     The bar has no thread of its own, so that processes can be started while it is shown.
     """
-    if count < MANY_ROBOTS or not terminal():
-        yield lambda: None
-        return
-    with _bar(what, count, "MofNCompleteColumn", auto_refresh=False) as (bar, task):
-        yield lambda: bar.update(task, advance=1, refresh=True)
+    return _counting(count >= MANY_ROBOTS and terminal(), what, count, auto_refresh=False)
 
 
 def terminal() -> bool:

@@ -9,7 +9,7 @@ from robodyn.equations.dae.counts import Counts
 from robodyn.equations.dae.dae import Dae
 from robodyn.report.dae_numbers import MOST, acting, both_lines, elimination_lines, numbers_sections, shortened
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import Content, number, printable
+from robodyn.report.table import Content, axis_text, gravity_text, number, printable
 from robodyn.support.wording import count
 
 ALONG = """\
@@ -43,9 +43,8 @@ FEW = 5
 def dae_sections(found: Dae) -> Iterator[Section]:
     """Yield the report; long tables are cut after `MOST` rows, and say so."""
     robot, counts = found.robot, found.counts
-    x, y, z = robot.scene.gravity
     several = count(counts.bodies, "body", "bodies")
-    head = f"{robot.model.name}: DAE form, {several}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    head = f"{robot.model.name}: DAE form, {several}, {gravity_text(robot.scene.gravity)}"
     yield paragraphs([head, "M a = f + G^T lambda,  g = 0,  G v = 0,  G a = gamma"])
     yield [Table("Unknowns and equations", *_unknowns(counts)), *paragraphs(_ranks(counts))]
     yield _bodies(found)
@@ -173,11 +172,8 @@ def _along(found: Dae) -> list[str]:
 def _axis(found: Dae, connection: Connection, label: str) -> str:
     if not label.isdigit() or connection.kind not in ("revolute", "prismatic"):
         return "-"
-    axis = found.robot.model.bodies[int(label)].joint.axis
-    for k, name in enumerate("xyz"):
-        if abs(axis[k]) == 1.0:
-            return name if axis[k] > 0 else f"-{name}"
-    return "a = ({})".format(", ".join(f"{x:.4g}" for x in axis))
+    axis = axis_text(found.robot.model.bodies[int(label)].joint.axis)
+    return f"a = {axis}" if axis[0] == "(" else axis
 
 
 def _levels(found: Dae) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 from robodyn.equations.closed import STATES, Closed, decimal
 from robodyn.equations.ode import Ode
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
-from robodyn.report.table import Content, number, relative_text
+from robodyn.report.table import Content, gravity_text, number, relative_text
 from robodyn.support.wording import count
 
 DIGITS = 15
@@ -53,8 +53,7 @@ def checked(closed: Closed) -> str:
 
 
 def _head(robot: str, n: int, gravity: tuple[float, float, float]) -> str:
-    x, y, z = gravity
-    return f"{robot}: {count(n, 'coordinate')}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    return f"{robot}: {count(n, 'coordinate')}, {gravity_text(gravity)}"
 
 
 def _equation(effects: Any) -> str:

@@ -8,16 +8,14 @@ from robodyn.equations.free_body.types import Action, FreeBodies, FreeBody, Join
 from robodyn.report.bodies import point_text
 from robodyn.report.document import Paragraph, Section, Table, remarks
 from robodyn.report.sizes import Sizes, free_body_sizes
-from robodyn.report.table import Content, number, printable, relative_text
+from robodyn.report.table import Content, axis_text, gravity_text, number, printable, relative_text
 from robodyn.support.floats import Floats
-
-AXES = ("x", "y", "z")
 
 
 def free_body_sections(found: FreeBodies, state: str) -> Iterator[Section]:
     """Yield the report of one state."""
-    (x, y, z), size = found.gravity, free_body_sizes(found)
-    yield [Paragraph(f"{found.robot}: {len(found.bodies)} bodies, {state}, gravity ({x:g}, {y:g}, {z:g}) m/s^2")]
+    size = free_body_sizes(found)
+    yield [Paragraph(f"{found.robot}: {len(found.bodies)} bodies, {state}, {gravity_text(found.gravity)}")]
     yield [Table("Joints", *_joints(found, size)), Paragraph(_count(found.joints))]
     yield from (_body(body, size) for body in found.bodies)
     yield [
@@ -52,10 +50,7 @@ def _joints(found: FreeBodies, size: Sizes) -> Content:
 def _axis(row: JointRow) -> str:
     if row.kind not in ("revolute", "prismatic"):
         return "-"
-    for k, name in enumerate(AXES):
-        if abs(row.axis[k]) == 1.0:
-            return name if row.axis[k] > 0 else f"-{name}"
-    return "({})".format(", ".join(f"{x:.4g}" for x in row.axis))
+    return axis_text(row.axis)
 
 
 def _amount(row: JointRow, size: Sizes) -> str:

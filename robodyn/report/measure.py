@@ -10,14 +10,13 @@ from statistics import median
 from robodyn.measure.doctor import Line, healthy
 from robodyn.measure.speed.result import Bench, EffectBench, ExecutorBench, PeerBench, PeersBench, ProgramBench, Timing
 from robodyn.report.document import Paragraph, Section, Table, paragraphs
-from robodyn.report.table import Columns, by_columns
+from robodyn.report.table import Columns, by_columns, gravity_text
 from robodyn.support.wording import count
 
 
 def bench_sections(bench: Bench) -> Iterator[Section]:
     """Yield executors, memory, effects, other programs, other libraries, and how steady the times were."""
-    x, y, z = bench.gravity
-    what = f"{count(bench.joints, 'joint')}, {count(bench.samples, 'sample')}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    what = f"{count(bench.joints, 'joint')}, {count(bench.samples, 'sample')}, {gravity_text(bench.gravity)}"
     operations = f"{bench.operations} operations per sample for the torques, {bench.operations_at_rest} at rest"
     yield paragraphs([f"{bench.robot}: {what}", f"{operations}; traced in {_ms(bench.trace)} ms"])
     yield _executors(bench)

@@ -11,7 +11,7 @@ from robodyn.programs.vectors import product
 from robodyn.report.bodies import point_text
 from robodyn.report.check_words import check_line
 from robodyn.report.document import Section, Table, paragraphs
-from robodyn.report.table import Content, number
+from robodyn.report.table import Content, axis_text, number
 from robodyn.robot.urdf.parts import Joint, Limit
 from robodyn.support.wording import count, shown
 
@@ -19,7 +19,6 @@ _UNITS = {"prismatic": ("m", "N", "m/s")}
 _ANGULAR = ("rad", "N m", "rad/s")
 _MOST_MISSING = 5
 _DEEPEST = 40
-_NAMED = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
 
 def overview_sections(found: Overview) -> Iterator[Section]:
@@ -86,12 +85,9 @@ def _axis(joint: Joint) -> str:
         return ""
     axis = np.array(joint.axis) / max(map(abs, joint.axis))
     axis = axis / np.sqrt(product(axis, axis))
-    x, y, z = axis.tolist()
-    for sign in (1.0, -1.0):
-        letter = _NAMED.get((sign * x, sign * y, sign * z))
-        if letter:
-            return letter if sign > 0 else f"-{letter}"
-    return f"({', '.join(f'{value:.4g}' for value in (x, y, z))})"
+    if np.count_nonzero(axis) > 1:
+        return f"({', '.join(f'{value:.4g}' for value in axis)})"
+    return axis_text(axis.tolist())
 
 
 def _limits(joint: Joint) -> list[str]:
@@ -121,13 +117,13 @@ def _mimic(joint: Joint) -> str:
 def _meshes(meshes: Meshes) -> list[str]:
     if not meshes.references:
         return ["meshes: none"]
-    named = f"meshes: {meshes.references} in {count(meshes.names, 'file')}"
+    found = f"meshes: {meshes.references} in {count(meshes.names, 'file')}"
     if not meshes.missing:
-        return [f"{named}, all found"]
+        return [f"{found}, all found"]
     lines = [
         f"  {geometry.filename} (link {shown(link)}, line {geometry.line})"
         for link, geometry in meshes.missing[:_MOST_MISSING]
     ]
     rest = len(meshes.missing) - len(lines)
     lines += [f"  and {rest} more"] if rest else []
-    return [f"{named}, {len(meshes.missing)} not found:", *lines]
+    return [f"{found}, {len(meshes.missing)} not found:", *lines]

@@ -9,7 +9,7 @@ import numpy as np
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import limits_section, use
 from robodyn.report.sizes import MotionSizes, linear, simulation_sizes, sizes, speed_unit
-from robodyn.report.table import drift_text, moment, number, relative_text
+from robodyn.report.table import drift_text, gravity_text, moment, number, relative_text
 from robodyn.simulation.loop_figures import LoopFigures
 from robodyn.simulation.result import Simulation
 from robodyn.support.wording import count
@@ -51,11 +51,10 @@ def simulation_sections(result: Simulation, explain: bool = False) -> Iterator[S
 
 
 def _head(result: Simulation) -> tuple[str, ...]:
-    x, y, z = result.scene.gravity
     on = [effect.name for effect, why in result.effects if why.active]
     length = f"steps of {result.step:.6g} s" if result.step is not None else f"steps, rtol {result.rtol:.3g}"
     return (
-        f"{result.model.name}: {result.time[-1]:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2",
+        f"{result.model.name}: {result.time[-1]:.6g} s, {gravity_text(result.scene.gravity)}",
         f"effects on: {', '.join(on)}; no contact",
         f"form: {LOOPED if result.loops else FREE}",
         f"method: {result.method.name} of order {result.method.order} ({result.method.about}), "

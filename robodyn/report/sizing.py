@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from robodyn.loads.result import JointLoad, Result
-from robodyn.loads.sizing_result import BearingLoad, Exceeded, JointSizing, MotorLoad, Sizing
+from robodyn.loads.sizing_result import Exceeded, JointSizing, MotorLoad, Sizing
 from robodyn.report.document import Facts, Paragraph, Section, Table
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import Content, is_noise, moment, number
+from robodyn.report.table import Content, axis_text, is_noise, moment, number
 
 _WORDS = {
     "motor torque": "the motor's torque",
@@ -162,20 +162,10 @@ def _bearings(sizing: Sizing, size: Sizes) -> Content:
         ]
         most = (found[name] for name in ("radial", "tilting"))
         when = [moment(part.peak_time, part.peak, size[part.unit]) for part in most]
-        rows.append((bearing.joint, *_axes(bearing), *cells[:6], cells[6], when[0], cells[7], when[1]))
+        axes = (axis_text(axis, "{:.3g}", " ") for axis in bearing.directions)
+        rows.append((bearing.joint, *axes, *cells[:7], when[0], cells[7], when[1]))
     head = ("joint", "u", "v", "axis a", "fu [N]", "fv", "fa", "mu [N m]", "mv", "ma")
     return (*head, "radial f", "at [s]", "tilting m", "at [s]"), rows
-
-
-def _axes(bearing: BearingLoad) -> list[str]:
-    """Return x, y, z, -x ... where a direction is along a coordinate axis, and otherwise its components."""
-    names = []
-    for direction in bearing.directions:
-        k = max(range(3), key=lambda i: abs(direction[i]))
-        whole = abs(direction[k]) == 1.0
-        sign = "-" if direction[k] < 0 else ""
-        names.append(f"{sign}{'xyz'[k]}" if whole else "({:.3g} {:.3g} {:.3g})".format(*direction))
-    return names
 
 
 def _foundation(sizing: Sizing, size: Sizes) -> Content:

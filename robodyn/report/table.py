@@ -70,6 +70,20 @@ def relative_text(error: float) -> str:
     return f"{error:.0e}" if error > NOISE else f"<{NOISE:.0e}"
 
 
+def gravity_text(gravity: Sequence[float]) -> str:
+    """Return gravity with its unit."""
+    return "gravity ({:g}, {:g}, {:g}) m/s^2".format(*gravity)
+
+
+def axis_text(direction: Iterable[float], number: str = "{:.4g}", gap: str = ", ") -> str:
+    """Return x, -x and so on for a unit vector along a coordinate axis, the components of another."""
+    parts = list(direction)
+    for letter, value in zip("xyz", parts, strict=True):
+        if abs(value) == 1.0:
+            return letter if value > 0 else f"-{letter}"
+    return f"({gap.join(map(number.format, parts))})"
+
+
 def printable(text: str) -> str:
     """Return the text with control characters escaped."""
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

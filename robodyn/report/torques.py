@@ -9,7 +9,7 @@ from robodyn.loads.result import Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import Columns, Content, by_columns, number, printable, relative_text
+from robodyn.report.table import Columns, Content, by_columns, gravity_text, number, printable, relative_text
 from robodyn.report.torques_tables import (
     base_table,
     derivation_table,
@@ -57,9 +57,8 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
 
 
 def _head(result: Result) -> Section:
-    x, y, z = result.gravity
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
-    robot = f"{result.robot}: {what}, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+    robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
     return paragraphs([robot, *input_words(result)])
 
 

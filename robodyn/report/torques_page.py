@@ -31,7 +31,7 @@ from robodyn.report.limits import (
 )
 from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
-from robodyn.report.table import number, printable
+from robodyn.report.table import gravity_text, number, printable
 from robodyn.report.torques import input_words
 from robodyn.report.torques_parts import heaviest_load, trust
 from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
@@ -47,10 +47,9 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     Args:
         pictures: with figures, which needs the result's history.
     """
-    x, y, z = result.gravity
     what = (
         f"Torques along a motion: {count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, "
-        f"{result.duration:.6g} s, gravity ({x:g}, {y:g}, {z:g}) m/s^2"
+        f"{result.duration:.6g} s, {gravity_text(result.gravity)}"
     )
     history = result.history if pictures else None
     plots = Plots(result, history, model) if history else None
