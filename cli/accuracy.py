@@ -19,7 +19,7 @@ from robodyn.support.extras import need
 from robodyn.support.files import write_whole
 
 
-@click.command("accuracy", short_help="What each further digit costs in time.")
+@click.command("accuracy", short_help="Measure what each further digit costs in time.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH|URDF TRAJECTORY|URDF SCENE.toml")
 @click.option("--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error.")
 @click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's.")
@@ -36,8 +36,8 @@ def command(
     table: str | None,
     plot: str | None,
 ) -> int:
-    """True errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the motion
-    that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.
+    """Measure true errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the
+    motion that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.
 
     \b
     Examples:

@@ -14,7 +14,7 @@ from robodyn.report.json.runs import bench_json
 from robodyn.report.measure import bench_sections
 
 
-@click.command("bench", short_help="How fast each executor is on a robot.")
+@click.command("bench", short_help="Measure how fast each executor is on a robot.")
 @click.argument("urdf", type=PATH)
 @SCENE
 @click.option("--samples", type=click.IntRange(min=1), default=100_000, metavar="N", help="Default 100000.")
@@ -27,7 +27,7 @@ def command(
     threads: int | None,
     peers: bool,
 ) -> None:
-    """Time of the inverse dynamics by every executor, and the cost of every effect.
+    """Measure the time of the inverse dynamics by every executor, and the cost of every effect.
     A file named - is standard input.
 
     \b
@@ -46,6 +46,6 @@ def command(
 
 
 def _watch(what: str) -> None:
-    """Shows on a terminal what is measured; nothing takes the line away."""
+    """Show on a terminal what is measured; an empty text takes the line away."""
     if sys.stderr is not None and sys.stderr.isatty():
         print(f"\r\x1b[K{what and 'measuring: '}{what}", end="", file=sys.stderr, flush=True)

@@ -33,7 +33,7 @@ from robodyn.support.files import write_whole
 
 
 def _codes(text: str) -> tuple[str, ...]:
-    """Codes of rules, or their beginnings, between commas."""
+    """Return codes of rules, or their beginnings, that stand between commas."""
     codes = [code.strip() for code in text.split(",")]
     return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
 

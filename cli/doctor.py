@@ -11,10 +11,10 @@ from robodyn.report.json.descriptions import doctor_json
 from robodyn.report.measure import doctor_sections
 
 
-@click.command("doctor", short_help="What this machine and installation can do.")
+@click.command("doctor", short_help="Tell what this machine and installation can do.")
 @FORMAT
 def command() -> int:
-    """What robodyn finds on this machine: libraries, processor, executors, cache; what is missing and what that costs.
+    """Tell what robodyn finds here: libraries, processor, executors, cache; what is missing and what that costs.
     The exit status is 1 if something is broken that should be repaired.
 
     \b

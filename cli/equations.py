@@ -56,13 +56,13 @@ def check_asked(form: str, output: str, **numbers: Any) -> None:
         raise click.UsageError("--tau is for --form dae", context)
 
 
-@click.command("equations", short_help="Equations of motion in numbers, letters, LaTeX or C.")
+@click.command("equations", short_help="Derive the equations of motion in numbers, letters, LaTeX or C.")
 @click.argument("urdf", type=PATH)
 @ASKED
 @SCENE
 def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> None:
-    """M(q) qdd + bias = tau: in numbers at a configuration, in closed form for small robots, or as C functions; and
-    Newton's and Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
+    """Derive M(q) qdd + bias = tau: in numbers at a configuration, in closed form for small robots, or as C functions;
+    and Newton's and Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
 
     \b
     Examples:

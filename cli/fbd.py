@@ -61,7 +61,7 @@ def state_of(
     return words_of_row, found, (*(doubt.said for doubt in row.doubts), *row.notes)
 
 
-@click.command("fbd", short_help="Free-body diagrams: all forces and moments on each body.")
+@click.command("fbd", short_help="Draw free bodies: all forces and moments on each body.")
 @click.argument("urdf", type=PATH)
 @STATE
 @READING
@@ -69,7 +69,7 @@ def state_of(
 @click.option("--svg", type=FOLDER, metavar="FOLDER", help="Write a drawing of each body there.")
 @FORMAT
 def command(urdf: str, svg: str | None, **given: Any) -> None:
-    """Free-body diagrams: all forces and moments on each body, and what each joint transmits.
+    """List and draw free bodies: all forces and moments on each body, and what each joint transmits.
     The state is given by --at, --qd and --qdd, or is a row of a trajectory.
 
     \b

@@ -13,7 +13,7 @@ from robodyn.cli.reports import REPORT
 from robodyn.solids.inertia.conversions import View
 
 
-@click.command("inertia", short_help="What meshes, links and robots weigh, and how it is spread.")
+@click.command("inertia", short_help="Compute mass and inertia of meshes, links and robots.")
 @click.argument("files", nargs=-1, type=PATH, required=True, metavar="MESH...|URDF")
 @WEIGHT
 @MESH
@@ -22,7 +22,7 @@ from robodyn.solids.inertia.conversions import View
 @VIEW
 @REPORT
 def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> int:
-    """Mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
+    """Compute mass, centre of mass and inertia of what each mesh encloses, of meshes combined, of a link or of a robot.
     A file named - is standard input. A mesh that fails stops no other, and makes the exit status 2.
 
     \b

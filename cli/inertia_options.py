@@ -130,7 +130,7 @@ _CALLS = {
 
 
 def _calls(name: str) -> str:
-    """With what an option goes."""
+    """Return with what an option goes."""
     meshes = [] if name in OF_ROBOTS else ["meshes with --combine" if name in ("place", "combine") else "meshes"]
     return " or ".join([*meshes, *(call for use, call in _CALLS.items() if name in _ALLOWED[use])])
 

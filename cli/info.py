@@ -12,12 +12,12 @@ from robodyn.report.json.descriptions import overview_json
 from robodyn.report.overview import overview_sections
 
 
-@click.command("info", short_help="A robot at a glance: tree, joints, masses, meshes.")
+@click.command("info", short_help="Show a robot at a glance: tree, joints, masses, meshes.")
 @click.argument("urdf", type=PATH)
 @DESCRIPTION
 @FORMAT
 def command(urdf: str) -> None:
-    """A robot at a glance: tree, joints, masses, degrees of freedom, meshes, and what to run next.
+    """Show a robot at a glance: tree, joints, masses, degrees of freedom, meshes, and what to run next.
     A file named - is standard input; a .xacro file is expanded first.
 
     \b

@@ -76,7 +76,7 @@ def _folder(text: str) -> str:
 
 
 def _argument(text: str) -> tuple[str, str]:
-    """NAME:=VALUE, as the command xacro takes it."""
+    """Return name and value of NAME:=VALUE, as the command xacro takes it."""
     name, sign, value = text.partition(":=")
     if not sign or not name.strip():
         raise ValueError(f"{text!r} is not NAME:=VALUE, such as prefix:=left_")
@@ -104,7 +104,7 @@ def _positive(text: str) -> float:
 
 
 def _point(text: str) -> str | tuple[float, ...]:
-    """com, origin, or three numbers between commas."""
+    """Return com, origin, or three numbers between commas."""
     numbers = finite_numbers(text)
     if text in ("com", "origin") or len(numbers) == 3:
         return text if text in ("com", "origin") else tuple(numbers)
@@ -115,7 +115,7 @@ def _point(text: str) -> str | tuple[float, ...]:
 
 
 def _at(text: str) -> list[float] | dict[str, float]:
-    """Numbers between commas, or NAME=NUMBER between commas."""
+    """Return numbers between commas, or by name those of NAME=NUMBER."""
     if "=" not in text:
         numbers = finite_numbers(text)
         if numbers:
@@ -133,7 +133,7 @@ def _at(text: str) -> list[float] | dict[str, float]:
 
 
 def _payload(text: str) -> Payload:
-    """LINK=KG or LINK=KG@X,Y,Z."""
+    """Return the payload of LINK=KG or LINK=KG@X,Y,Z."""
     from robodyn.scene.scene import Payload
 
     link, _, load = text.rpartition("=")

@@ -138,11 +138,11 @@ class Meter:
         return bool(self._shares) and self._read > _OVERDUE * self._shares[0]
 
     def on_progress(self, triangles: int) -> None:
-        """So many more triangles of the present file have been read."""
+        """Count triangles of the present file that have been read."""
         self._read += triangles * self._record
 
     def done(self) -> None:
-        """The present file is done."""
+        """Count the present file as done."""
         self._before, self._read = self._before + self._shares.pop(0), 0.0
 
 

@@ -15,7 +15,7 @@ from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 
 def _columns(text: str) -> list[tuple[str, str]]:
-    """OURS=THEIRS, or a TOML file of such pairs."""
+    """Return the pairs of OURS=THEIRS, or of a TOML file of such pairs."""
     ours, equals, theirs = text.partition("=")
     if not equals or os.path.isfile(text):
         return list(_pairs(text).items())

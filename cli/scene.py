@@ -18,7 +18,7 @@ from robodyn.support.files import write_whole
 @click.group("scene", short_help="Begin a file on what surrounds a robot.", invoke_without_command=True)
 @click.pass_context
 def command(ctx: click.Context) -> None:
-    """What surrounds a robot: friction, motors, payloads, wrenches, drives and so on, as a TOML file.
+    """Begin a TOML file on what surrounds a robot: friction, motors, payloads, wrenches, drives and so on.
 
     \b
     Example:

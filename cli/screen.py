@@ -20,7 +20,7 @@ TRACEBACK = "ROBODYN_TRACEBACK"
 
 
 def page() -> Page:
-    """As wide as the terminal and with bold headers; plain where the output is no terminal or NO_COLOR is set."""
+    """Return a page as wide as the terminal, with bold headers; a plain one without a terminal or with NO_COLOR."""
     if sys.stdout is None or not sys.stdout.isatty():
         return PLAIN
     import shutil
@@ -110,7 +110,7 @@ _OPTIONS = {(".toml",): "--scene", (".csv", ".tsv", ".parquet", ".npz"): "--traj
 
 
 def _meant(error: click.ClickException) -> str:
-    """By which option a file is taken that is one too many."""
+    """Return by which option a file is taken that is one too many."""
     found = re.fullmatch(r"Got unexpected extra arguments? \((.*)\)", error.message)
     if found is None or not isinstance(error, click.UsageError) or error.ctx is None:
         return ""

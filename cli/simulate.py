@@ -22,7 +22,7 @@ from robodyn.simulation.table import read_table
 from robodyn.trajectory.write import format_of, open_writer
 
 
-@click.command("simulate", short_help="How a robot moves by itself, driven or pushed.")
+@click.command("simulate", short_help="Simulate how a robot moves by itself, driven or pushed.")
 @click.argument("urdf", type=PATH)
 @SCENE
 @click.option("--at", type=VALUES, metavar="Q", help="Begin here: joint values in order, or JOINT=Q,...")
@@ -54,8 +54,8 @@ def command(
     explain: bool,
     executor: str,
 ) -> int:
-    """The motion of a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base,
-    closed chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
+    """Simulate a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base, closed
+    chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
     neither --at nor the scene says a position begin at 0, or within their limits. A file named - is standard input.
 
     \b

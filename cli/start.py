@@ -32,7 +32,7 @@ def start() -> NoReturn:
 
 
 def _leave(status: int) -> NoReturn:
-    """What Python does at its end, but for taking apart what is in memory; threads are waited for."""
+    """End as Python does, but without taking apart what is in memory; threads are waited for."""
     threading = sys.modules.get("threading")
     if threading is not None and threading.active_count() > 1:
         sys.exit(status)

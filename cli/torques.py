@@ -78,12 +78,12 @@ OPTIONS = together(
 )
 
 
-@click.command("torques", short_help="What every joint and bearing carries along a motion.")
+@click.command("torques", short_help="Compute what every joint and bearing carries along a motion.")
 @click.argument("urdf", type=PATH)
 @click.argument("trajectories", type=PATH, nargs=-1, required=True, metavar="TRAJECTORY...")
 @OPTIONS
 def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **options: Any) -> int:
-    """Joint torques, base loads and sizing figures along a motion.
+    """Compute joint torques, base loads and sizing figures along a motion.
     A file named - is standard input; a trajectory then is CSV.
 
     \b

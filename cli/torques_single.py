@@ -106,7 +106,7 @@ def write_example(path: str, model: Model, scene: Scene) -> None:
 
 
 def arithmetic_for(target: float, trajectory: str, model: Model, scene: Scene) -> Arithmetic:
-    """By the first block of the trajectory, which is read once more for the torques.
+    """Return the arithmetic for an accuracy, by the first block of the trajectory, which is read once more for torques.
 
     Raises:
         InputError: the trajectory is standard input or has no samples, or the accuracy is beyond doubles.

@@ -42,7 +42,7 @@ class Job(NamedTuple):
 
 
 def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
-    """The jobs that names and patterns (`runs/*.csv`, `runs/**/*.csv`) stand for, in their order, each file once.
+    """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once.
 
     Results keep the name and the type of their trajectory; those of several folders keep the folders that differ.
 
@@ -133,7 +133,7 @@ class Setup:
         return robot
 
     def digest(self, path: str) -> str:
-        """A hash of everything that the results of a trajectory depend on: its bytes, robot, scene, options, version.
+        """Return a hash of all that a trajectory's results depend on: its bytes, robot, scene, options, version.
 
         Raises:
             OSError: the file cannot be read.

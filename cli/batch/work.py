@@ -58,7 +58,7 @@ def failed(job: Job, text: str) -> Outcome:
 
 
 def _finished(job: Job, digest: str) -> dict[str, Any] | None:
-    """The document of a job that is finished. Results of other inputs are removed, so that none is taken for these."""
+    """Return the document of a job that is finished; remove results of other inputs, lest they be taken for these."""
     with suppress(OSError, ValueError, KeyError, TypeError):
         with open(job.document, encoding="utf-8") as stream:
             document: dict[str, Any] = json.load(stream)

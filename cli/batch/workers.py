@@ -19,7 +19,7 @@ from robodyn.support.processes import Death, in_processes
 
 
 def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple[int, Outcome]]:
-    """(number, outcome) of every job as they are done, by `count` processes.
+    """Yield (number, outcome) of every job as they are done, by `count` processes.
 
     When the iterator is closed early, by an interruption for example, processes remove what they have half-written.
     """
@@ -47,7 +47,7 @@ PATIENCE = 10
 def worked_there(
     setup: Setup, jobs: Sequence[Job], address: str, say: Callable[[str], None]
 ) -> Iterator[tuple[int, Outcome]]:
-    """(number, outcome) of every job as they are done, by the workers of the cluster at this address.
+    """Yield (number, outcome) of every job as they are done, by the workers of the cluster at this address.
 
     The workers need robodyn of this version, and the files of this machine under the same names. The scheduler gives
     the jobs of a worker that dies to others; since files appear whole, a job that was done twice leaves what it leaves

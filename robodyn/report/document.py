@@ -68,7 +68,7 @@ class HeatMap:
 
     @property
     def table(self) -> Table:
-        """The same in words."""
+        """Return the same in words."""
         rows = [(name, *(words for words, _ in cells)) for name, cells in self.rows]
         return Table(self.caption, ("joint", *self.head), rows)
 

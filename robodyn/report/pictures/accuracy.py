@@ -31,7 +31,7 @@ def accuracy_figure(accuracy: Accuracy, target: float | None = None) -> Figure:
 
 
 def draw_accuracy(figure: Figure, accuracy: Accuracy, target: float | None = None) -> None:
-    """A panel for each ladder; bars are quartiles of the time, a dashed line is the target."""
+    """Draw a panel for each ladder; bars are quartiles of the time, a dashed line is the target."""
     panels = figure.subplots(len(accuracy.ladders), 1, squeeze=False)[:, 0]
     for panel, ladder in zip(panels, accuracy.ladders, strict=True):
         _draw(panel, ladder, target)

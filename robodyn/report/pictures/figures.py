@@ -153,7 +153,7 @@ class Sheet:
 
 
 def _wipe(axes: Axes) -> None:
-    """Axes without what was drawn on them, and with no limits; titles, ticks and labels stay."""
+    """Remove what was drawn on axes, and their limits; titles, ticks and labels stay."""
     for artist in [*axes.lines, *axes.collections]:
         artist.remove()
     axes.relim()
@@ -161,7 +161,7 @@ def _wipe(axes: Axes) -> None:
 
 
 def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
-    """So many numbers at most along each axis, without a factor beside it, which is overlooked."""
+    """Set the numbers along each axis, so many at most, without a factor beside it, which is overlooked."""
     for axis, bins in ((axes.xaxis, across), (axes.yaxis, up)):
         locator: Any = axis.get_major_locator()
         locator.set_params(nbins=bins)
@@ -169,7 +169,7 @@ def few_ticks(axes: Axes, across: int = 5, up: int = 3) -> None:
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str, size: float = 3.0) -> None:
-    """Points as one short path: a marker each would make the page ten times as long."""
+    """Draw points as one short path: a marker each would make the page ten times as long."""
     import numpy as np
 
     across, up = (np.column_stack((each, each, np.full(len(each), np.nan))).ravel() for each in (x, y))

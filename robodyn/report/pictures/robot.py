@@ -97,7 +97,7 @@ def _placed(model: Model, poses: Mapping[str, tuple[Array, Array]], shapes: Visu
 
 
 def _skeleton(axes: Axes, model: Model, origins: list[Floats], marked: int | None) -> None:
-    """Bars from joint to joint."""
+    """Draw bars from joint to joint."""
     for k, parent in enumerate(model.parents):
         if parent >= 0:
             across, up, _ = product(np.stack((origins[parent], origins[k])), PAPER.T).T
@@ -109,7 +109,7 @@ def _skeleton(axes: Axes, model: Model, origins: list[Floats], marked: int | Non
 
 
 def _label(axes: Axes, at: Floats, name: str) -> None:
-    """The name of a joint above the picture, with a line to it."""
+    """Draw the name of a joint above the picture, with a line to it."""
     axes.annotate(
         name,
         xy=(at[0], at[1]),

@@ -119,7 +119,7 @@ def _counted(first: NDArray[np.int64], last: NDArray[np.int64]) -> tuple[NDArray
 
 
 def triad(canvas: Canvas) -> None:
-    """The axes of the frame, in a corner."""
+    """Draw the axes of the frame, in a corner."""
     axes = canvas.add_axes((0.0, 0.0, 0.16, 0.16))
     axes.set_axis_off()
     axes.set_xlim(-1.5, 1.5)

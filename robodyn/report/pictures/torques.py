@@ -164,7 +164,7 @@ def _over_time(axes: Axes, line: tuple[Floats, Floats], title: str, limit: float
 
 
 def _envelope(axes: Axes, joint: JointLoad, samples: dict[str, Floats]) -> None:
-    """Where the joint is in the plane of speed and torque; outside the dashed lines is beyond a limit."""
+    """Draw where the joint is in the plane of speed and torque; outside the dashed lines is beyond a limit."""
     speed, torque = samples["speed"], samples["torque"]
     over = np.zeros(len(speed), dtype=bool)
     for limit, values in ((joint.velocity_limit, speed), (joint.effort_limit, torque)):
@@ -186,7 +186,7 @@ def _apart(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def _bars(axes: Axes, shares: Floats, names: Sequence[str]) -> None:
-    """Stacked to the right what makes a peak, to the left what lessens it."""
+    """Draw what makes a peak, stacked to the right, and what lessens it, to the left."""
     from matplotlib.ticker import FuncFormatter
 
     rows = np.arange(shares.shape[1]) - 0.16
