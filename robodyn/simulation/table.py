@@ -16,12 +16,12 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, Scene
 from robodyn.simulation.rows import NEAR, Piece
 from robodyn.support.floats import Floats
-from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.header import listing
 from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.table import ArrayTable
 from robodyn.trajectory.units import TimeUnit
 
 LOAD, REFERENCE, RATE = "load", "reference", "rate"

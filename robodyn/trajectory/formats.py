@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from io import BytesIO
 from typing import Any, BinaryIO
@@ -58,7 +59,25 @@ GROUP_ROWS = 1 << 17
 _PART = 1 << 10
 
 
-class CsvFormat:
+class Format(ABC):
+    """What the writer asks of a file format."""
+
+    @abstractmethod
+    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None:
+        """Write what stands before the rows."""
+
+    @abstractmethod
+    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None:
+        """Write rows, or keep them."""
+
+    def end(self, stream: BinaryIO) -> None:  # noqa: B027
+        """Write what is left, and what stands behind the rows."""
+
+    def close(self) -> None:  # noqa: B027
+        """Give back what is kept beside the stream, whether the table came to its end or not."""
+
+
+class CsvFormat(Format):
     """Comma-separated text with a header; through polars once the table is large."""
 
     def __init__(self) -> None:
@@ -74,14 +93,8 @@ class CsvFormat:
         self._cells += values.size
         stream.writelines(lines_fast(values) if self._cells > LARGE else [lines_plain(values)])
 
-    def end(self, stream: BinaryIO) -> None:
-        """All is written."""
 
-    def close(self) -> None:
-        """Nothing is kept."""
-
-
-class ParquetFormat:
+class ParquetFormat(Format):
     """Parquet of float64 columns without nulls, compressed by zstd, a row group at a time."""
 
     def __init__(self) -> None:
@@ -113,9 +126,6 @@ class ParquetFormat:
             self._write_group()
         self._writer.close()
 
-    def close(self) -> None:
-        """The writer of pyarrow ends by itself."""
-
 
 class _Sink(io.RawIOBase):
     """A stream as pyarrow's writer wants it, which ends its file even if that was given up and the stream closed."""
@@ -136,7 +146,7 @@ class _Sink(io.RawIOBase):
         return self._written
 
 
-class NpzFormat:
+class NpzFormat(Format):
     """One float64 array per column, as `numpy.savez` stores them.
 
     An array begins with its length and stands in one piece, so blocks wait in a temporary file, beside the table if
@@ -190,3 +200,6 @@ def _joined(time: Floats, columns: Floats) -> Floats:
     for start in range(0, len(time), _PART):
         values[1:, start : start + _PART] = columns[start : start + _PART].T
     return values.T
+
+
+FORMATS: dict[str, type[Format]] = {"csv": CsvFormat, "parquet": ParquetFormat, "npz": NpzFormat}

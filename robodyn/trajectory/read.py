@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.floats import Floats
-from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.assemble import join
 from robodyn.trajectory.columns import Signals, matrix_column
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
 from robodyn.trajectory.reading import DEFAULT, Reading
-from robodyn.trajectory.table import FILE_TYPES, Table, reason
+from robodyn.trajectory.table import FILE_TYPES, ArrayTable, Table, reason
 
 
 def open_trajectory(

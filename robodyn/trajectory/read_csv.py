@@ -5,31 +5,33 @@ from __future__ import annotations
 import csv
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, BinaryIO
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
-from robodyn.trajectory.table import changed
+from robodyn.trajectory.table import Table, changed
 
 if TYPE_CHECKING:
-    from decimal import Decimal
+    pass
 
 _LONGEST_LINE = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
 
 
-class CsvTable:
+class CsvTable(Table):
     """A delimited text file whose first line names the columns; see `Table`.
 
     Standard input (`-`) and pipes are copied to a temporary file first, because the reader looks at them twice.
     """
 
+    file: str
+    header_line: int
+
     def __init__(self, path: str) -> None:
-        self.file = "<stdin>" if path == "-" else path
-        self.origins: Mapping[int, Decimal] = {}
+        super().__init__("<stdin>" if path == "-" else path)
         self._stream = _seekable(path)
         try:
             self.size_bytes = self._stream.seek(0, os.SEEK_END)

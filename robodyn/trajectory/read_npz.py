@@ -6,31 +6,17 @@ import os
 import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.table import (
-    Rows,
-    check_expansion,
-    check_finite,
-    common_length,
-    decoding,
-    less,
-    spread,
-)
-
-if TYPE_CHECKING:
-    pass
-from dataclasses import dataclass
-from typing import Any
-
-from numpy.typing import NDArray
-
 from robodyn.trajectory.columns import matrix_column
+from robodyn.trajectory.table import Table, check_expansion, check_finite, common_length, decoding, less, spread
 
 _MATRICES = ("q", "qd", "qdd")
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
@@ -138,7 +124,7 @@ class Values:
 _Sources = list[tuple[Values, list[tuple[int, int]]]]
 
 
-class NpzTable(Rows):
+class NpzTable(Table):
     """The table in an `.npz` archive, stored or deflated; see `Table`. Every number becomes float64."""
 
     def __init__(self, path: str) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
-from robodyn.trajectory.table import Rows, changed, check_expansion, check_finite, decoding, less, spread
+from robodyn.trajectory.table import Table, changed, check_expansion, check_finite, decoding, less, spread
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -23,7 +23,7 @@ _BUFFER = 1 << 16
 """Bytes of a column that are read at once; without it, and with buffering ahead, memory would grow with the file."""
 
 
-class ParquetTable(Rows):
+class ParquetTable(Table):
     """A Parquet file of columns of numbers; see `Table`. Integers, decimals and float32 become float64.
 
     In memory are a block and a few pages of each column; where pages have less than 16 kB, a row group as it is stored.

@@ -1,10 +1,11 @@
-"""A table of numbers in a file: what every format offers to the reader."""
+"""A table of numbers: what every format offers to the reader, and tables whose columns are arrays in memory."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,6 @@ from robodyn.support.floats import Floats
 
 if TYPE_CHECKING:
     from decimal import Decimal
-
 
 FILE_TYPES = {
     ".csv": "csv",
@@ -31,80 +31,86 @@ _EXPANDED, _RATIO = 1 << 28, 500
 """Bytes of numbers that are always read, and how many for each byte that is stored."""
 
 
-class Table(Protocol):
+class Table(ABC):
     """Columns of numbers, read a block of rows at a time.
 
-    file: as messages name it; header_line: the line of the header, None where the format has no lines;
-    names: the columns; size_bytes, position_bytes: length of the file and how much of it has been read;
-    origins: column -> number that is subtracted from it, exactly, before it becomes a double.
+    Attributes:
+        file: as messages name it, None if there is no file.
+        header_line: the line of the header, None where the format has no lines.
+        names: the columns.
+        size_bytes, position_bytes: length of the file and how much of it has been read.
+        origins: column -> number that is subtracted from it, exactly, before it becomes a double.
     """
 
-    origins: Mapping[int, Decimal]
-
-    @property
-    def file(self) -> str | None: ...
-
-    @property
-    def header_line(self) -> int | None: ...
-
-    @property
-    def names(self) -> tuple[str, ...]: ...
-
-    @property
-    def size_bytes(self) -> int: ...
-
-    @property
-    def position_bytes(self) -> int: ...
-
-    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
-        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
-
-        Each column of a block is contiguous, except in blocks of text.
-        """
-        ...
-
-    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
-        """Up to `count` runs of about `rows` consecutive rows, spread over the file; all of it where it is short."""
-        ...
-
-    def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
-        """An error about a data row, counted from 1, that says where the row stands in the file."""
-        ...
-
-    def first(self, columns: Sequence[int]) -> list[str | float]:
-        """Return the first row of columns as it is written, with all digits; nothing if there is none."""
-        ...
-
-    def texts(self, columns: Sequence[int]) -> dict[int, str]:
-        """Return the text of columns that say the same in every row.
-
-        Raises:
-            TrajectoryError: one says something else in a later row.
-        """
-        ...
-
-    def close(self) -> None:
-        """Give the file back."""
-        ...
-
-
-class Rows:
-    """What tables without lines have in common: errors name the row; their columns are numbers, if they say no more."""
-
-    header_line = None
+    header_line: int | None = None
     size_bytes = position_bytes = 0
+    names: tuple[str, ...]
 
     def __init__(self, file: str | None) -> None:
         self.file = file
         self.origins: Mapping[int, Decimal] = {}
 
-    def texts(self, columns: Sequence[int]) -> dict[int, str]:
-        """Return nothing: there are numbers only."""
-        return {}
+    @abstractmethod
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
+        """Blocks (k, len(columns)) with 1 <= k <= rows, in the order of the file, every cell finite.
+
+        Each column of a block is contiguous, except in blocks of text.
+        """
+
+    @abstractmethod
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
+        """Up to `count` runs of about `rows` consecutive rows, spread over the file; all of it where it is short."""
+
+    @abstractmethod
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        """Return the first row of columns as it is written, with all digits; nothing if there is none."""
 
     def error_at(self, row: int, what: str, remedy: str | None = None) -> TrajectoryError:
-        """Return an error about a data row, counted from 1."""
+        """Return an error about a data row, counted from 1, that says where the row stands in the file."""
         return TrajectoryError(f"row {row}: {what}", remedy=remedy, file=self.file)
+
+    def texts(self, columns: Sequence[int]) -> dict[int, str]:
+        """Return the text of columns that say the same in every row; nothing where there are numbers only.
+
+        Raises:
+            TrajectoryError: one says something else in a later row.
+        """
+        return {}
+
+    def close(self) -> None:  # noqa: B027
+        """Give the file back, if one is open."""
+
+
+class ArrayTable(Table):
+    """Named columns of equal length in memory.
+
+    Args:
+        columns: name -> (N,) array.
+
+    Raises:
+        TrajectoryError: the columns differ in length.
+    """
+
+    def __init__(self, file: str | None, columns: Mapping[str, Floats]) -> None:
+        self._rows = common_length({name: len(values) for name, values in columns.items()}, file)
+        super().__init__(file)
+        self.names = tuple(columns)
+        self._arrays = list(columns.values())
+
+    def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
+        for start in range(0, self._rows, rows):
+            values = self._slice(columns, slice(start, start + rows))
+            check_finite(values, [self.names[i] for i in columns], start + 1, self.error_at)
+            yield values
+
+    def pieces(self, columns: Sequence[int], count: int, rows: int) -> list[Floats]:
+        return [self._slice(columns, cut) for cut in spread(self._rows, count, rows)]
+
+    def _slice(self, columns: Sequence[int], cut: slice) -> Floats:
+        return np.array([less(self._arrays[i][cut], self.origins.get(i)) for i in columns]).T
+
+    def first(self, columns: Sequence[int]) -> list[str | float]:
+        return [self._arrays[i][0].item() for i in columns] if self._rows else []
 
 
 def reason(error: OSError) -> str:

@@ -5,28 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 from robodyn.errors import InputError
 from robodyn.support.extras import need
 from robodyn.support.files import cannot_be_written, whole_file
 from robodyn.support.floats import Floats
-from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat
+from robodyn.trajectory.formats import FORMATS, Format
 from robodyn.trajectory.table import FILE_TYPES
-
-
-class Format(Protocol):
-    """What the writer asks of a file format."""
-
-    def begin(self, stream: BinaryIO, names: Sequence[str]) -> None: ...
-
-    def add(self, stream: BinaryIO, time: Floats, columns: Floats) -> None: ...
-
-    def end(self, stream: BinaryIO) -> None: ...
-
-    def close(self) -> None:
-        """Give back what is kept beside the stream, whether the table came to its end or not."""
-        ...
 
 
 class Writer:
@@ -48,14 +34,7 @@ class Writer:
             self._form.add(self._stream, time, columns)
 
 
-FORMATS: dict[str, type[CsvFormat] | type[ParquetFormat] | type[NpzFormat]] = {
-    "csv": CsvFormat,
-    "parquet": ParquetFormat,
-    "npz": NpzFormat,
-}
-
-
-def format_of(path: str | os.PathLike[str]) -> type[CsvFormat] | type[ParquetFormat] | type[NpzFormat]:
+def format_of(path: str | os.PathLike[str]) -> type[Format]:
     """Return the format of a table by the suffix of its file, for what cannot be written to be said before long work.
 
     Raises:
@@ -90,18 +69,13 @@ def open_writer(path: str | os.PathLike[str], names: Sequence[str]) -> AbstractC
 
 @contextmanager
 def _written(path: str, names: Sequence[str], form: Format) -> Iterator[Writer]:
-    with whole_file(path) as stream, _closed(form):
-        with cannot_be_written(path):
-            form.begin(stream, ("time", *names))
-        yield Writer(path, names, form, stream)
-        with cannot_be_written(path):
-            form.end(stream)
-
-
-@contextmanager
-def _closed(form: Format) -> Iterator[None]:
-    try:
-        yield
-    finally:
-        with suppress(OSError):
-            form.close()
+    with whole_file(path) as stream:
+        try:
+            with cannot_be_written(path):
+                form.begin(stream, ("time", *names))
+            yield Writer(path, names, form, stream)
+            with cannot_be_written(path):
+                form.end(stream)
+        finally:
+            with suppress(OSError):
+                form.close()

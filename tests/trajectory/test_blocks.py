@@ -12,11 +12,11 @@ from helpers.sampled import sampled
 from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.array_table import ArrayTable
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.read import open_trajectory, read_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
+from robodyn.trajectory.table import ArrayTable
 from robodyn.trajectory.write import open_writer
 
 Array = NDArray[np.float64]
