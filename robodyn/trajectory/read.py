@@ -49,19 +49,6 @@ def open_trajectory(
         raise
 
 
-def read_trajectory(
-    path: str | os.PathLike[str],
-    signals: Signals,
-    *,
-    file_type: str | None = None,
-    extra: Sequence[str] = (),
-    reading: Reading = DEFAULT,
-) -> Trajectory:
-    """The whole trajectory in a file at once; arguments and errors as of `open_trajectory`."""
-    with open_trajectory(path, signals, file_type=file_type, extra=extra, reading=reading) as reader:
-        return join(list(reader.blocks()))
-
-
 def from_arrays(
     signals: Signals,
     time: ArrayLike,

@@ -11,9 +11,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from helpers.table_files import ARCHIVES, SIGNALS, blocks, columns, numbers, stored
+from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
-from robodyn.trajectory.read import read_trajectory
 
 
 @pytest.mark.parametrize("source", ARCHIVES)

@@ -10,8 +10,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from helpers.table_files import NAMES, ROWS, SIGNALS, SOURCES, blocks, columns, numbers, stored
+from helpers.whole_tables import read_trajectory
 
-from robodyn.trajectory.read import open_table, read_trajectory
+from robodyn.trajectory.read import open_table
 from robodyn.trajectory.reading import Reading
 
 

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.sampled import sampled
+from helpers.whole_tables import read_trajectory
 from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.read import open_trajectory, read_trajectory
+from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reader import TrajectoryReader
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.table import ArrayTable

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import from_arrays, open_trajectory, read_trajectory
+from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reader import row_at
 from robodyn.trajectory.reading import Reading
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.header import Header
 from robodyn.trajectory.layout import resolve
 from robodyn.trajectory.motion import Trajectory
-from robodyn.trajectory.read import read_trajectory
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.units import unit_of
 

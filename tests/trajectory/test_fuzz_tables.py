@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from helpers.whole_tables import read_trajectory
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.read import read_trajectory
 
 SIGNALS = Signals((Signal("a", "continuous"), Signal("b", "length")))
 FREE = Signals((Signal("base", "floating"),))

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from helpers.whole_tables import read_trajectory
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.read import from_arrays, open_trajectory, read_trajectory
+from robodyn.trajectory.read import from_arrays, open_trajectory
 from robodyn.trajectory.reading import Reading
 
 ARM = Signals((Signal("a", "angle"), Signal("b", "length")))
@@ -316,11 +317,12 @@ PROGRAM = """
 import sys
 from robodyn.errors import InputError
 from robodyn.trajectory.columns import Signal, Signals
-from robodyn.trajectory.read import read_trajectory
+from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.reading import Reading
 try:
     signals = Signals((Signal("a", "angle"),))
-    print(read_trajectory(sys.argv[1], signals, file_type="csv", reading=Reading("central")).q.sum())
+    with open_trajectory(sys.argv[1], signals, file_type="csv", reading=Reading("central")) as reader:
+        print(sum(block.q.sum() for block in reader.blocks()))
 except InputError as error:
     print(error)
 """

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
+from helpers.whole_tables import read_trajectory
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import InputError
 from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.formats import CsvFormat, NpzFormat, ParquetFormat, lines_fast, lines_plain
-from robodyn.trajectory.read import read_trajectory
 from robodyn.trajectory.reading import Reading
 from robodyn.trajectory.write import Writer, open_writer
 
