@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -26,30 +26,6 @@ _SLASH, _MINUS, _UNDERSCORE = b"/-_"
 _FIRST_BLANK, _LAST_BLANK = b"\t "
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _MARK = b"\xef\xbb\xbf"
-
-
-def whole_lines(source: Source, stream: BinaryIO, end: Callable[[bytes], int]) -> Iterator[tuple[int, bytes]]:
-    """(offset, text) of chunks, from where the stream stands to the end of the file.
-
-    Args:
-        end: how many bytes of a text can be taken by themselves; 0 if more are needed.
-
-    Raises:
-        MeshError: a line, or what else `end` wants to keep together, is longer than 16 MB.
-    """
-    offset, rest = stream.tell(), b""
-    while data := stream.read(CHUNK):
-        text = rest + data
-        if not offset and text.startswith(_MARK):
-            text = text.replace(_MARK, b"   ", 1)
-        taken = end(text)
-        if taken:
-            yield offset, text[:taken]
-        elif len(text) > _LONGEST_LINE:
-            raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", offset=offset)
-        offset, rest = offset + taken, text[taken:]
-    if rest:
-        yield offset, rest
 
 
 def without_comments(text: bytes) -> bytes:
@@ -88,6 +64,13 @@ class Tokens:
     def error(self, index: int, what: str, remedy: str | None = None) -> MeshError:
         """Return an error in the line of this word."""
         return self.source.error(what, remedy, offset=self.offset + int(self.starts[index]) - 1)
+
+    def refuse(self, wrong: NDArray[np.bool_], index: Integers, what: str, remedy: str, *numbers: Integers) -> None:
+        """Raise an error in the line of the first of these words that is wrong; `{}` in `what` is a number of it."""
+        if wrong.any():
+            at = int(wrong.argmax())
+            message = what.format(*(column[at] for column in numbers)) if numbers else what
+            raise self.error(int(index[at]), message, remedy)
 
     def begin_with(self, letter: bytes) -> NDArray[np.bool_]:
         """(k,) whether the first word of each line is this letter."""
@@ -173,6 +156,38 @@ class Tokens:
             shown = word[:40].decode("utf-8", "replace")
             raise self.error(index, f"{shown!r} is not an index", remedy="indices are integers")
         return int(text)
+
+
+def chunks(
+    source: Source,
+    start: int = 0,
+    end: Callable[[bytes], int] = last_line_end,
+    plain: Callable[[bytes], bytes] = bytes,
+) -> Iterator[Tokens]:
+    """The words of a file from a byte on, in chunks of whole lines.
+
+    Args:
+        end: how many bytes of a text can be taken by themselves; 0 if more are needed.
+        plain: what a text says, with every word in its place.
+
+    Raises:
+        MeshError: a line, or what else `end` wants to keep together, is longer than 16 MB.
+    """
+    with source.opened() as stream:
+        stream.seek(start)
+        offset, rest = start, b""
+        while data := stream.read(CHUNK):
+            text = rest + data
+            if not offset and text.startswith(_MARK):
+                text = text.replace(_MARK, b"   ", 1)
+            taken = end(text)
+            if taken:
+                yield tokens(source, offset, plain(text[:taken]))
+            elif len(text) > _LONGEST_LINE:
+                raise source.error("a line longer than 16 MB", remedy="is it the text of a mesh?", offset=offset)
+            offset, rest = offset + taken, text[taken:]
+        if rest:
+            yield tokens(source, offset, plain(rest))
 
 
 def tokens(source: Source, offset: int, text: bytes) -> Tokens:

@@ -53,13 +53,9 @@ def load_triangles(
         return read_ply(found, scale, (note,))
     if b"\0" in found.data(_HEAD):
         raise found.error(f"is binary data, no {kind.upper()}", remedy="is its type another?")
-    if kind == "obj":
-        from robodyn.solids.mesh.read.obj import read_obj
+    from robodyn.solids.mesh.read.obj_off import read_obj, read_off
 
-        return read_obj(found, scale, (note,))
-    from robodyn.solids.mesh.read.off import read_off
-
-    return read_off(found, scale, (note,))
+    return (read_obj if kind == "obj" else read_off)(found, scale, (note,))
 
 
 def from_array(corners: ArrayLike, *, name: str = "<array>", unit: str = "m") -> MemoryTriangles:

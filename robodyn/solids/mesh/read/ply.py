@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.lines import Integers, Tokens, last_line_end, runs, tokens, whole_lines
+from robodyn.solids.mesh.read.lines import Integers, Tokens, chunks, runs
 from robodyn.solids.mesh.read.ply_binary import Columns, read_binary
 from robodyn.solids.mesh.read.ply_header import Element, Header, Property, read_header
 from robodyn.solids.mesh.read.polygons import triangles_of
@@ -28,20 +28,17 @@ def read_text(source: Source, header: Header, wanted: Mapping[str, Sequence[str]
         parts.update({(element.name, name): [] for name in wanted.get(element.name, ())})
     waiting = [element for element in header.elements if element.count and element.properties]
     read = 0
-    with source.opened() as stream:
-        stream.seek(header.size)
-        for offset, text in whole_lines(source, stream, last_line_end):
-            words = tokens(source, offset, text)
-            line = 0
-            while waiting and line < len(words.first) - 1:
-                element = waiting[0]
-                rows = slice(line, min(line + element.count - read, len(words.first) - 1))
-                for name, column in _rows(words, element, rows, wanted.get(element.name, ())).items():
-                    parts[element.name, name].append(column)
-                read += rows.stop - rows.start
-                line = rows.stop
-                if read == element.count:
-                    waiting, read = waiting[1:], 0
+    for words in chunks(source, header.size):
+        line = 0
+        while waiting and line < len(words.first) - 1:
+            element = waiting[0]
+            rows = slice(line, min(line + element.count - read, len(words.first) - 1))
+            for name, column in _rows(words, element, rows, wanted.get(element.name, ())).items():
+                parts[element.name, name].append(column)
+            read += rows.stop - rows.start
+            line = rows.stop
+            if read == element.count:
+                waiting, read = waiting[1:], 0
     if waiting:
         what = f"the header promises {waiting[0].count} of the element {waiting[0].name!r}, {read} are there"
         raise source.error(what, remedy="the file is cut short: get it again")
@@ -90,12 +87,8 @@ def _check_within(
     words: Tokens, element: Element, at: Integers, end: Integers, wrong: NDArray[Any] | bool = False
 ) -> None:
     """That the words `at` stand before the words `end`, the first ones of the next lines."""
-    bad = (at >= end) | wrong
-    if bad.any():
-        first = int(bad.argmax())
-        line = int(end[first]) - 1
-        what = f"the line has not the number of words that an element {element.name!r} needs"
-        raise words.error(line, what, "one line holds all properties of one element")
+    what = f"the line has not the number of words that an element {element.name!r} needs"
+    words.refuse((at >= end) | wrong, end - 1, what, "one line holds all properties of one element")
 
 
 _AXES = ("x", "y", "z")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
-from robodyn.solids.mesh.read.lines import Integers, Tokens, tokens, whole_lines
+from robodyn.solids.mesh.read.lines import Integers, Tokens, chunks
 from robodyn.solids.mesh.read.polygons import add_sample, significand
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.triangles import MemoryTriangles
@@ -39,18 +40,13 @@ def read_ascii(source: Source, scale: float, notes: tuple[str, ...]) -> MemoryTr
     """
     parts: list[Floats] = []
     words: list[bytes] = []
-    solids, is_open = 0, False
-    with source.opened() as stream:
-        for offset, text in whole_lines(source, stream, _end):
-            names, plain = _without_names(text.lower())
-            solids += names.count(True)
-            is_open = names[-1] if names else is_open
-            found = tokens(source, offset, plain)
-            index = _coordinates(found)
-            if len(index):
-                add_sample(words, found, index)
-                parts.append(found.floats(index.reshape(-1)).reshape(-1, 3, 3))
-    count = sum(map(len, parts))
+    names: list[bool] = []
+    for found in chunks(source, end=_end, plain=partial(_without_names, names)):
+        index = _coordinates(found)
+        if len(index):
+            add_sample(words, found, index)
+            parts.append(found.floats(index.reshape(-1)).reshape(-1, 3, 3))
+    count, solids, is_open = sum(map(len, parts)), names.count(True), names[-1:] == [True]
     if not count:
         raise source.error("holds no facets", remedy="export the mesh again")
     if is_open or not solids:
@@ -69,12 +65,12 @@ def _end(text: bytes) -> int:
     return last + len(word) if last >= 0 else text.lower().rfind(word) + len(word) if word in text.lower() else 0
 
 
-def _without_names(text: bytes) -> tuple[list[bool], bytes]:
-    """Which of the words solid (True) and endsolid (False) stand in the text, and the text with their lines blank."""
-    names = []
+def _without_names(names: list[bool], text: bytes) -> bytes:
+    """Return the text in lower case, lines of solids blank; names get the words solid (True) and endsolid (False)."""
+    text = text.lower()
     at = text.find(b"solid")
     if at < 0:
-        return [], text
+        return text
     found = bytearray(text)
     while at >= 0:
         start = at - 3 if text[max(at - 3, 0) : at] == b"end" else at
@@ -83,7 +79,7 @@ def _without_names(text: bytes) -> tuple[list[bool], bytes]:
         names.append(start == at)
         found[start:end] = b" " * (end - start)
         at = text.find(b"solid", end)
-    return names, bytes(found)
+    return bytes(found)
 
 
 def _coordinates(words: Tokens) -> Integers:

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.lines import Tokens, last_line_end, tokens, whole_lines
+from robodyn.solids.mesh.read.lines import chunks, tokens
 from robodyn.solids.mesh.read.source import open_source
 
 BLANKS = st.text(" \t\r\n\v\f", min_size=1, max_size=3)
@@ -88,20 +88,16 @@ def test_words_are_compared_whole(word):
 @given(st.lists(st.integers(0, 3 << 18), max_size=12))
 def test_chunks_end_with_lines_and_make_up_the_file(lengths):
     text = b"".join(b"x" * length + b"\n" for length in lengths) + b"end"
-    source = open_source(text)
-    with source.opened() as stream:
-        chunks = list(whole_lines(source, stream, last_line_end))
-    assert b"".join(chunk for _, chunk in chunks) == text
-    assert [offset for offset, _ in chunks] == [0, *np.cumsum([len(chunk) for _, chunk in chunks])[:-1]]
-    assert all(chunk.endswith(b"\n") for _, chunk in chunks[:-1])
+    found: list[bytes] = []
+    offsets = [words.offset for words in chunks(open_source(text), plain=lambda chunk: found.append(chunk) or chunk)]
+    assert b"".join(found) == text
+    assert offsets == [0, *np.cumsum([len(chunk) for chunk in found])[:-1]]
+    assert all(chunk.endswith(b"\n") for chunk in found[:-1])
 
 
 def test_the_line_of_an_error_counts_those_of_earlier_chunks():
     text = b"a line\n" * 300_000 + b"bad\n"
-    source = open_source(text)
-    found: list[Tokens] = []
-    with source.opened() as stream:
-        found = [tokens(source, offset, chunk) for offset, chunk in whole_lines(source, stream, last_line_end)]
+    found = list(chunks(open_source(text)))
     assert len(found) > 2
     with pytest.raises(MeshError, match=r"^<bytes>:300001: 'bad' is not a number"):
         found[-1].floats(np.array([len(found[-1].starts) - 1]))
