@@ -30,11 +30,7 @@ from robodyn.support.files import write_whole
 @REPORT
 @FORMAT
 def command(
-    files: tuple[str, ...],
-    target: float | None,
-    duration: float | None,
-    table: str | None,
-    plot: str | None,
+    files: tuple[str, ...], target: float | None, duration: float | None, table: str | None, plot: str | None
 ) -> int:
     """Measure true errors and times of every method: for a mesh, for the torques of a robot along a motion, or for the
     motion that a scene makes. A file named - is standard input. Exit status 1: no method meets the target.

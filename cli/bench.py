@@ -21,12 +21,7 @@ from robodyn.report.measure import bench_sections
 @click.option("--threads", type=click.IntRange(min=1), metavar="N", help="Beside one; default all.")
 @click.option("--peers", is_flag=True, help="Measure Pinocchio, MuJoCo and Drake too, where they are installed.")
 @FORMAT
-def command(
-    urdf: str,
-    samples: int,
-    threads: int | None,
-    peers: bool,
-) -> None:
+def command(urdf: str, samples: int, threads: int | None, peers: bool) -> None:
     """Measure the time of the inverse dynamics by every executor, and the cost of every effect.
     A file named - is standard input.
 

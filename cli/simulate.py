@@ -41,18 +41,7 @@ from robodyn.trajectory.write import format_of, open_writer
 @REPORT
 @FORMAT
 def command(
-    urdf: str,
-    at: Any,
-    table: str | None,
-    duration: float | None,
-    step: float | None,
-    rtol: float | None,
-    method: str | None,
-    accuracy: float | None,
-    out: str | None,
-    fail_on_limits: bool,
-    explain: bool,
-    executor: str,
+    urdf: str, at: Any, table: str | None, duration: float | None, out: str | None, explain: bool, **options: Any
 ) -> int:
     """Simulate a robot from a scene's initial state: gravity, drives, friction, springs, wrenches, a free base, closed
     chains. Drives and wrenches may follow columns of a table (--traj). There is no contact. Joints for which
@@ -73,16 +62,17 @@ def command(
     check_table(table, scene)
     if table is None and given():
         raise click.UsageError(f"{given()} goes with --traj", click.get_current_context())
-    options = {name: reading()[name] for name in ("columns", "time_unit")}
-    rows = None if table is None else read_table(table, scene, **options)
+    form = {name: reading()[name] for name in ("columns", "time_unit")}
+    rows = None if table is None else read_table(table, scene, **form)
+    accuracy, fail_on_limits = options.pop("accuracy"), options.pop("fail_on_limits")
     if accuracy is None:
-        result = simulate(model, scene, duration, table=rows, step=step, rtol=rtol, method=method, executor=executor)
+        result = simulate(model, scene, duration, table=rows, **options)
     else:
         from robodyn.measure.accuracy.simulate_within import simulate_within
 
-        if step or rtol or method:
+        if any(options[name] for name in ("step", "rtol", "method")):
             raise click.UsageError("--accuracy chooses method, step and tolerance", click.get_current_context())
-        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=executor)
+        result = simulate_within(model, scene, duration, accuracy, table=rows, executor=options["executor"])
     written = ""
     if out is not None:
         with open_writer(out, result.names) as writer:
