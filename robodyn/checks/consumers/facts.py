@@ -161,9 +161,8 @@ def uris(context: Context) -> Iterator[Found]:
     if "mujoco" not in context.asked.targets or (compiler is not None and compiler.get("strippath") == "true"):
         return
     for use in mesh_uses(context):
-        name = use.geometry.shape.get("filename") if use.geometry.shape is not None else None
-        if name and "://" in name and use.geometry.kind in READS["mujoco"].kinds:
-            yield _use(use, name)
+        if "://" in use.uri and use.geometry.kind in READS["mujoco"].kinds:
+            yield _use(use, use.uri)
 
 
 def visuals(context: Context) -> Iterator[Found]:

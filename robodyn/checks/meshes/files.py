@@ -43,6 +43,11 @@ class MeshUse:
         assert self.geometry.shape is not None, "it is a mesh"
         return value_span(self.geometry.shape, "filename")
 
+    @property
+    def uri(self) -> str:
+        """The name of the file as it is written; empty where there is none."""
+        return (self.geometry.shape and self.geometry.shape.get("filename")) or ""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshName:
@@ -69,10 +74,9 @@ class MeshName:
 
     def fault(self, what: str, remedy: str, severity: Severity | None = None, fix: Fix | None = None) -> Fault:
         """Return `the mesh NAME what`, at its first use, with the count of the others."""
-        use, more = self.uses[0], len(self.uses) - 1
-        others = f" (and {count(more, 'more place')})" if more else ""
+        others = f" (and {count(len(self.uses) - 1, 'more place')})" if self.uses[1:] else ""
         sentence = f"the mesh {shown_path(self.uri)} {what}{others}"
-        return Fault(at=use.at, subject=use.link.subject, what=sentence, remedy=remedy, severity=severity, fix=fix)
+        return Fault(self.uses[0].at, sentence, remedy, severity=severity, fix=fix)
 
     def renamed(self, better: str) -> Fix:
         """Return the safe fix that writes another name wherever this one stands."""
@@ -92,9 +96,8 @@ def mesh_names(context: Context) -> Mapping[str, MeshName]:
     """Return the names of meshes; those that are empty or not expanded are none."""
     uses: dict[str, list[MeshUse]] = {}
     for use in mesh_uses(context):
-        uri = use.geometry.shape.get("filename") if use.geometry.shape is not None else None
-        if uri and not unexpanded(uri):
-            uses.setdefault(uri, []).append(use)
+        if use.uri and not unexpanded(use.uri):
+            uses.setdefault(use.uri, []).append(use)
     look = _Look(context)
     return {uri: look.up(uri, tuple(found)) for uri, found in uses.items()}
 

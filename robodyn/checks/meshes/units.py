@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from math import dist
 
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names
-from robodyn.robot.urdf.view import GeometryView, LinkView
+from robodyn.checks.meshes.files import MeshName, MeshUse, all_facts, mesh_names
+from robodyn.robot.urdf.view import GeometryView
 
 _LONGEST, _SHORTEST = 20.0, 1e-3
 """Metres beyond which no part of a robot is; and, for such ones, of its sizes over the reach of the robot's joints."""
@@ -23,8 +23,6 @@ class UnitSlip:
     """A mesh as it is used: its longest side [m], the factor of its size, and how that shows."""
 
     name: MeshName
-    link: LinkView
-    geometry: GeometryView
     longest: float
     factor: float
     how: str
@@ -32,17 +30,16 @@ class UnitSlip:
 
 def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     """Return the uses of meshes that are 1000 times too large or too small."""
-    facts, reach = context.once(all_facts), _reach(context)
+    reach = _reach(context)
     found: dict[GeometryView, UnitSlip] = {}
     for name in context.once(mesh_names).values():
         for use in name.uses:
             side = longest(use.geometry, name.uri, context)
-            if side is None or name.uri not in facts:
+            if side is None:
                 continue
-            twin = _twin(use.link, use.geometry, context)
-            mistaken = _mistaken(side, twin, reach) or _uneven(use.geometry)
+            mistaken = _mistaken(side, _twin(use, context), reach) or _uneven(use.geometry)
             if mistaken is not None:
-                found[use.geometry] = UnitSlip(name, use.link, use.geometry, side, *mistaken)
+                found[use.geometry] = UnitSlip(name, side, *mistaken)
     return found
 
 
@@ -79,14 +76,11 @@ def _uneven(geometry: GeometryView) -> tuple[float, str] | None:
     return None
 
 
-def _twin(link: LinkView, geometry: GeometryView, context: Context) -> float | None:
+def _twin(use: MeshUse, context: Context) -> float | None:
     """Return the longest side of the largest mesh of the link's other kind."""
-    sides = []
-    for other in link.geometries:
-        if other.kind != geometry.kind and other.shape is not None and other.shape.tag == "mesh":
-            sides.append(longest(other, other.shape.get("filename") or "", context))
-    known = [side for side in sides if side is not None]
-    return max(known) if known else None
+    others = [MeshUse(use.link, other) for other in use.link.geometries if other.kind != use.geometry.kind]
+    sides = [longest(other.geometry, other.uri, context) for other in others]
+    return max((side for side in sides if side is not None), default=None)
 
 
 def _reach(context: Context) -> float:

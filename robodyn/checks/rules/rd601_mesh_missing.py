@@ -17,7 +17,9 @@ from robodyn.support.wording import count, listed, shown, shown_path
 
 @rule(Severity.ERROR, good=a_shaped_link(), bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"))
 def check(context: Context) -> Faults:
-    yield from _unnamed(context)
+    for use in mesh_uses(context):
+        if not use.uri:
+            yield Fault(use.at, "the mesh names no file", 'write filename="..."')
     names = context.once(mesh_names).values()
     for name in names:
         if name.state is State.MISSING:
@@ -31,12 +33,6 @@ def check(context: Context) -> Faults:
         name = context.once(mesh_names)[uri]
         if facts.problem is not None and facts.finite:
             yield name.fault(f"cannot be read: {facts.problem}", facts.remedy)
-
-
-def _unnamed(context: Context) -> Iterator[Fault]:
-    for use in mesh_uses(context):
-        if use.geometry.shape is not None and not use.geometry.shape.get("filename"):
-            yield Fault(use.at, "the mesh names no file", 'write filename="..."')
 
 
 def _missing(context: Context, name: MeshName) -> Fault:

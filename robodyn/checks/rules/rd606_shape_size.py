@@ -24,8 +24,8 @@ def check(context: Context) -> Faults:
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
         scale = use.geometry.scale.values
-        if use.geometry.shape is not None and scale is not None and min(scale) <= 0:
-            scaled.setdefault((use.geometry.shape.get("filename") or "", scale), []).append(use)
+        if scale is not None and min(scale) <= 0:
+            scaled.setdefault((use.uri, scale), []).append(use)
     for (_, scale), uses in scaled.items():
         yield _scale(uses, scale)
 
