@@ -120,7 +120,7 @@ def _surroundings(model: Model, scene: Scene) -> str:
     rubs = [
         f"  {joint.name}: {_constants(friction)}"
         for _, joint, friction in joints_with_friction(model, scene)
-        if friction.viscous or friction.forward or friction.backward or friction.stribeck
+        if friction.viscous or friction.dry
     ]
     lines += ["Friction, SI units:", *rubs] if rubs else ["No friction."]
     return "\n".join(lines) + "\n"

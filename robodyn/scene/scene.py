@@ -35,6 +35,11 @@ class Friction(FrozenValue):
     stribeck: float | None = None
     stribeck_velocity: float = 0.01
 
+    @property
+    def dry(self) -> float:
+        """The largest torque that does not fall to zero with the speed [N m]."""
+        return max(abs(self.forward), abs(self.backward), abs(self.stribeck or 0.0))
+
 
 @dataclass(frozen=True)
 class Rotor(FrozenValue):

@@ -17,8 +17,7 @@ from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
 from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
-from robodyn.dynamics.recursions.momentum import dual_state, momenta
-from robodyn.programs.dual import rate_of
+from robodyn.dynamics.recursions.momentum import momenta, position_rates
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner
@@ -155,8 +154,7 @@ class Equations:
         def outputs(tape: Tape) -> Iterable[Scalar]:
             state = self.state(tape)
             qdd, work = self.accelerations(state.q, state.qd, self.given(tape))
-            position, _ = dual_state(self.model, state.q, state.qd, qdd)
-            return [*map(rate_of, position), *qdd, work]
+            return [*position_rates(self.model, state.q, state.qd), *qdd, work]
 
         return trace(outputs)
 

@@ -44,7 +44,7 @@ def held(model: Model, scene: Scene, time: Floats, qd: Floats) -> Iterator[Held]
     """Yield the joints with Coulomb friction that were held, of a motion with speeds qd (N, n)."""
     lasting = np.diff(time)
     for _, joint, friction in joints_with_friction(model, scene):
-        if not (scene.slip_speed and (friction.forward or friction.backward or friction.stribeck)):
+        if not (scene.slip_speed and friction.dry):
             continue
         speed = np.abs(joint.multiplier * qd[:, joint.rate])
         slow = speed <= SLOW * scene.slip_speed

@@ -31,9 +31,7 @@ def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     if not coulomb_friction.why(model, scene, frozenset()).active:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
-    steepest = max(
-        max(abs(f.forward), abs(f.backward), abs(f.stribeck or 0.0)) for _, _, f in joints_with_friction(model, scene)
-    )
+    steepest = max(friction.dry for _, _, friction in joints_with_friction(model, scene))
     said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
@@ -107,9 +105,8 @@ class Slope(NamedTuple):
 def _slopes(a_plan: Plan) -> Iterator[Slope]:
     model, scene = a_plan.model, a_plan.scene
     for _, joint, friction in joints_with_friction(model, scene):
-        steepest = max(abs(friction.forward), abs(friction.backward), abs(friction.stribeck or 0.0))
-        if scene.slip_speed and steepest:
-            yield Slope(joint, FRICTION, steepest / scene.slip_speed)
+        if scene.slip_speed and friction.dry:
+            yield Slope(joint, FRICTION, friction.dry / scene.slip_speed)
         if friction.viscous:
             yield Slope(joint, "viscous friction", friction.viscous)
     yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)

@@ -251,7 +251,7 @@ MUTATIONS = {
     ],
     "simulation/test_friction_and_limits.py": [
         ("dynamics/effects/limit_spring.py", "self.spring.damping * xd", "self.spring.damping * x"),
-        ("simulation/stiffness.py", "steepest / scene.slip_speed", "steepest * scene.slip_speed"),
+        ("simulation/stiffness.py", "friction.dry / scene.slip_speed", "friction.dry * scene.slip_speed"),
         ("simulation/joint_use.py", "(mean * lasting)[still]", "mean[still]"),
     ],
     "simulation/test_limits_within_steps.py": [

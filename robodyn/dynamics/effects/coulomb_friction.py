@@ -11,8 +11,7 @@ from robodyn.scene.scene import Friction, Scene
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
-    every = joints_with_friction(model, scene)
-    dry = [joint for _, joint, f in every if f.forward or f.backward or f.stribeck]
+    dry = [joint for _, joint, friction in joints_with_friction(model, scene) if friction.dry]
     none, some = "no joint has Coulomb friction", "joints with Coulomb friction"
     return Verdict.of_joints(dry, ("qd", zero_columns), none, "no joint with Coulomb friction moves", some)
 

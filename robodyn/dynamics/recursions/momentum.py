@@ -17,11 +17,18 @@ def dual_state(
 ) -> tuple[list[Dual], list[Dual]]:
     """q and qd as duals whose rates are those of the motion.
 
-    A hinge or slide moves at qd. A floating joint's position moves at v, its quaternion h (x y z w) at
-    `h_dot = h (w_body, 0) / 2`. Speeds change at qdd.
-
     Args:
         q: nq scalars; qd, qdd: n scalars.
+    """
+    position = [Dual(x, rate) for x, rate in zip(q, position_rates(model, q, qd), strict=True)]
+    return position, [Dual(x, rate) for x, rate in zip(qd, qdd, strict=True)]
+
+
+def position_rates(model: Model, q: Sequence[Scalar], qd: Sequence[Scalar]) -> list[Scalar]:
+    """Return the rates of q.
+
+    A hinge or slide moves at qd. A floating joint's position moves at v, its quaternion h (x y z w) at
+    `h_dot = h (w_body, 0) / 2`.
     """
     rates: list[Scalar] = []
     for joint in model.independent:
@@ -30,8 +37,7 @@ def dual_state(
             rates += [*v, *_quaternion_rate(q[joint.coordinate + 3 : joint.coordinate + 7], w)]
         else:
             rates.append(qd[joint.rate])
-    position = [Dual(x, rate) for x, rate in zip(q, rates, strict=True)]
-    return position, [Dual(x, rate) for x, rate in zip(qd, qdd, strict=True)]
+    return rates
 
 
 def _quaternion_rate(h: Sequence[Scalar], w: Sequence[Scalar]) -> list[Scalar]:

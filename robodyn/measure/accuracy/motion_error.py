@@ -9,6 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.dynamics.recursions.momentum import position_rates
 from robodyn.robot.model import Model
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import Floats
@@ -54,26 +55,12 @@ def between_records(motion: Simulation) -> Callable[[Floats], Floats]:
 
     states = np.hstack((motion.q, motion.qd))
     if motion.step is None:
-        spline = CubicHermiteSpline(motion.time, states, np.hstack((_slopes(motion), motion.qdd)))
+        slopes = position_rates(motion.model, list(motion.q.T), list(motion.qd.T))
+        spline = CubicHermiteSpline(motion.time, states, np.column_stack((*slopes, motion.qdd)))
     else:
         degree = min(7, len(motion.time) - 1)
         spline = make_interp_spline(motion.time, states, k=degree - 1 + degree % 2)
     return lambda times: np.asarray(spline(times), dtype=float)
-
-
-def _slopes(motion: Simulation) -> Floats:
-    """Return (N, nq) the rates of positions; of a quaternion h those of `h (w / 2)`, w along the body's axes."""
-    slopes = np.zeros_like(motion.q)
-    for joint in motion.model.independent:
-        k, i = joint.coordinate, joint.rate
-        if joint.kind == "floating":
-            w, x = 0.5 * motion.qd[:, i : i + 3], motion.q[:, k + 3 : k + 7]
-            slopes[:, k : k + 3] = motion.qd[:, i + 3 : i + 6]
-            slopes[:, k + 3 : k + 6] = x[:, 3:] * w + np.cross(x[:, :3], w)
-            slopes[:, k + 6] = -(x[:, :3] * w).sum(axis=1)
-        else:
-            slopes[:, k] = motion.qd[:, i]
-    return slopes
 
 
 def _kinds(model: Model) -> NDArray[np.int64]:
