@@ -11,14 +11,15 @@ from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.kinematics import Motion, motions, poses, velocities
 from robodyn.support.floats import Floats
 
 
-def laws(plan: Plan) -> Program:
+@traced
+def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """Return the program of the base wrench that Euler's laws demand, and of the power that goes into stored energy.
 
     `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, about the
@@ -28,16 +29,12 @@ def laws(plan: Plan) -> Program:
     Returns:
         A program with 10 outputs: f, n, dE/dt, and three squares.
     """
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample, terms = plan.terms(tape)
-        q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
-        dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
-        joints = motions(sample.model, q, qd, sample.qdd)
-        power = rate_of(stored_energy(plan, dual, terms, joints))
-        return [*_base_wrench(dual, terms, joints), power, *_magnitudes(sample, terms, joints)]
-
-    return trace(outputs)
+    sample, terms = plan.terms(tape)
+    q, qd = dual_state(sample.model, sample.q, sample.qd, sample.qdd)
+    dual = Sample(sample.model, tuple(q), tuple(qd), sample.qdd, sample.columns)
+    joints = motions(sample.model, q, qd, sample.qdd)
+    power = rate_of(stored_energy(plan, dual, terms, joints))
+    return [*_base_wrench(dual, terms, joints), power, *_magnitudes(sample, terms, joints)]
 
 
 def _magnitudes(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Scalar]:
@@ -93,25 +90,19 @@ class LawResiduals:
         return force, moment
 
 
-def energy(plan: Plan) -> Program:
+@traced
+def energy(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """Return the program of the stored energy [J] and of the power lost [W]."""
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample, terms = plan.terms(tape)
-        joints = sample.motions()
-        return [stored_energy(plan, sample, terms, joints), power_lost(plan, sample, terms, joints)]
-
-    return trace(outputs)
+    sample, terms = plan.terms(tape)
+    joints = sample.motions()
+    return [stored_energy(plan, sample, terms, joints), power_lost(plan, sample, terms, joints)]
 
 
-def losses(plan: Plan) -> Program:
+@traced
+def losses(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """Return the program of the power lost alone [W]."""
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample, terms = plan.terms(tape)
-        return [power_lost(plan, sample, terms, sample.motions())]
-
-    return trace(outputs)
+    sample, terms = plan.terms(tape)
+    return [power_lost(plan, sample, terms, sample.motions())]
 
 
 def stored_energy(plan: Plan, sample: Sample, terms: Terms, joints: list[Motion]) -> Scalar:

@@ -18,7 +18,7 @@ from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import RESIST, aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
 from robodyn.errors import InputError
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, vector
@@ -29,17 +29,14 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest
 
 
-def acceleration_program(plan: Plan) -> Program:
+@traced
+def acceleration_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of qdd from q, qd and tau, which is another input; `plan.zero_columns` may name its entries too."""
     refuse_loops(plan.scene)
     model, scene, zero_columns = aligned(plan.model), plan.scene, plan.zero_columns
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        sample = replace(Plan(model, scene, zero_columns).sample(tape), qdd=(0.0,) * model.n)
-        tau = [0.0 if ("tau", i) in zero_columns else tape.input("tau", i) for i in range(model.n)]
-        return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
-
-    return trace(outputs)
+    sample = replace(Plan(model, scene, zero_columns).sample(tape), qdd=(0.0,) * model.n)
+    tau = [0.0 if ("tau", i) in zero_columns else tape.input("tau", i) for i in range(model.n)]
+    return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
 
 
 def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Sequence[float]) -> list[Scalar]:

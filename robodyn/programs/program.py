@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, TypeVar
 
 from robodyn.programs.scalar import CONSTANT, INPUT, Tape, Traced
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,16 @@ def trace(function: Callable[[Tape], Iterable[Any]], first: Sequence[int] = ()) 
     outputs = [x if isinstance(x, Traced) else tape.constant(x) for x in function(tape)]
     early = [outputs[i] for i in first]
     return _linearised(outputs, [*early, *outputs])
+
+
+def traced(outputs: Callable[[T, Tape], Iterable[Any]]) -> Callable[[T], Program]:
+    """Return what traces these outputs for an argument: a decorator of functions of it and a tape."""
+
+    @wraps(outputs)
+    def program(given: T) -> Program:
+        return trace(lambda tape: outputs(given, tape))
+
+    return program
 
 
 def _linearised(outputs: Sequence[Traced], visits: Sequence[Traced]) -> Program:

@@ -18,7 +18,7 @@ from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import momenta, position_rates
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import Program, traced
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
@@ -148,34 +148,28 @@ class Equations:
         values = [tape.input(STATE, k) for k in range(self.width)]
         return State(values[:nq], values[nq : nq + n], values[-2], values[-1])
 
-    def derivatives(self) -> Program:
+    @traced
+    def derivatives(self, tape: Tape) -> Iterable[Scalar]:
         """The program of the rates of (q, qd, work), quaternions being four numbers, for methods that know no turns."""
+        state = self.state(tape)
+        qdd, work = self.accelerations(state.q, state.qd, self.given(tape))
+        return [*position_rates(self.model, state.q, state.qd), *qdd, work]
 
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            state = self.state(tape)
-            qdd, work = self.accelerations(state.q, state.qd, self.given(tape))
-            return [*position_rates(self.model, state.q, state.qd), *qdd, work]
-
-        return trace(outputs)
-
-    def figures(self) -> Program:
+    @traced
+    def figures(self, tape: Tape) -> Iterable[Scalar]:
         """Return the program of qdd, tau, stored and kinetic energy, linear momentum and that about the centre of mass.
 
         In the ground's axes: `P = R P_base`, `H_c = R (H_base - c x P_base)`.
         """
-
-        def outputs(tape: Tape) -> Iterable[Scalar]:
-            state, given = self.state(tape), self.given(tape)
-            qdd, _ = self.accelerations(state.q, state.qd, given)
-            sample = self.sample(self.model, state.q, state.qd, given)
-            terms = applied(self.plan.effects, sample, self.scene)
-            joints = sample.motions()
-            energy = stored_energy(self.plan, sample, terms, joints)
-            whole, R = momenta(self.model.parents, joints, terms.inertias), joints[0].R
-            P, H = R @ whole.P, R @ (whole.H - cross(whole.mc, whole.P) / whole.m)
-            return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
-
-        return trace(outputs)
+        state, given = self.state(tape), self.given(tape)
+        qdd, _ = self.accelerations(state.q, state.qd, given)
+        sample = self.sample(self.model, state.q, state.qd, given)
+        terms = applied(self.plan.effects, sample, self.scene)
+        joints = sample.motions()
+        energy = stored_energy(self.plan, sample, terms, joints)
+        whole, R = momenta(self.model.parents, joints, terms.inertias), joints[0].R
+        P, H = R @ whole.P, R @ (whole.H - cross(whole.mc, whole.P) / whole.m)
+        return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
 
 
 @lru_cache(maxsize=16)

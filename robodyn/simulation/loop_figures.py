@@ -14,7 +14,7 @@ from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.errors import InputError
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import trace, traced
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
@@ -103,20 +103,17 @@ def loop_figures(plan: Plan, motion: Motion, executor: str, signal: Signal, proj
     )
 
 
-def loop_program(equations: Equations) -> Program:
+@traced
+def loop_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
     """Return the program of each loop's wrench, then of phi and phi' by equation."""
     chain = necessary(equations.plan)
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        state, given = equations.state(tape), equations.given(tape)
-        sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
-        terms = applied(equations.plan.effects, sample, equations.scene)
-        tau = equations.drives(state.q, state.qd, given)
-        here = chain.equations(sample)
-        wrenches = chain.wrenches(here, chain.accelerations(sample, terms, tau)[1])
-        return [*(x for wrench in wrenches for part in wrench for x in part), *here.error, *here.rate]
-
-    return trace(outputs)
+    state, given = equations.state(tape), equations.given(tape)
+    sample: Sample = equations.sample(chain.model, state.q, state.qd, given)
+    terms = applied(equations.plan.effects, sample, equations.scene)
+    tau = equations.drives(state.q, state.qd, given)
+    here = chain.equations(sample)
+    wrenches = chain.wrenches(here, chain.accelerations(sample, terms, tau)[1])
+    return [*(x for wrench in wrenches for part in wrench for x in part), *here.error, *here.rate]
 
 
 def _rank(chain: ClosedChain, state: Floats) -> int:

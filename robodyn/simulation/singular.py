@@ -11,7 +11,7 @@ from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.necessary import FEW, necessary
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import traced
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.simulation.equations import STATE, Equations, state_runner
@@ -144,14 +144,11 @@ def _jacobians(plan: Plan, states: Floats) -> Floats:
     return columns.reshape(len(states), -1, plan.model.n)
 
 
-def _jacobian_program(equations: Equations) -> Program:
+@traced
+def _jacobian_program(equations: Equations, tape: Tape) -> Iterable[Scalar]:
     chain = necessary(equations.plan)
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        rows = chain.equations(chain.sample(equations.state(tape).q)).J
-        return [row.get(rate, 0.0) for row in rows for rate in range(chain.model.n)]
-
-    return trace(outputs)
+    rows = chain.equations(chain.sample(equations.state(tape).q)).J
+    return [row.get(rate, 0.0) for row in rows for rate in range(chain.model.n)]
 
 
 def passing_notes(found: tuple[Singular, ...], usual: int) -> list[str]:
