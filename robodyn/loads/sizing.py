@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -111,9 +112,9 @@ class SizingPass:
         still = duration <= 0
         peak = float(self.static.kept["value"][k])
         rms = abs(peak) if still else float(np.sqrt(totals["static square"][k] / duration))
-        exceeded = sorted(self._exceeded(k, load, motor), key=_severity)
-        known = _limited(load, motor) or (k in self.driven and self._gear_limited(k))
-        level: Level = exceeded[0].level if exceeded else "OK" if known else "no limits"
+        limited = list(self._limited(k, load, motor))
+        exceeded = sorted((each for each in limited if each.value > BEYOND * each.limit), key=_severity)
+        level: Level = exceeded[0].level if exceeded else "OK" if limited else "no limits"
         moving = abs(load.max_speed) > STANDSTILL
         return JointSizing(
             name=load.name,
@@ -130,31 +131,23 @@ class SizingPass:
             exceeded=tuple(exceeded),
         )
 
-    def _exceeded(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
-        if motor is not None:
-            yield from _motor_exceeded(motor)
-            yield from self._gear_exceeded(self.driven.index(k), load.unit)
-        if load.effort_limit is not None and abs(load.peak) > BEYOND * load.effort_limit:
-            when = (load.peak_time, load.peak_row, None, load.seconds_over_effort)
-            yield Exceeded("effort", abs(load.peak), load.effort_limit, load.unit, *when)
-        if load.velocity_limit is not None and abs(load.max_speed) > BEYOND * load.velocity_limit:
-            when = (load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity)
-            unit = "rad/s" if load.unit == "N m" else "m/s"
-            yield Exceeded("velocity", abs(load.max_speed), load.velocity_limit, unit, *when)
+    def _limited(self, k: int, load: JointLoad, motor: MotorLoad | None) -> Iterator[Exceeded]:
+        """Yield what has a limit, whether that is exceeded or not."""
+        when = load.peak_time, load.peak_row, None, load.seconds_over_effort
+        fastest = load.max_speed_time, load.max_speed_row, None, load.seconds_over_velocity
+        unit = "rad/s" if load.unit == "N m" else "m/s"
+        rows: list[tuple[Any, ...]] = [
+            *(() if motor is None else (*_motor_rows(motor), *self._gear_rows(self.driven.index(k), load.unit))),
+            ("effort", abs(load.peak), load.effort_limit, load.unit, *when),
+            ("velocity", abs(load.max_speed), load.velocity_limit, unit, *fastest),
+        ]
+        return (Exceeded(*row) for row in rows if row[2] is not None)
 
-    def _gear_limited(self, k: int) -> bool:
-        motor = self.motors.trains[self.driven.index(k)].motor
-        return motor.gear_peak is not None or motor.gear_average is not None
-
-    def _gear_exceeded(self, i: int, unit: str) -> Iterator[Exceeded]:
-        motor, gear = self.motors.trains[i].motor, self.motors.gear
-        most, mean = float(gear.score[i]), self.motors.mean_gear_torque(i)
-        if motor.gear_peak is not None and most > BEYOND * motor.gear_peak:
-            seconds = float(self.motors.integrals.totals["over gear"][i])
-            when = (float(gear.time[i]), int(gear.row[i]), None, seconds)
-            yield Exceeded("gear torque", most, motor.gear_peak, unit, *when)
-        if motor.gear_average is not None and mean > BEYOND * motor.gear_average:
-            yield Exceeded("mean gear torque", mean, motor.gear_average, unit)
+    def _gear_rows(self, i: int, unit: str) -> Iterator[tuple[Any, ...]]:
+        motor, gear, seconds = self.motors.trains[i].motor, self.motors.gear, self.motors.integrals.totals["over gear"]
+        when = float(gear.time[i]), int(gear.row[i]), None, float(seconds[i])
+        yield "gear torque", float(gear.score[i]), motor.gear_peak, unit, *when
+        yield "mean gear torque", self.motors.mean_gear_torque(i), motor.gear_average, unit
 
     def _foundation(self) -> tuple[FoundationLoad, ...]:
         figures = self.base.figures
@@ -166,25 +159,15 @@ class SizingPass:
         )
 
 
-def _motor_exceeded(motor: MotorLoad) -> Iterator[Exceeded]:
-    near, most, limit = motor.nearest, motor.speed_limit, motor.continuous_limit
-    if near is not None and near.torque > BEYOND * near.limit:
+def _motor_rows(motor: MotorLoad) -> Iterator[tuple[Any, ...]]:
+    near, fastest = motor.nearest, (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
+    if near is not None:
         at_speed = (near.time, near.row, near.speed, motor.seconds_over_peak)
-        yield Exceeded("motor torque", near.torque, near.limit, motor.unit, *at_speed)
-    if most is not None and abs(motor.max_speed) > BEYOND * most:
-        when = (motor.max_speed_time, motor.max_speed_row, None, motor.seconds_over_speed)
-        yield Exceeded("motor speed", abs(motor.max_speed), most, motor.speed_unit, *when)
-    if limit is not None and motor.rms > BEYOND * limit:
-        yield Exceeded("RMS motor torque", motor.rms, limit, motor.unit, speed=motor.mean_speed)
+        yield "motor torque", near.torque, near.limit, motor.unit, *at_speed
+    yield "motor speed", abs(motor.max_speed), motor.speed_limit, motor.speed_unit, *fastest
+    yield "RMS motor torque", motor.rms, motor.continuous_limit, motor.unit, None, None, motor.mean_speed
 
 
 def _severity(exceeded: Exceeded) -> tuple[bool, float]:
     """Return what breaks before what wears, then by how far in relation to the limit."""
     return exceeded.level != "over peak", -float(steady(exceeded.value / exceeded.limit)) if exceeded.limit else -np.inf
-
-
-def _limited(load: JointLoad, motor: MotorLoad | None) -> bool:
-    limits = [load.effort_limit, load.velocity_limit]
-    if motor is not None:
-        limits += [motor.continuous_limit, motor.speed_limit, motor.nearest.limit if motor.nearest else None]
-    return any(limit is not None for limit in limits)

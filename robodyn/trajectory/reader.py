@@ -122,8 +122,7 @@ class TrajectoryReader:
     @staticmethod
     def _derived(samples: Trajectory, plan: Plan, start: int, stop: int) -> Trajectory:
         """Return the samples from start to stop with the missing columns, and how far they can be trusted."""
-        from robodyn.trajectory.derive import derive
-        from robodyn.trajectory.sampling import sampling
+        from robodyn.trajectory.derive import derive, sampling
 
         whole, noise, off = derive(samples, plan)
         return replace(cut(whole, start, stop), sampling=sampling(whole, plan, noise, off, slice(start, stop)))
