@@ -11,7 +11,7 @@ from robodyn.checks.reading.tree import Tree, build_tree
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY
 from robodyn.robot.urdf.description import read_description
-from robodyn.robot.urdf.document import Reading
+from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.packages import Search
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.view import View
@@ -98,7 +98,7 @@ class Context:
         codes: of all rules.
     """
 
-    reading: Reading
+    reading: Document
     thresholds: Thresholds = DEFAULT
     package_path: tuple[str, ...] = ()
     asked: Asked = NOTHING
@@ -124,7 +124,7 @@ class Context:
 
     def reaches(self, stage: int) -> bool:
         """Return whether the file can be read as far as a stage of `robodyn.checks.rule` asks for."""
-        needed = (lambda: self.reading.document, lambda: self.tree_or_none, lambda: self.model_or_none)
+        needed = (lambda: self.reading.robot, lambda: self.tree_or_none, lambda: self.model_or_none)
         return all(there() is not None for there in needed[:stage])
 
     @cached_property
@@ -140,10 +140,10 @@ class Context:
     @cached_property
     def description_or_none(self) -> Description | None:
         """The strict reading."""
-        if self.reading.document is None:
+        if self.reading.robot is None:
             return None
         try:
-            description = read_description(self.reading.document, self.view)
+            description = read_description(self.reading, self.view)
             return replace(description, search=self.search, data=self.reading.data)
         except DescriptionError:
             return None

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from robodyn.checks.context import Context
-from robodyn.robot.urdf.document import Reading
+from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.source_positions import BOM, Span
 from robodyn.robot.urdf.view import Subject
 
@@ -192,7 +192,7 @@ _BEFORE, _AFTER = 60, 60
 """Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
 
 
-def excerpt(reading: Reading, at: Span) -> Excerpt:
+def excerpt(reading: Document, at: Span) -> Excerpt:
     """Return the line in which the span begins, without its indent, and cut where it is long."""
     data = reading.data
     last = min(at.start + _AFTER, len(data))

@@ -14,7 +14,7 @@ from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
-from robodyn.robot.urdf.document import Reading, read
+from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import content_of, is_xacro
 from robodyn.robot.urdf.view import Subject
@@ -101,7 +101,7 @@ class Task:
             return STDIN
         return self.source + EXPANDED if is_xacro(self.source) else self.source
 
-    def reading(self) -> Reading:
+    def reading(self) -> Document:
         return read_one(self.source, self.options)
 
 
@@ -155,7 +155,7 @@ def _outcome(task: Task) -> tuple[Finding, ...] | InputError:
         return error
 
 
-def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Reading:
+def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Document:
     """Return the reading of one file or its bytes; a xacro file is expanded first."""
     arguments = dict(options.xacro_args) if is_xacro(source) else {}
     file, data = content_of(source, name, options.package_path, arguments)

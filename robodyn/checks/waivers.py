@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
-from robodyn.robot.urdf.document import Reading
+from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.source_positions import Span
 from robodyn.support.wording import alternatives, shown
@@ -87,15 +87,15 @@ def waived(findings: Iterable[Finding], given: Sequence[Waiver]) -> tuple[list[F
     return kept, [(waiver, code) for k, waiver, code in codes if (k, code) not in used]
 
 
-def _waivers(reading: Reading) -> Iterator[Waiver]:
-    if reading.document is None or b"robodyn:" not in reading.data:
+def _waivers(reading: Document) -> Iterator[Waiver]:
+    if reading.robot is None or b"robodyn:" not in reading.data:
         return
-    elements = list(_downward(reading.document.root))
+    elements = list(_downward(reading.root))
     for comment in _WAIVER.finditer(reading.data):
         text = " ".join(comment.group(1).decode(reading.encoding).split())
         allow = _ALLOW.fullmatch(text)
         codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
-        at = reading.document.root.positions.span(*comment.span())
+        at = reading.root.positions.span(*comment.span())
         reason = allow.group(2) if allow else ""
         yield Waiver(at, text, codes, reason, _erased(reading.data, at), *_about(reading.data, at, elements))
 

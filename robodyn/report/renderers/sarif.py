@@ -15,7 +15,7 @@ from urllib.parse import quote
 from robodyn.checks.compare.baseline import fingerprints
 from robodyn.checks.rule import Edit, Finding, Rule
 from robodyn.checks.run import Unread
-from robodyn.robot.urdf.document import Reading
+from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.source_positions import SourcePositions
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -27,7 +27,7 @@ Region = Callable[[str, int, int], Object]
 def check_sarif(
     findings: Sequence[Finding],
     rules: Sequence[Rule],
-    reading: Callable[[str], Reading],
+    reading: Callable[[str], Document],
     unread: Sequence[Unread] = (),
 ) -> str:
     """Return one run with the rules' documentation; of each finding place, link or joint, numbers and fix.
@@ -117,7 +117,7 @@ def _fix(finding: Finding, what: str, edits: Sequence[Edit], region: Region) -> 
     return {"description": {"text": what}, "artifactChanges": [change]}
 
 
-def _places(reading: Reading) -> SourcePositions:
+def _places(reading: Document) -> SourcePositions:
     return SourcePositions(reading.data, reading.encoding)
 
 

@@ -10,45 +10,35 @@ import os
 from dataclasses import dataclass
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.elements import Attribute, Element
-from robodyn.robot.urdf.source_positions import SourcePositions, Span
+from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.source_positions import SourcePositions
 from robodyn.robot.urdf.sources import LONGEST, as_utf8, long_token, read_source
 from robodyn.robot.urdf.xml_reader import Reader, TextFault
-
-__all__ = ["Attribute", "Document", "Element", "Reading", "Span", "TextFault", "read", "read_document"]
 
 _SHOWN = 200
 """Bytes kept of a token that is too long."""
 
 
-@dataclass(frozen=True)
-class Document:
-    """A parsed file. Spans are byte offsets into `data`, text in `encoding`.
-
-    `data` are the bytes of the file, except for UTF-16, which is transcoded to UTF-8 first.
-    """
-
-    file: str
-    data: bytes
-    root: Element
-    encoding: str = "utf-8"
-
-
 @dataclass(frozen=True, eq=False)
-class Reading:
-    """A file, the faults of its XML, and its document where that could be read to the end and needs no expansion."""
+class Document:
+    """A parsed file, and what is wrong with it as XML. Spans are byte offsets into `data`, text in `encoding`.
+
+    Attributes:
+        data: the bytes of the file, except for UTF-16, which is transcoded to UTF-8 first.
+        robot: the element <robot>, where the file could be read to the end and needs no expansion.
+    """
 
     file: str
     data: bytes
     encoding: str
     faults: tuple[TextFault, ...]
-    document: Document | None
+    robot: Element | None
 
     @property
     def root(self) -> Element:
-        """<robot>, of a file that has a document."""
-        assert self.document is not None, "the file could be read"
-        return self.document.root
+        """<robot>, of a file that could be read."""
+        assert self.robot is not None, "the file could be read"
+        return self.robot
 
     def found(self, code: str) -> list[TextFault]:
         """Return what rule `code` reports."""
@@ -70,13 +60,13 @@ def read_document(source: str | os.PathLike[str] | bytes, name: str | None = Non
             prefix outside the extension elements, or is left over from xacro; with the line.
     """
     file, original = read_source(source, name)
-    reading = _parsed(file, *as_utf8(file, original))
-    if reading.document is None or reading.faults:
-        raise reading.faults[0].error
-    return reading.document
+    document = _parsed(file, *as_utf8(file, original))
+    if document.faults:
+        raise document.faults[0].error
+    return document
 
 
-def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Reading:
+def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Document:
     """Return what can be read of a file, with all its faults.
 
     Args:
@@ -90,28 +80,27 @@ def read(source: str | os.PathLike[str] | bytes, name: str | None = None) -> Rea
         data, transcoded = as_utf8(file, original)
     except DescriptionError as error:
         at, remedy = SourcePositions(original, "latin-1").span(0, 0), error.remedy or "save as UTF-8"
-        return Reading(file, original, "latin-1", (TextFault("RD001", at, error.what, remedy, error),), None)
+        return Document(file, original, "latin-1", (TextFault("RD001", at, error.what, remedy, error),), None)
     if (long := long_token(data)) is not None:
         return _unread(file, data, *long)
     return _parsed(file, data, transcoded)
 
 
-def _parsed(file: str, data: bytes, transcoded: bool) -> Reading:
+def _parsed(file: str, data: bytes, transcoded: bool) -> Document:
     """Parse the text by expat, which fetches nothing: what declares entities ends the reading before any is expanded.
 
     Method: one pass, no recursion.
     """
     reader = Reader(file, data, "utf-8" if transcoded else None)
     root, encoding = reader.run(), reader.positions.encoding
-    document = None if root is None else Document(file, data, root, encoding)
-    return Reading(file, data, encoding, tuple(reader.faults), document)
+    return Document(file, data, encoding, tuple(reader.faults), root)
 
 
-def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Reading:
-    """Return the reading of a file with a token that is too long: its data end soon after that has begun."""
+def _unread(file: str, data: bytes, start: int, end: int, kind: str) -> Document:
+    """Return a file with a token that is too long: its data end soon after that has begun."""
     what = f"{kind} of {end - start} bytes; more than {LONGEST} from one tag to the next are not read"
     remedy = "shorten it; no robot needs as much"
     seen = data[: min(start + _SHOWN, end)]
     at = SourcePositions(seen, "utf-8").span(start, len(seen))
     error = DescriptionError(what, remedy=remedy, file=file, line=at.line)
-    return Reading(file, seen, "utf-8", (TextFault("RD001", at, what, remedy, error),), None)
+    return Document(file, seen, "utf-8", (TextFault("RD001", at, what, remedy, error),), None)
