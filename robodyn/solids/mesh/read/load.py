@@ -1,20 +1,26 @@
-"""Meshes from files, standard input, bytes and arrays."""
+"""Meshes from files, standard input, bytes and arrays, of the type that is said or that they begin as."""
 
 from __future__ import annotations
 
 import os
+import re
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.kinds import SCENES, kind_of, scale_of
-from robodyn.solids.mesh.read.source import Source, open_source
+from robodyn.solids.mesh.read.source import Source, open_source, scale_of
 from robodyn.solids.mesh.read.stl_binary import OnProgress, is_complete, open_binary
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
 
 _HEAD = 4096
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
+SCENES = ("dae", "zae", "glb", "gltf", "3mf", "3dxml", "xaml")
+"""Types that trimesh reads."""
+KINDS = ("stl", "obj", "ply", "off", *SCENES)
+"""All types of meshes; also the suffixes of their names."""
+_OFF = rb"\s*(ST)?C?N?OFF\s"
+_OBJ = rb"(?m)^v[ \t]+[-+.\d]"
 
 
 def load_triangles(
@@ -31,7 +37,7 @@ def load_triangles(
 
     Args:
         source: name of a file; `-` is standard input; or the bytes themselves.
-        file_type: one of `kinds.KINDS`; by the suffix, or by how the file begins, if None.
+        file_type: one of KINDS; by the suffix, or by how the file begins, if None.
         unit: "m", "mm", "cm" or "in"; what the file says if None, metres if it says nothing.
         on_progress: called with how many triangles of a binary STL have been read, whenever some have.
 
@@ -90,3 +96,48 @@ def _read_stl(source: Source, scale: float, notes: tuple[str, ...], on_progress:
     from robodyn.solids.mesh.read.stl_ascii import read_ascii
 
     return read_ascii(source, scale, notes)
+
+
+def kind_of(source: Source, file_type: str | None) -> str:
+    """One of KINDS.
+
+    Args:
+        file_type: what the caller says, one of them.
+
+    Raises:
+        MeshError: there is no such type, the suffix is unknown, or the file begins as one of another type.
+    """
+    head = source.data(_HEAD)
+    if file_type is not None:
+        kind = file_type.lower().removeprefix(".")
+        if kind not in KINDS:
+            raise source.error(f"unknown type of mesh {file_type!r}", remedy=f"types: {', '.join(KINDS)}")
+        return kind
+    suffix = os.path.splitext(source.path or "")[1].lower().removeprefix(".")
+    found = _begins_as(head, source.size)
+    if suffix in KINDS:
+        if found and found != suffix and {found, suffix} != {"dae", "xaml"}:
+            raise source.error(
+                f"is named .{suffix} but begins as {found.upper()} does", remedy=f"say its type: {found}"
+            )
+        return suffix
+    if suffix:
+        raise source.error(f"unknown type of mesh .{suffix}", remedy=f"types: {', '.join(KINDS)}")
+    if found is None:
+        raise source.error("the type of mesh is not known", remedy=f"say which: {', '.join(KINDS)}")
+    return found
+
+
+def _begins_as(head: bytes, size: int) -> str | None:
+    if is_complete(head, size):
+        return "stl"
+    text = head.lstrip().lower()
+    signs = {
+        "stl": text.startswith(b"solid") and b"facet" in text,
+        "ply": head.startswith((b"ply\n", b"ply\r")),
+        "glb": head.startswith(b"glTF"),
+        "off": re.match(_OFF, re.sub(rb"#[^\r\n]*", b"", head)) is not None,
+        "dae": b"<COLLADA" in head,
+        "obj": b"\0" not in head and re.search(_OBJ, head) is not None,
+    }
+    return next((kind for kind, found in signs.items() if found), None)

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from robodyn.errors import MeshError
 from robodyn.programs.vectors import product
 from robodyn.solids.mesh.read.assets import asset_of
-from robodyn.solids.mesh.read.kinds import scale_of
 from robodyn.solids.mesh.read.polygons import triangles_of
-from robodyn.solids.mesh.read.source import Source
+from robodyn.solids.mesh.read.source import Source, scale_of
 from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
 from robodyn.support.floats import Floats
 from robodyn.support.libraries import library_messages, treated_warnings
@@ -30,7 +29,7 @@ def read_scene(source: Source, kind: str, unit: str | None) -> IndexedTriangles:
     """Return all triangles of a scene, in its own axes.
 
     Args:
-        kind: one of `kinds.SCENES`. unit: see `units.scale_of`.
+        kind: one of `load.SCENES`. unit: see `scale_of`.
 
     Raises:
         MeshError: trimesh cannot read it, or there are no triangles.

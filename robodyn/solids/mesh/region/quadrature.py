@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Indexed, Numbers
+from robodyn.solids.mesh.indexed import Indexed, Numbers
 from robodyn.solids.mesh.integrate.exact import VolumeIntegrals
 from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.region.open_region import OpenSurface, definite
@@ -101,7 +101,7 @@ def local_caps(mesh: Indexed) -> Indexed:
     if np.count_nonzero(fan) <= _FAN:
         return mesh
     found = [mesh.faces[~fan]]
-    rim = _boundary(mesh.faces[fan])
+    rim = _uncancelled(mesh.faces[fan][:, [(0, 1), (1, 2), (2, 0)]].reshape(-1, 2))
     last = len(rim) + 1
     while _GROUP < len(rim) < last:
         last = len(rim)
@@ -113,15 +113,14 @@ def local_caps(mesh: Indexed) -> Indexed:
     return Indexed(mesh.vertices, faces[(a != b) & (b != c) & (c != a)])
 
 
-def _boundary(faces: Numbers) -> Numbers:
-    """(n, 2) directed edges, as often as they are left over."""
-    edges = Edges.between(faces)
-    return _uncancelled(edges.ends, edges.balance)
-
-
-def _uncancelled(ends: Numbers, balance: Numbers) -> Numbers:
-    way = np.where(balance[:, None] > 0, ends, ends[:, ::-1])
-    return np.repeat(way, np.abs(balance), axis=0)
+def _uncancelled(sides: Numbers) -> Numbers:
+    """(k, 2) of directed edges (n, 2), as often as they are left over when opposite ones cancel."""
+    low, high = sides.min(axis=1), sides.max(axis=1)
+    most = int(sides.max(initial=0)) + 1
+    keys, of = np.unique(low * most + high, return_inverse=True)
+    balance = np.bincount(of.ravel(), np.where(sides[:, 0] == low, 1, -1), len(keys)).astype(np.int64)
+    ends = np.column_stack([keys // most, keys % most])
+    return np.repeat(np.where(balance[:, None] > 0, ends, ends[:, ::-1]), np.abs(balance), axis=0)
 
 
 def _closed(vertices: Floats, rim: Numbers) -> tuple[Numbers, Numbers, Numbers]:
@@ -134,9 +133,4 @@ def _closed(vertices: Floats, rim: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     into, out = np.lexsort((amid, rim[:, 1])), np.lexsort((amid, rim[:, 0]))
     joints = np.column_stack([amid[into], rim[into, 1], amid[out]])
     joints = joints[joints[:, 0] != joints[:, 2]]
-    steps = joints[:, [0, 2]]
-    low, high = steps.min(axis=1), steps.max(axis=1)
-    keys, of = np.unique(low * len(vertices) + high, return_inverse=True)
-    balance = np.bincount(of.ravel(), np.where(steps[:, 0] == low, 1, -1), len(keys)).astype(np.int64)
-    ends = np.column_stack([keys // len(vertices), keys % len(vertices)])
-    return np.column_stack([rim, amid]), joints, _uncancelled(ends, balance)
+    return np.column_stack([rim, amid]), joints, _uncancelled(joints[:, [0, 2]])

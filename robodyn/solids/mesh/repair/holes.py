@@ -25,6 +25,9 @@ _BULGE = 0.2
 """Volume, over the area of a hole to the power 3/2, that may lie between its cap and the surface that was there: twice
 what lies between the cap of a round or a square hole and where the winding number is 1/3 or 2/3."""
 
+_SEAM = 1e-6
+"""Area over squared perimeter below which a gap is a seam: a T-junction, or an edge drawn twice."""
+
 
 @dataclass(frozen=True)
 class Filling:
@@ -70,19 +73,14 @@ def filled(shells: Shells) -> Filling:
     caps = [cap for gap in fill for cap in gap.caps]
     sizes = [size for gap in fill for size in gap.sizes]
     seams = sum(is_seam(mesh.vertices, cap, size) for cap, size in zip(caps, sizes, strict=True))
-    closed = shells.closed.copy()
-    closed[[gap.shell for gap in fill]] = True
-    whole = replace(mesh, faces=np.concatenate([mesh.faces, *caps]))
-    label = np.concatenate([shells.label, *[np.full(sum(map(len, gap.caps)), gap.shell, np.int64) for gap in fill]])
-    after = replace(shells, mesh=whole, label=label, closed=closed)
-    rest = _Caps()
-    for gap in loose:
-        rest.add(gap)
+    after = _with(shells, fill, [gap.caps for gap in fill], fill)
+    apex = next((gap.loops[0][0] for gap in loose if gap.patch), -1)
+    rest = [gap.cone(apex) if gap.patch else gap.caps for gap in loose]
     missing, present = sum(gap.area for gap in loose), sum(gap.own for gap in loose)
     return Filling(
         shells=after,
-        capped=rest.on(after),
-        caps=rest.count,
+        capped=_with(after, loose, rest, [gap for gap in loose if not gap.patch]),
+        caps=sum(len(cap) for caps in rest for cap in caps),
         holes=len(caps) - seams,
         seams=seams,
         triangles=sum(map(len, caps)),
@@ -111,6 +109,17 @@ class _Gap:
     def share(self) -> float:
         return self.area / (self.area + self.own)
 
+    @property
+    def patch(self) -> bool:
+        """Whether the shell is a patch of a body, rather than a body with a hole."""
+        return self.share > _BODY
+
+    def cone(self, apex: int) -> list[Numbers]:
+        """Return triangles (n, 3) from each loop to a vertex."""
+        sides = [zip([loop[-1], *loop[:-1]], loop, strict=True) for loop in self.loops]
+        faces = [[(a, b, apex) for a, b in side if apex not in (a, b)] for side in sides]
+        return [np.array(each, np.int64).reshape(-1, 3) for each in faces]
+
 
 def _gaps(shells: Shells) -> list[_Gap]:
     mesh = shells.mesh
@@ -124,45 +133,13 @@ def _gaps(shells: Shells) -> list[_Gap]:
     return found
 
 
-class _Caps:
-    """Caps of shells that stay open."""
-
-    def __init__(self) -> None:
-        self._faces: list[Numbers] = []
-        self._shells: list[int] = []
-        self._bodies: list[int] = []
-        self._apex: int | None = None
-
-    @property
-    def count(self) -> int:
-        return sum(map(len, self._faces))
-
-    def add(self, gap: _Gap) -> None:
-        """Take the caps of a body with a hole, or a cone over the loops of a patch."""
-        caps = gap.caps
-        if gap.share <= _BODY:
-            self._bodies.append(gap.shell)
-        else:
-            caps = [self._cone(loop) for loop in gap.loops]
-        self._faces += caps
-        self._shells += [gap.shell] * sum(map(len, caps))
-
-    def _cone(self, loop: list[int]) -> Numbers:
-        self._apex = apex = loop[0] if self._apex is None else self._apex
-        sides = zip([loop[-1], *loop[:-1]], loop, strict=True)
-        return np.array([(a, b, apex) for a, b in sides if apex not in (a, b)], np.int64).reshape(-1, 3)
-
-    def on(self, shells: Shells) -> Shells:
-        """Return the shells with the caps as their last faces; a body with caps is closed."""
-        closed = shells.closed.copy()
-        closed[self._bodies] = True
-        mesh = replace(shells.mesh, faces=np.concatenate([shells.mesh.faces, *self._faces]))
-        label = np.concatenate([shells.label, np.array(self._shells, np.int64)])
-        return replace(shells, mesh=mesh, label=label, closed=closed)
-
-
-_SEAM = 1e-6
-"""Area over squared perimeter below which a gap is a seam: a T-junction, or an edge drawn twice."""
+def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: list[_Gap]) -> Shells:
+    """Return the shells with the caps of each gap as their last faces, and those of some of the gaps closed."""
+    done = shells.closed.copy()
+    done[[gap.shell for gap in closed]] = True
+    mesh = replace(shells.mesh, faces=np.concatenate([shells.mesh.faces, *(cap for each in caps for cap in each)]))
+    labels = [np.full(sum(map(len, each)), gap.shell, np.int64) for gap, each in zip(gaps, caps, strict=True)]
+    return replace(shells, mesh=mesh, label=np.concatenate([shells.label, *labels]), closed=done)
 
 
 def boundary_loops(faces: Numbers) -> list[list[int]]:

@@ -13,8 +13,18 @@ NEAR = 1e-2
 """Asymmetries above this are none, whatever the facets: coarse ones could excuse anything."""
 
 
+class _Judged:
+    """What has an asymmetry and a verdict."""
+
+    verdict: Verdict
+
+    @property
+    def holds(self) -> bool:
+        return self.verdict in ("exact", "within tessellation")
+
+
 @dataclass(frozen=True, eq=False)
-class Plane:
+class Plane(_Judged):
     """A candidate for a mirror plane, n . x = offset; normal (3,) of length 1, offset in units of the file."""
 
     normal: Floats
@@ -22,13 +32,9 @@ class Plane:
     asymmetry: float
     verdict: Verdict
 
-    @property
-    def holds(self) -> bool:
-        return self.verdict in ("exact", "within tessellation")
-
 
 @dataclass(frozen=True, eq=False)
-class Axis:
+class Axis(_Judged):
     """A candidate for an axis of symmetry; fold n for rotations by 1 / n of a turn, infinite for revolution."""
 
     direction: Floats
@@ -36,10 +42,6 @@ class Axis:
     fold: float
     asymmetry: float
     verdict: Verdict
-
-    @property
-    def holds(self) -> bool:
-        return self.verdict in ("exact", "within tessellation")
 
 
 @dataclass(frozen=True)

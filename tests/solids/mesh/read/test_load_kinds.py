@@ -14,8 +14,8 @@ from helpers.mesh_samples import binary_stl, box, torus
 from helpers.sampled import sampled
 
 from robodyn.errors import MeshError
-from robodyn.solids.mesh.read.kinds import KINDS, METRES
-from robodyn.solids.mesh.read.load import from_array, load_triangles
+from robodyn.solids.mesh.read.load import KINDS, from_array, load_triangles
+from robodyn.solids.mesh.read.source import METRES
 from robodyn.solids.mesh.triangles import BLOCK
 
 BOX = box((1, 2, 3))
