@@ -20,8 +20,7 @@ from robodyn.robot.masses.compare import compare
 from robodyn.robot.masses.declared import link_inertia, robot_inertia
 from robodyn.robot.masses.measured import How, Reading
 from robodyn.robot.masses.shapes import link_from_shapes
-from robodyn.robot.urdf.geometry import Kind
-from robodyn.robot.urdf.parts import Description
+from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia.conversions import View
 
 if TYPE_CHECKING:

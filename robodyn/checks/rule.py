@@ -23,7 +23,7 @@ from enum import Enum, IntEnum
 
 from robodyn.checks.context import Context
 from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.source_positions import BOM, Span
+from robodyn.robot.urdf.elements import BOM, Span
 from robodyn.robot.urdf.view import Subject
 
 __all__ = [

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
 from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Element, Span
 from robodyn.support.wording import alternatives, shown
 
 OWN = ("RD008", "RD009")

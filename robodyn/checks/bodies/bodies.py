@@ -13,7 +13,7 @@ from robodyn.checks.bodies.shapes import box_of, group_boxes, real_shapes, solid
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.validity import Box

@@ -12,8 +12,7 @@ from typing import NamedTuple
 from robodyn.checks.bodies.masses import principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshUse, State, mesh_names, mesh_uses
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.view import JointView, LinkView
 
 Found = tuple[Span, str]

@@ -11,7 +11,7 @@ from robodyn.checks.bodies.bodies import Body, bodies
 from robodyn.checks.bodies.unit_slips import slips
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Span
 
 
 @rule(Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200")))

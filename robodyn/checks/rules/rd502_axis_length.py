@@ -8,8 +8,8 @@ from math import hypot
 
 from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Edit, Fault, Faults, Fix, Severity, rule
+from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.parts import WITH_AXIS
-from robodyn.robot.urdf.source_positions import Span
 
 
 @rule(Severity.WARNING, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 2"'))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import Subject
 
 if TYPE_CHECKING:

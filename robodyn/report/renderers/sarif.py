@@ -16,7 +16,7 @@ from robodyn.checks.compare.baseline import fingerprints
 from robodyn.checks.rule import Edit, Finding, Rule
 from robodyn.checks.run import Unread
 from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.source_positions import SourcePositions
+from robodyn.robot.urdf.elements import SourcePositions
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 Object = dict[str, Any]

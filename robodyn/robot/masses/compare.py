@@ -13,8 +13,8 @@ from robodyn.programs.vectors import ZERO, length
 from robodyn.robot.masses.declared import LinkInertia, declared
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
-from robodyn.robot.urdf.geometry import Kind, Shape, link_shapes
-from robodyn.robot.urdf.parts import Description, Link
+from robodyn.robot.urdf.geometry import Shape, link_shapes
+from robodyn.robot.urdf.parts import Description, Kind, Link
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED, box_bound
 from robodyn.support.floats import Floats, first_largest, ranked

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from robodyn.errors import DescriptionError, InputError, RobodynError
 from robodyn.robot.joints import placement
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
-from robodyn.robot.urdf.geometry import Kind, Shape, link_named, link_shapes, missing_mesh
-from robodyn.robot.urdf.parts import Description
+from robodyn.robot.urdf.geometry import Shape, link_named, link_shapes, missing_mesh
+from robodyn.robot.urdf.parts import Description, Kind
 from robodyn.solids.inertia import solids
 from robodyn.solids.inertia.properties import MassProperties, composite
 from robodyn.solids.inertia.validity import Box, around, counted_twice, half_size

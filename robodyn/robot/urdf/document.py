@@ -10,8 +10,7 @@ import os
 from dataclasses import dataclass
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import SourcePositions
+from robodyn.robot.urdf.elements import Element, SourcePositions
 from robodyn.robot.urdf.sources import LONGEST, as_utf8, long_token, read_source
 from robodyn.robot.urdf.xml_reader import Reader, TextFault
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from robodyn.errors import DescriptionError, InputError
 from robodyn.robot.urdf.packages import package_of
-from robodyn.robot.urdf.parts import Description, Geometry, Link
+from robodyn.robot.urdf.parts import Description, Geometry, Kind, Link
 from robodyn.support.wording import alternatives, shown
-
-Kind = Literal["visual", "collision"]
 
 
 @dataclass(frozen=True, slots=True)

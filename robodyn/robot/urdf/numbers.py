@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import isfinite
 
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Element, Span
 from robodyn.support.floats import LARGEST, SMALLEST
 from robodyn.support.wording import shown
 

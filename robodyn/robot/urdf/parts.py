@@ -16,6 +16,7 @@ WITH_RANGE = frozenset({"revolute", "prismatic"})
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 SIZES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "capsule": ("radius", "length")}
 SHAPES = (*SIZES, "mesh")
+Kind = Literal["visual", "collision"]
 Shape = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 
 
@@ -40,7 +41,7 @@ class Inertial:
 class Geometry:
     """A shape on a link; `size` [m]: box x, y, z; sphere radius; cylinder and capsule radius, length; mesh nothing."""
 
-    kind: Literal["visual", "collision"]
+    kind: Kind
     origin: Origin
     shape: Shape
     size: tuple[float, ...] = ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import hypot
-from typing import Literal, cast
+from typing import cast
 
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.parts import (
@@ -14,6 +14,7 @@ from robodyn.robot.urdf.parts import (
     Geometry,
     Inertial,
     Joint,
+    Kind,
     Limit,
     Link,
     Mimic,
@@ -57,7 +58,7 @@ def _geometry(view: GeometryView, owner: str, strict: Strict) -> Geometry:
         scale = cast("Vector", strict.given(view.scale, owner) or _UNIT_SCALE)
         filename = strict.text(shape, "filename", owner)
     return Geometry(
-        cast('Literal["visual", "collision"]', view.kind),
+        cast("Kind", view.kind),
         strict.origin(view, owner),
         cast("Shape", shape.tag),
         _size(view, shape, owner, strict),

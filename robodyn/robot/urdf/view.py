@@ -12,10 +12,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from robodyn.robot.urdf.elements import Element
+from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
 from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES, SIZES
-from robodyn.robot.urdf.source_positions import Span
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
 T = TypeVar("T")

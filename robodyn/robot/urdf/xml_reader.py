@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import BOM, SourcePositions, Span
+from robodyn.robot.urdf.elements import BOM, Element, SourcePositions, Span
 from robodyn.support.wording import shown
 
 MAX_DEPTH = 200

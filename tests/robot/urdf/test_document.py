@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.document import Document, read, read_document
-from robodyn.robot.urdf.elements import Element
-from robodyn.robot.urdf.source_positions import Span
+from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.xml_reader import MAX_DEPTH
 
 GAP = st.text(" \t\r\n", min_size=1, max_size=3)

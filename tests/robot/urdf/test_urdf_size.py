@@ -9,7 +9,7 @@ from collections.abc import Callable
 import pytest
 
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf import source_positions as places
+from robodyn.robot.urdf import elements as places
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.document import read_document
 
