@@ -89,12 +89,14 @@ _LOOKUP = {"package_paths", "xacro_args"}
 OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
 _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
 _READING = {"geometry", "exact", "strict", "repair", "cavities"}
-_ALLOWED = {
-    "a whole robot": {*_VIEW, "at"},
-    "a link as declared": {*_VIEW, "link"},
-    "a link's shapes": {*_VIEW, *_READING, "link", "density", "mass"},
-    "--compare": {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"},
+_OF_SHAPES = {*_VIEW, *_READING, "link", "density", "mass"}
+_USES = {
+    "a whole robot": ("a URDF", {*_VIEW, "at"}),
+    "a link as declared": ("a URDF with --link NAME", {*_VIEW, "link"}),
+    "a link's shapes": ("a URDF with --link NAME --geometry visual", _OF_SHAPES),
+    "--compare": ("a URDF with --compare", {*_READING, *_LOOKUP, "compare", "form", "file_type", "report"}),
 }
+"""Of each use of the command with a robot: how it is called, and which options it has."""
 
 
 def urdf_lines(body: MassProperties) -> str:
@@ -117,22 +119,14 @@ def check_use(use: str, ctx: click.Context) -> None:
     for option in ctx.command.params:
         name = option.name or ""
         given = isinstance(option, click.Option) and ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if given and not (name in _ALLOWED[use] if use in _ALLOWED else _of_meshes(use, name)):
+        if given and not (name in _USES[use][1] if use in _USES else _of_meshes(use, name)):
             raise click.UsageError(f"{_written(option, ctx)} is not for {use}, but for {_calls(name)}", ctx)
-
-
-_CALLS = {
-    "a whole robot": "a URDF",
-    "a link as declared": "a URDF with --link NAME",
-    "a link's shapes": "a URDF with --link NAME --geometry visual",
-    "--compare": "a URDF with --compare",
-}
 
 
 def _calls(name: str) -> str:
     """Return with what an option goes."""
     meshes = [] if name in OF_ROBOTS else ["meshes with --combine" if name in ("place", "combine") else "meshes"]
-    return " or ".join([*meshes, *(call for use, call in _CALLS.items() if name in _ALLOWED[use])])
+    return " or ".join([*meshes, *(call for call, names in _USES.values() if name in names)])
 
 
 def _of_meshes(use: str, name: str) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -164,7 +163,7 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
     from matplotlib import rc_context
     from matplotlib.rcsetup import cycler
 
-    from robodyn.report.pictures.accuracy import draw_accuracy
+    from robodyn.report.pictures.accuracy import draw_ladder
     from robodyn.report.pictures.figures import SERIES, plot
 
     ladder = accuracy.ladders[k]
@@ -172,12 +171,7 @@ def _figure(accuracy: Accuracy, k: int, target: float | None) -> Figure:
     def draw(canvas: Canvas) -> None:
         canvas.set_layout_engine("constrained")
         with rc_context({"axes.prop_cycle": cycler(color=SERIES)}):
-            draw_accuracy(canvas, replace(accuracy, ladders=(ladder,)), target)
-        (axes,) = canvas.axes
-        axes.set_title("")
-        beside = axes.get_legend()
-        assert beside is not None
-        beside.remove()
+            draw_ladder(canvas.subplots(), ladder, target)
         canvas.legend(loc="outside lower left", ncols=2, fontsize="small")
 
     words = f"Error against time of {len(ladder.rungs)} methods, on logarithmic axes; {_front(ladder)}"

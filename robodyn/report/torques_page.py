@@ -33,7 +33,7 @@ from robodyn.report.pictures.torques_plots import Plots
 from robodyn.report.sizes import result_sizes
 from robodyn.report.table import gravity_text, number, printable
 from robodyn.report.torques import input_words
-from robodyn.report.torques_parts import heaviest_load, trust
+from robodyn.report.torques_parts import heaviest_load, sizing_blocks, sizing_verdict, trust
 from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -56,8 +56,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     ordered = offenders_first(result)
     blocks: list[Block] = [limits_verdict(result)]
     if result.sizing is not None and result.sizing.exceeded:
-        from robodyn.report.torques_parts import sizing_verdict
-
         blocks.append(sizing_verdict(result))
     if result.accuracy is not None:
         met = result.accuracy.met
@@ -69,8 +67,6 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks += [Heading("Joints"), Table("What each joint carries", *load_table(ordered))]
         blocks += _plots(result, plots)
         if result.sizing is not None:
-            from robodyn.report.torques_parts import sizing_blocks
-
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
     blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]

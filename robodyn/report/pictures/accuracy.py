@@ -26,19 +26,16 @@ _NO_ERROR = 1e-16
 def accuracy_figure(accuracy: Accuracy, target: float | None = None) -> Figure:
     """Return a figure for a file, in inches."""
     figure = new_figure(9.0, 5.0 * len(accuracy.ladders))
-    draw_accuracy(figure, accuracy, target)
+    panels = figure.subplots(len(accuracy.ladders), 1, squeeze=False)[:, 0]
+    for panel, ladder in zip(panels, accuracy.ladders, strict=True):
+        draw_ladder(panel, ladder, target)
+        panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
+        panel.set_title(f"{printable(accuracy.name)}: {ladder.title}", loc="left")
     return figure
 
 
-def draw_accuracy(figure: Figure, accuracy: Accuracy, target: float | None = None) -> None:
-    """Draw a panel for each ladder; bars are quartiles of the time, a dashed line is the target."""
-    panels = figure.subplots(len(accuracy.ladders), 1, squeeze=False)[:, 0]
-    for panel, ladder in zip(panels, accuracy.ladders, strict=True):
-        _draw(panel, ladder, target)
-        panel.set_title(f"{printable(accuracy.name)}: {ladder.title}", loc="left")
-
-
-def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
+def draw_ladder(panel: Any, ladder: Ladder, target: float | None = None) -> None:
+    """Draw a ladder; bars are quartiles of the time, a dashed line is the target."""
     scale, unit = _UNITS[ladder.per]
     best, zero = ladder.front, _zero(ladder.rungs, target)
     for k, (family, rungs) in enumerate(_families(ladder.rungs).items()):
@@ -60,7 +57,6 @@ def _draw(panel: Any, ladder: Ladder, target: float | None) -> None:
     log_axis(panel.xaxis)
     log_axis(panel.yaxis, zero=zero)
     panel.grid(visible=True, which="major", alpha=0.3)
-    panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
 
 
 def _families(rungs: tuple[Rung, ...]) -> dict[str, list[Rung]]:
