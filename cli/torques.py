@@ -95,7 +95,7 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
     """
     if options["reactions"] and not options["out"]:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
-    options["momentum"] = momentum_view(options)
+    options |= {"momentum": momentum_view(options), "sizing": options["sizing"] or None}
     if is_batch(trajectories, options["out"], options):
         from robodyn.cli.torques_batch import run_batch
 
@@ -105,7 +105,6 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
         return run_batch(urdf, trajectories, fail_on_limits, **options)
     from robodyn.cli.torques_single import run_single
 
-    options["sizing"] = options["sizing"] or None
     result = run_single(urdf, trajectories[0], **options)
     unmet = result.accuracy is not None and not result.accuracy.met
     return int(unmet or (fail_on_limits and result.within_limits is False))

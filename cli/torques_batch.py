@@ -43,7 +43,7 @@ def run_batch(
     """Return the exit status: 2 if a trajectory failed, 1 if a limit is exceeded and that counts.
 
     Args:
-        options: of `Setup`.
+        options: of `robodyn.torques`.
     """
     if report_name():
         raise click.UsageError("--report is of one trajectory", click.get_current_context())
@@ -71,21 +71,18 @@ def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(urdf)
     assert model.description is not None, "it is read from a file"
-    view, executor, threads = options["momentum"], options.pop("executor"), options.pop("threads")
-    if view is not None:
-        view.check(model, scene)
-    if executor == "auto":  # the same everywhere and every time, so that results are equal to the bit
-        executor = "numpy" if compiler().problem else "compiled"
+    if options["momentum"] is not None:
+        options["momentum"].check(model, scene)
+    if options["executor"] == "auto":  # the same everywhere and every time, so that results are equal to the bit
+        options["executor"] = "numpy" if compiler().problem else "compiled"
     setup = Setup(
         robot=zlib.compress(model.description.data),
         scene=None if (name := scene_name()) is None else zlib.compress(read_input(name)),
         gravity=gravity(),
         payloads=payloads(),
-        executor=executor,
-        threads=threads or 1,
-        reading=reading(),
         base_held=kept_value("base_held", False),
-        **options,
+        reading=reading(),
+        options={**options, "threads": options["threads"] or 1},
     )
     return setup, model.name
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import robodyn
-from robodyn.dynamics.momenta import View
 from robodyn.errors import InputError
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
@@ -103,8 +102,7 @@ class Setup:
     Attributes:
         robot, scene: the files' bytes, packed by zlib; the scene None where there is none.
         gravity: m/s^2, in place of the scene's; payloads: beside the scene's; base_held: something carries the base.
-        reactions, sizing, momentum, explain: as for `torques`; reading: as for `read_motion`.
-        executor: "numpy" or "compiled"; threads: of each process.
+        reading: as for `read_motion`; options: as for `torques`, with the threads of each process.
         version: of robodyn and its code, which all machines must have.
     """
 
@@ -112,15 +110,10 @@ class Setup:
     scene: bytes | None
     gravity: tuple[float, float, float] | None
     payloads: tuple[Payload, ...]
-    reactions: bool
-    sizing: bool
-    momentum: View | None
+    base_held: bool
     reading: Mapping[str, Any]
-    explain: bool
-    executor: str
-    threads: int
+    options: Mapping[str, Any]
     version: str = VERSION
-    base_held: bool = False
 
     def loaded(self) -> tuple[Model, Scene]:
         """Return the robot and its scene, read once by each thread, which then has programs of its own."""
@@ -139,7 +132,8 @@ class Setup:
             OSError: the file cannot be read.
         """
         scene = None if self.scene is None else zlib.decompress(self.scene)
-        same = replace(self, robot=zlib.decompress(self.robot), scene=scene, threads=1)
+        options = dict(sorted({**self.options, "threads": 1}.items()))  # they come in the order of the call
+        same = replace(self, robot=zlib.decompress(self.robot), scene=scene, options=options)
         hashed = blake2b(repr(same).encode(), digest_size=20)
         with open(path, "rb") as stream:
             while piece := stream.read(1 << 20):

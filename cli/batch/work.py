@@ -73,24 +73,13 @@ def _finished(job: Job, digest: str) -> dict[str, Any] | None:
 
 def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     model, scene = setup.loaded()
-    names = output_names(model, setup.reactions, setup.momentum is not None)
+    names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None)
     with ExitStack() as stack:
         reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
         _make_folder(os.path.dirname(job.table))
         writer = stack.enter_context(open_writer(job.table, names))
         sink = stack.enter_context(write_behind(writer.write))
-        result = torques(
-            model,
-            reader,
-            scene,
-            reactions=setup.reactions,
-            explain=setup.explain,
-            sinks=[sink],
-            executor=setup.executor,
-            threads=setup.threads,
-            momentum=setup.momentum,
-            sizing=setup.sizing or None,
-        )
+        result = torques(model, reader, scene, sinks=[sink], **setup.options)
     document: dict[str, Any] = json.loads(torques_json(result))
     made = {"trajectory": job.name, "digest": digest, "table": os.path.basename(job.table)}
     document[KEY] = {**made, "bytes": os.path.getsize(job.table)}
