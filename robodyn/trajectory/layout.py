@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from robodyn.support.wording import alternatives
 from robodyn.trajectory.clock import Clock, clocks
 from robodyn.trajectory.columns import MEASURED, TIME_NAMES, Meaning, Place, Signals
-from robodyn.trajectory.complete import held_still
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.reading import DEFAULT, Reading
 from robodyn.trajectory.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
+from robodyn.trajectory.unknown_columns import held_still, is_of_message, refuse_loops, unknown_error
 
 ABSENT = -1
 
@@ -65,8 +65,6 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in extra and i not in times]
     unused = times | {i for i, meaning in meanings.items() if meaning and meaning.place is None}
     if strange:
-        from robodyn.trajectory.unknown_columns import is_of_message, refuse_loops
-
         refuse_loops(header, signals, strange)
         unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
     held = held_still(header, signals, places, strange, reading)
@@ -74,8 +72,6 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
         remedy = alternatives(absent[0], header.names, "columns")
         raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
     if unknown := [i for i in strange if i not in unused]:
-        from robodyn.trajectory.unknown_columns import unknown_error
-
         raise unknown_error(header, signals, places, unknown)
     units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
     return Layout(

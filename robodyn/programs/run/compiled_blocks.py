@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
-from robodyn.programs.run.job import Fields, Job
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.programs.run.team import Fields, Job
 
 SCALARS = {"float64": "double", "float32": "float"}
 LANES = {"double": 8, "float": 16}

@@ -13,7 +13,7 @@ from helpers.oracles import EPS, golden_model, random_state, worst
 
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run import compiled_blocks
-from robodyn.programs.run import job as job_module
+from robodyn.programs.run import team as team_module
 from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks
 from robodyn.programs.run.llvm import build, machine
 from robodyn.programs.run.llvm.machine import host
@@ -143,7 +143,7 @@ def test_many_threads_at_once():
 def test_work_is_shared_among_threads(monkeypatch):
     """No more threads than asked for, and each has work enough."""
     started = []
-    monkeypatch.setattr(job_module, "the_team", lambda: lambda job, threads: started.append(threads))
+    monkeypatch.setattr(team_module, "the_team", lambda: lambda job, threads: started.append(threads))
     for shares, asked, threads in ((4, 1, 1), (4, 2, 2), (4, 9, 4), (1, 9, 1), (0.1, 9, 1)):
         samples = int(shares * compiled_blocks.THREAD_WORK / PROGRAM.size) + 1
         ready()(state(samples), samples, None, asked)
@@ -162,7 +162,7 @@ def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch)
 
     arrays = state(4097)
     right = expected(arrays)
-    monkeypatch.setattr(job_module, "the_team", lambda: some)
+    monkeypatch.setattr(team_module, "the_team", lambda: some)
     np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
 
 
