@@ -33,6 +33,7 @@ KNOTS = 8
 """Rows of a reference, a smooth spline, that a step may pass over."""
 
 GENTLER = "give a larger --rtol, or --method radau where friction or a drive is stiff"
+SOFTER = "give a larger --rtol, or softer friction, drives or springs in the scene"
 
 
 def _rows(signal: Signal, duration: float, name: str, most: float, state: Floats) -> Floats:
@@ -153,7 +154,10 @@ class AdaptiveSteps:
                         finite = False
                 if solver.status == "failed" or not (finite and np.isfinite(solver.y).all()):
                     why = f": {message.lower().rstrip('.')}" if message else ", a number overflows"
-                    raise InputError(f"{self.name} gives up at {solver.t:.6g} s{why}", remedy=GENTLER)
+                    raise InputError(
+                        f"{self.name} gives up at {solver.t:.6g} s{why}",
+                        remedy=SOFTER if self.name == "radau" else GENTLER,
+                    )
                 yield solver
         finally:
             self.evaluations += solver.nfev

@@ -67,9 +67,9 @@ def followed(
     Raises:
         InputError: the method does not get through.
     """
-    fastest = stiffest(a_plan, q) if options.method.name != "radau" else None
-    if fastest is None:
+    if options.method.name == "radau":
         return Followed(made(options), options)
+    fastest = stiffest(a_plan, q)
     free, most = Free(free.step, free.method and not a_plan.scene.loops), options.most
     chosen = _begun(options, fastest, duration, free)
     while True:
@@ -88,14 +88,15 @@ def followed(
         chosen = _shorter(options, *found, duration, free)
 
 
-def _begun(options: MethodOptions, fastest: Stiffest, duration: float, free: Free) -> Chosen:
+def _begun(options: MethodOptions, fastest: Stiffest | None, duration: float, free: Free) -> Chosen:
     """Return what follows the stiffest of where a motion begins, with room for more."""
-    if not options.method.adaptive:
+    if fastest is not None and not options.method.adaptive:
         too_long = free.step and options.step > 0.5 * fastest.longest(options.method)
         return _shorter(options, fastest, 0.0, duration, free) if too_long else Chosen(options)
-    if free.method and fastest.rate * duration > MOST_UNASKED:
+    if fastest is not None and free.method and fastest.rate * duration > MOST_UNASKED:
         return _by_radau(options, str(fastest))
-    return Chosen(options._replace(most=min(options.most, MOST_UNASKED)) if free.method else options)
+    bounded = options.method.adaptive and free.method
+    return Chosen(options._replace(most=min(options.most, MOST_UNASKED)) if bounded else options)
 
 
 def _shorter(options: MethodOptions, fastest: Stiffest, since: float, duration: float, free: Free) -> Chosen:
@@ -115,7 +116,7 @@ def _when(fastest: Stiffest, since: float) -> str:
 
 
 def _instead(
-    a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest, duration: float, free: Free, most: float
+    a_plan: Plan, chosen: Chosen, error: InputError, fastest: Stiffest | None, duration: float, free: Free, most: float
 ) -> Chosen:
     """Radau's method after another failed, or that other without a bound where nothing stiff held it up.
 
@@ -133,9 +134,11 @@ def _instead(
         if options.most * duration > MOST_EVER * error.time:
             raise error
         return chosen
-    if error.remedy == SHORTER and free.method and free.step:
+    if fastest is None or error.remedy != SHORTER:
+        raise error
+    if free.method and free.step:
         return _by_radau(options, f"{options.method.name} does not get through ({error.what})")
-    if error.remedy == SHORTER and options.step > fastest.longest(options.method):
+    if options.step > fastest.longest(options.method):
         remedy = fastest.remedy(options.method, options.step, a_plan.scene.slip_speed)
         raise InputError(error.what, remedy=remedy) from None
     raise error

@@ -94,6 +94,10 @@ def _mass_matrices(a_plan: Plan, q: Floats) -> Floats:
     return 0.5 * (M + M.transpose(0, 2, 1))
 
 
+STEEPEST = 1e200
+"""A slope beyond which steeper is no stiffer, so that nothing overflows."""
+
+
 class Slope(NamedTuple):
     """A torque's slope at the joint of a coordinate [N m s/rad or N m/rad]."""
 
@@ -136,7 +140,7 @@ def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
     """Return the root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
     S = np.zeros(M.shape[1])
     for slope in slopes:
-        S[slope.joint.rate] += slope.joint.multiplier**2 * slope.value
+        S[slope.joint.rate] += min(slope.joint.multiplier**2 * slope.value, STEEPEST)
     some = np.flatnonzero(S)
     weight = np.sqrt(S[some])
     try:
