@@ -13,6 +13,9 @@ from robodyn.support.floats import Floats
 Numbers = NDArray[np.signedinteger[Any]]
 Mask = NDArray[np.bool_]
 
+_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
+_HALF = np.uint64(32)
+
 
 @dataclass(frozen=True, eq=False)
 class Indexed:
@@ -143,3 +146,18 @@ def _roots(parent: Numbers) -> Numbers:
         if np.array_equal(further, parent):
             return parent
         parent = further
+
+
+def hashed(X: Floats) -> NDArray[np.uint64]:
+    """(3, m) of corners (3 corners, 3 coordinates, m), mixed so well that the sums for sides of a rectangle differ."""
+    bits = (X + 0.0).view(np.uint64)
+    words: NDArray[np.uint64] = bits[:, 0] * _FACTORS[0]
+    for i in (1, 2):
+        words ^= words >> _HALF
+        words += bits[:, i]
+        words *= _FACTORS[i]
+    for factor in _FACTORS[:2]:
+        words ^= words >> _HALF
+        words *= factor
+    words ^= words >> _HALF
+    return words

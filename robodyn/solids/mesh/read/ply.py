@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.lines import Integers, Tokens, chunks, runs
 from robodyn.solids.mesh.read.ply_binary import Columns, read_binary
-from robodyn.solids.mesh.read.ply_header import Element, Header, Property, read_header
+from robodyn.solids.mesh.read.ply_header import Element, Header, read_header
 from robodyn.solids.mesh.read.polygons import triangles_of
 from robodyn.solids.mesh.read.source import Source
 from robodyn.solids.mesh.triangles import Corners, IndexedTriangles
@@ -134,27 +133,19 @@ def _list_of_faces(source: Source, header: Header) -> str:
     named = [known for known in lists if known.name in _INDICES] or lists
     if not named:
         raise source.error("faces have no list of vertex indices", remedy="add property list uchar int vertex_indices")
-    return _integer(source, named[0]).name
-
-
-def _integer(source: Source, known: Property) -> Property:
-    if known.type.startswith("f"):
-        raise source.error(f"the indices {known.name!r} are of type float", remedy="indices are integers")
-    return known
+    if named[0].type.startswith("f"):
+        raise source.error(f"the indices {named[0].name!r} are of type float", remedy="indices are integers")
+    return named[0].name
 
 
 def _only(source: Source, header: Header, name: str) -> Element:
     found = [element for element in header.elements if element.name == name]
+    if not found and name == "face":
+        raise source.error("has no element 'face'", remedy="export a mesh of triangles, not a cloud of points")
     if len(found) != 1:
-        raise _number_of(source, name, len(found))
+        raise source.error(f"has {len(found)} elements {name!r}", remedy="one is needed")
     names = [known.name for known in found[0].properties]
     twice = next((other for other in names if names.count(other) > 1), None)
     if twice is not None:
         raise source.error(f"the element {name!r} has the property {twice!r} twice", remedy="repair the header")
     return found[0]
-
-
-def _number_of(source: Source, name: str, count: int) -> MeshError:
-    if not count and name == "face":
-        return source.error("has no element 'face'", remedy="export a mesh of triangles, not a cloud of points")
-    return source.error(f"has {count} elements {name!r}", remedy="one is needed")

@@ -8,8 +8,7 @@ import numpy as np
 
 from robodyn.solids.mesh.indexed import Indexed
 from robodyn.solids.mesh.region.columns import Lattice
-from robodyn.solids.mesh.region.pieces import COLUMNS, centred, directions, excess, relative
-from robodyn.solids.mesh.region.winding_region import Field
+from robodyn.solids.mesh.region.winding_region import COLUMNS, Field, centred, directions, excess, relative
 from robodyn.solids.mesh.region.winding_tree import WindingTree
 from robodyn.support.floats import Floats
 

@@ -10,7 +10,7 @@ from robodyn.solids.mesh.indexed import Indexed, Numbers
 from robodyn.solids.mesh.integrate.exact import VolumeIntegrals
 from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.region.open_region import OpenSurface, definite
-from robodyn.solids.mesh.region.pieces import centred, excess, relative
+from robodyn.solids.mesh.region.winding_region import centred, excess, relative
 from robodyn.solids.mesh.region.winding_tree import clusters
 from robodyn.solids.mesh.triangles import MemoryTriangles
 from robodyn.support.floats import Floats

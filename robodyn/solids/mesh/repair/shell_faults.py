@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Mask, Numbers, components, triple
+from robodyn.solids.mesh.indexed import Mask, Numbers, components, hashed, triple
 from robodyn.solids.mesh.repair.inside import Interior
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
@@ -22,8 +22,6 @@ _FLAT = 1e-9
 """Volume over that of the box below which a shell has no inside."""
 _DEEP = 1e-4
 """How far into another shell's box a point must lie, over its size, to be tried."""
-_ODD = np.uint64(0x9E3779B97F4A7C15)
-_HALF = np.uint64(29)
 
 
 def shell_faults(triangles: Triangles) -> tuple[int, bool]:
@@ -128,19 +126,10 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
 
 def _apart(corners: Floats) -> list[Floats]:
     """Return the triangles of each shell."""
-    number = _numbers(corners.reshape(-1, 3)).reshape(-1, 3)
+    _, number = np.unique(hashed(corners.transpose(1, 2, 0)), return_inverse=True)
+    number = number.reshape(3, -1).T
     a, b = np.concatenate([number[:, 0], number[:, 0]]), np.concatenate([number[:, 1], number[:, 2]])
     label = components(int(number.max()) + 1, a, b)[number[:, 0]]
     order = np.argsort(label, kind="stable")
     firsts = np.flatnonzero(np.diff(label[order], prepend=-1))
     return [corners[rows] for rows in np.split(order, firsts[1:])]
-
-
-def _numbers(points: Floats) -> Numbers:
-    """(n,) numbers of points, equal where they are, by 64 bits of their hashes."""
-    bits = (points + 0.0).view(np.uint64).reshape(-1, 3)
-    words = bits[:, 0] * _ODD
-    for k in (1, 2):
-        words = ((words ^ (words >> _HALF)) + bits[:, k]) * _ODD
-    _, number = np.unique(words ^ (words >> _HALF), return_inverse=True)
-    return number.reshape(-1)

@@ -7,7 +7,7 @@ from math import atan2, gcd, inf
 import numpy as np
 
 from robodyn.programs.vectors import Array, length, product
-from robodyn.solids.mesh.symmetry.even_form import EvenForm
+from robodyn.solids.mesh.symmetry.higher_moments import EvenForm
 from robodyn.support.floats import Floats, first_largest
 
 DISTINCT = 1e-9

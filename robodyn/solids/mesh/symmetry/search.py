@@ -16,8 +16,7 @@ from robodyn.solids.inertia.principal import pointed
 from robodyn.solids.mesh.region.columns import frame_along
 from robodyn.solids.mesh.symmetry import candidates
 from robodyn.solids.mesh.symmetry.asymmetry import CentredBody, mirror
-from robodyn.solids.mesh.symmetry.even_form import EvenForm
-from robodyn.solids.mesh.symmetry.higher_moments import FREQUENCIES, axial_moments
+from robodyn.solids.mesh.symmetry.higher_moments import FREQUENCIES, EvenForm, axial_moments
 from robodyn.solids.mesh.symmetry.kinds import NEAR, Axis, Plane, Verdict, verdict_of
 from robodyn.support.floats import Floats, ranked
 

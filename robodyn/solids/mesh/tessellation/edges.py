@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, arctan2
-from robodyn.solids.mesh.indexed import components
+from robodyn.solids.mesh.indexed import components, hashed
 from robodyn.support.floats import Floats
 
 Integers = NDArray[np.int64]
 
-_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
 _HALF = np.uint64(32)
 _LOW = np.uint64(2**32 - 1)
 
@@ -32,7 +31,7 @@ def paired_edges(X: Array) -> tuple[Integers, Integers]:
     Args:
         X: (3 corners, 3 coordinates, m) with the same bits in both triangles of an edge.
     """
-    hashes = _hashed(X)
+    hashes = hashed(X)
     keys = np.concatenate([hashes[i - 3] + hashes[i - 2] for i in range(3)])
     low = np.uint64((1 << (len(keys) - 1).bit_length()) - 1)
     keys &= ~low
@@ -45,21 +44,6 @@ def paired_edges(X: Array) -> tuple[Integers, Integers]:
     both = (keys[begin] << _HALF) | keys[begin + 1]
     both.sort()
     return (both >> _HALF).view(np.int64), (both & _LOW).view(np.int64)
-
-
-def _hashed(X: Array) -> NDArray[np.uint64]:
-    """Of each corner, mixed so well that the sums for the sides of a rectangle differ."""
-    bits = (X + 0.0).view(np.uint64)
-    words: NDArray[np.uint64] = bits[:, 0] * _FACTORS[0]
-    for i in (1, 2):
-        words ^= words >> _HALF
-        words += bits[:, i]
-        words *= _FACTORS[i]
-    for factor in _FACTORS[:2]:
-        words ^= words >> _HALF
-        words *= factor
-    words ^= words >> _HALF
-    return words
 
 
 SHARPEST = radians(65)

@@ -10,8 +10,8 @@ from helpers.repaired_meshes import R
 from robodyn.solids.mesh.indexed import merged
 from robodyn.solids.mesh.integrate.integrals import integrate
 from robodyn.solids.mesh.region.columns import Lattice
-from robodyn.solids.mesh.region.pieces import pieces
 from robodyn.solids.mesh.region.quadrature import by_columns
+from robodyn.solids.mesh.region.winding_region import pieces
 from robodyn.solids.mesh.repair.repair import repair
 from robodyn.solids.mesh.triangles import MemoryTriangles
 
