@@ -209,13 +209,13 @@ class Signal:
         kinds = {curve.kind for curve in self.curves}
         smooth = {kind: self._splines(time, kind == RATE).T for kind in (REFERENCE, RATE) if kind in kinds}
         (rows, columns), meant = self._rows, time if within is None else within
-        last = np.searchsorted(rows, meant * (1.0 + NEAR), side="right") - 1
+        last = np.searchsorted(rows, meant * (1.0 + NEAR), side="right") - 1 if self.held else None
 
         def values(curve: Curve) -> Floats:
             if curve.kind != LOAD:
                 return np.asarray(smooth[curve.kind][self._smooth.index(curve.column)])
             column = columns[curve.column]
-            return column[last] if self.held else np.asarray(np.interp(time, rows, column))
+            return np.asarray(np.interp(time, rows, column)) if last is None else column[last]
 
         return np.column_stack([values(curve) for curve in self.curves])
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,11 +78,6 @@ class ClosedChain:
         """Equations."""
         return len(self.sizes)
 
-    @cached_property
-    def _rotors(self) -> list[float]:
-        """The reflected rotor inertias (n)."""
-        return reflected(self.model, self.scene)
-
     def sample(self, q: Sequence[Scalar], qd: Sequence[Scalar] | None = None) -> Sample:
         """Return a sample without accelerations, and without speeds if there are none."""
         nothing = (0.0,) * self.model.n
@@ -133,7 +127,7 @@ class ClosedChain:
             InputError: nothing resists a joint.
         """
         n = self.model.n
-        M = composite_body(self.model, sample.motions(), terms.inertias, self._rotors)
+        M = composite_body(self.model, sample.motions(), terms.inertias, reflected(self.model, self.scene))
         root = Root(M, rates_inward(self.model), self.model.rates)
         columns = [root.inward([row.get(rate, 0.0) for rate in range(n)]) for row in J]
         rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]

@@ -14,6 +14,7 @@ from robodyn.dynamics.loops.equation import equations_of
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.programs.vectors import product
+from robodyn.robot.configuration import unit_rows
 from robodyn.robot.model import Model
 from robodyn.scene.scene import GROUND, Loop
 from robodyn.support.floats import Floats
@@ -97,8 +98,4 @@ def _sizes(chain: ClosedChain, sample: Sample) -> Floats:
 
 def _trials(model: Model) -> list[tuple[float, ...]]:
     drawn = np.random.default_rng(0).uniform(-RANGE, RANGE, (TRIALS, model.nq))
-    for joint in model.independent:
-        if joint.kind == "floating":
-            part = drawn[:, joint.coordinate + 3 : joint.coordinate + 7]
-            part /= np.sqrt((part * part).sum(axis=1))[:, None]
-    return [tuple(row.tolist()) for row in drawn]
+    return [tuple(row.tolist()) for row in unit_rows(model, drawn)]

@@ -11,7 +11,7 @@ from robodyn.dynamics.recursions.elimination import Elimination
 from robodyn.programs.vectors import Array, Scalar, cross, skew
 from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.model import Joint, Model
-from robodyn.solids.inertia.laws import Inertia
+from robodyn.solids.inertia.laws import Inertia, symmetric
 
 Turn = tuple[Scalar, Scalar]
 """Cosine and sine of an angle."""
@@ -40,7 +40,7 @@ def at_parent(A: Array, turns: tuple[Turn, Turn, Turn], p: Array) -> Array:
     )
     shift = skew(p)
     H_p = H + shift @ M
-    I_p = _mirrored(I + shift @ H_p.T + (shift @ H.T).T)
+    I_p = symmetric((I + shift @ H_p.T + (shift @ H.T).T)[np.triu_indices(3)])
     return np.block([[I_p, H_p], [H_p.T, M]])
 
 
@@ -61,11 +61,6 @@ def _about_z(B: Array, c: Scalar, s: Scalar) -> Array:
 
 def _about_x(B: Array, c: Scalar, s: Scalar) -> Array:
     return np.roll(_about_z(np.roll(B, -1, (0, 1)), c, s), 1, (0, 1))
-
-
-def _mirrored(B: Array) -> Array:
-    """Return the symmetric matrix with the upper triangle of B."""
-    return np.array(((B[0, 0], B[0, 1], B[0, 2]), (B[0, 1], B[1, 1], B[1, 2]), (B[0, 2], B[1, 2], B[2, 2])))
 
 
 def wrench_at_parent(b: Array, R: Array, p: Array) -> Array:

@@ -28,6 +28,10 @@ class Rung:
     drift: float | None = None
 
     @property
+    def seconds(self) -> float:
+        return self.time.median
+
+    @property
     def error(self) -> float:
         """The largest."""
         return max(self.errors)
@@ -87,7 +91,7 @@ class Ladder:
         best = self.front
         if rung in best:
             return None
-        return next(other for other in best if _takes(other) <= _takes(rung) and other.error <= rung.error)
+        return next(other for other in best if other.seconds <= rung.seconds and other.error <= rung.error)
 
     def cheapest(self, target: float) -> Rung | None:
         """Return the quickest rung whose errors are all within the target; None if there is none."""
@@ -115,11 +119,7 @@ class Accuracy:
 def front(rungs: Iterable[Rung]) -> tuple[Rung, ...]:
     """Return those that are more accurate than all that take no longer, by median time."""
     found: list[Rung] = []
-    for rung in sorted(rungs, key=lambda rung: (_takes(rung), rung.error)):
+    for rung in sorted(rungs, key=lambda rung: (rung.seconds, rung.error)):
         if not found or rung.error < found[-1].error:
             found.append(rung)
     return tuple(found)
-
-
-def _takes(rung: Rung) -> float:
-    return rung.time.median

@@ -12,7 +12,7 @@ from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, product, ske
 from robodyn.support.floats import Floats
 
 
-def symmetric(entries: Iterable[float]) -> Floats:
+def symmetric(entries: Iterable[Scalar]) -> Array:
     """Return the matrix of ixx, ixy, ixz, iyy, iyz, izz."""
     xx, xy, xz, yy, yz, zz = entries
     return np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
