@@ -19,14 +19,13 @@ from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
 from robodyn.cli.reading_options import READING, reading
-from robodyn.cli.reports import REPORT, report_name, write_report
-from robodyn.cli.screen import complain, page, show
+from robodyn.cli.reports import REPORT, answer, report_name, write_report
+from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.report.check import check_diff, check_page, check_sections, fix_lines, statistics_sections
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.report.renderers.sarif import check_sarif
-from robodyn.report.text import text
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
@@ -105,21 +104,21 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
     return diff and bool(changed)
 
 
-def in_form(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> str:
-    """Return the findings in a form; what lines of expanded files mean is said on standard error."""
+def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> None:
+    """Show the findings in a form; what lines of expanded files mean is said on standard error."""
     for name in checked.files:
         if name.endswith(EXPANDED):
             click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)
-    if form == "sarif":
-        readings = {task.name: task.reading for task in tasks}
-        return check_sarif(checked.findings, RULES, lambda name: readings[name](), checked.unread)
-    if form == "junit":
-        return check_junit(checked, strict)
-    if form == "github":
-        return check_github(checked.findings, checked.unread)
-    if form == "json":
-        return check_json(checked)
-    return text(statistics_sections(checked.findings) if statistics else check_sections(checked), page())
+    findings, unread = checked.findings, checked.unread
+    readings = {task.name: task.reading for task in tasks}
+    answer(
+        statistics_sections(findings) if statistics else check_sections(checked),
+        form=form,
+        json=lambda: check_json(checked),
+        sarif=lambda: check_sarif(findings, RULES, lambda name: readings[name](), unread),
+        junit=lambda: check_junit(checked, strict),
+        github=lambda: check_github(findings, unread),
+    )
 
 
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
@@ -167,7 +166,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     if flags["baseline"]:
         checked = _new(checked, flags["baseline"])
     if not flags["diff"]:
-        show(in_form(checked, tasks, flags["form"], flags["strict"], flags["statistics"]))
+        show_findings(checked, tasks, flags["form"], flags["strict"], flags["statistics"])
     if (place := report_name()) is not None:
         click.echo(write_report(place, check_page(checked)).strip(), err=True)
     fatal = (Severity.ERROR, Severity.WARNING) if flags["strict"] else (Severity.ERROR,)

@@ -9,7 +9,7 @@ from robodyn.loads.result import Result
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
-from robodyn.report.table import Columns, Content, by_columns, gravity_text, number, printable, relative_text
+from robodyn.report.table import Columns, Content, by_columns, gravity_text, printable, relative_text
 from robodyn.report.torques_tables import (
     base_table,
     derivation_table,
@@ -71,19 +71,22 @@ def _base(result: Result) -> Section:
 
 
 def _checks(result: Result) -> Section:
-    checks, balance = result.checks, result.checks.energy_balance
-    size = result_sizes(result)["J"]
-    work, stored, residual, sampling = (
-        number(x, size) for x in (balance.work, balance.energy_change, balance.residual, abs(balance.quadrature))
-    )
-    laws = [relative_text(x) for x in (checks.first_law, checks.second_law, checks.power)]
+    (work, stored, residual, _, sampling), laws = balance_words(result)
     lines = (
         "Self-checks, from momenta and energy",
         f"energy: work {work} J, stored {stored} J, residual {residual} J (sampling explains {sampling} J)",
-        f"laws at {count(checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
+        f"laws at {count(result.checks.samples, 'sample')}, relative error: Euler's first {laws[0]}, second {laws[1]}, "
         f"power {laws[2]}",
     )
     return paragraphs(lines)
+
+
+def balance_words(result: Result) -> tuple[list[str], list[str]]:
+    """Return work, stored energy, residual, turnover, what sampling explains [J]; errors of the laws and of power."""
+    checks, balance, size = result.checks, result.checks.energy_balance, result_sizes(result)
+    energies = balance.work, balance.energy_change, balance.residual, balance.turnover, abs(balance.quadrature)
+    laws = checks.first_law, checks.second_law, checks.power
+    return [size.number(each, "J") for each in energies], [relative_text(each) for each in laws]
 
 
 def input_words(result: Result, most: int | None = _NAMED) -> Iterator[str]:

@@ -14,9 +14,10 @@ from robodyn.report.free_body import action_table
 from robodyn.report.limits import offenders, offenders_first
 from robodyn.report.pictures.svg import NOTES, symbols
 from robodyn.report.pictures.torques_plots import Plots
-from robodyn.report.sizes import Sizes, free_body_sizes, result_sizes
+from robodyn.report.sizes import Sizes, free_body_sizes
 from robodyn.report.sizing import in_words, sizing_sections
-from robodyn.report.table import number, printable, relative_text
+from robodyn.report.table import printable
+from robodyn.report.torques import balance_words
 from robodyn.report.torques_tables import derivation_table, effect_table
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -76,15 +77,7 @@ def trust(result: Result, plots: Plots | None) -> Iterator[Block]:
 def _checks(result: Result, plots: Plots | None) -> Iterator[Block]:
     checks, balance = result.checks, result.checks.energy_balance
     yield Heading("Self-checks")
-    size = result_sizes(result)["J"]
-    work, stored, rest, turnover, sampling = (
-        number(value, size)
-        for value in (
-            *(balance.work, balance.energy_change, balance.residual),
-            *(balance.turnover, abs(balance.quadrature)),
-        )
-    )
-    laws = [relative_text(value) for value in (checks.first_law, checks.second_law, checks.power)]
+    (work, stored, rest, turnover, sampling), laws = balance_words(result)
     reasons = [
         f"Work done on the robot, less losses, is {work} J and the change of stored energy {stored} J, with "
         f"{turnover} J going in and out; the difference is {rest} J, of which sampling explains {sampling} J.",
