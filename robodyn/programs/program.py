@@ -41,6 +41,17 @@ class Program:
         """The (source, column) pairs that the outputs depend on."""
         return {(a, b) for op, a, b in self.operations if op is INPUT}
 
+    def rows(self, widths: Mapping[str, int], first: int = 0) -> dict[str, int]:
+        """Return the first row of each source that is read, in the order of their names, and at "" what comes last.
+
+        Args:
+            widths: rows of each source; first: the row that they begin at.
+        """
+        found = {}
+        for source in sorted({source for source, _ in self.inputs}):
+            found[source], first = first, first + widths[source]
+        return {**found, "": first}
+
     def evaluated(
         self,
         column: Callable[[str, int], Any],

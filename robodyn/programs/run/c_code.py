@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
-from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
+from robodyn.programs.scalar import ADD, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB
 
 FORMS = {
     ADD: "{} + {}",
@@ -51,20 +51,18 @@ def c_function(name: str, program: Program, widths: Mapping[str, int], output: s
     platform's. Within 1e-13 of the largest output that robodyn finds.
     """
     lines: list[str] = []
-    operands: list[str] = []
-    for op, a, b in program.operations:
-        if op is INPUT:
-            operands.append(f"{a}[{b}]")
-        elif op is CONSTANT:
-            operands.append(_literal(a))
-        else:
-            value = FORMS[op].format(*(operands[arg] for arg in (a, b) if arg is not None))
-            operands.append(f"t{len(lines)}")
-            lines.append(f"    const double {operands[-1]} = {value};")
-    for k in sorted(set(program.outputs)):
-        if program.operations[k][0] is INPUT:
-            lines.append(f"    const double t{len(lines)} = {operands[k]};")
-            operands[k] = f"t{len(lines) - 1}"
+
+    def constant(value: str) -> str:
+        lines.append(f"    const double t{len(lines)} = {value};")
+        return f"t{len(lines) - 1}"
+
+    def operation(form: str) -> Callable[..., str]:
+        return lambda *operands: constant(form.format(*operands))
+
+    functions = {op: operation(form) for op, form in FORMS.items()}
+    found = program.evaluated(lambda source, column: f"{source}[{column}]", _literal, functions)
+    operands = dict(zip(program.outputs, found, strict=True))
+    operands |= {k: constant(operands[k]) for k in sorted(operands) if program.operations[k][0] is INPUT}
     used = {source for source, _ in program.inputs}
     lines += [f"    (void){source};" for source in widths if source not in used]
     lines += [f"    {output}[{place}] = {operands[k]};" for place, k in enumerate(program.outputs)]

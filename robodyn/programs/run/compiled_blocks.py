@@ -55,7 +55,8 @@ class CompiledBlocks:
             ImportError, OSError, RuntimeError: llvmlite is not there, or does not compile it.
         """
         self.program, self.widths, self.dtype = program, dict(widths), np.dtype(dtype)
-        self.sources, first_row = rows_of(program, widths)
+        first_row = program.rows(widths)
+        self.sources = [source for source in first_row if source]
         self.rows = first_row[""] + len(program.outputs)
         content = content_of(program, widths, dtype, fused)
         self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
@@ -141,25 +142,15 @@ class CompiledBlocks:
         return NumpyBlocks(self.program, self.widths, self.dtype)
 
 
-def rows_of(program: Program, widths: Mapping[str, int]) -> tuple[list[str], dict[str, int]]:
-    """Return the sources that a program reads, and the first row of each; the outputs, named "", come last."""
-    sources = sorted({source for source, _ in program.inputs})
-    first_row, row = {}, 0
-    for source in sources:
-        first_row[source] = row
-        row += widths[source]
-    return sources, {**first_row, "": row}
-
-
 def content_of(program: Program, widths: Mapping[str, int], dtype: Any, fused: bool = True) -> object:
     """Return what the machine code of a program depends on."""
-    return program.operations, program.outputs, rows_of(program, widths)[1], np.dtype(dtype).name, fused
+    return program.operations, program.outputs, program.rows(widths), np.dtype(dtype).name, fused
 
 
 def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True) -> str:
     """Return the LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
-    return kernel(program, rows_of(program, widths)[1], scalar, LANES[scalar], fused)
+    return kernel(program, program.rows(widths), scalar, LANES[scalar], fused)
 
 
 def _fields(given: Numbers, few: bool) -> Fields:

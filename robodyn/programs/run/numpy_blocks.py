@@ -80,13 +80,8 @@ class NumpyBlocks:
         """
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.outputs = len(program.outputs)
-        used = {source for source, _ in program.inputs}
-        self.first_row: dict[str, int] = {}
-        row = self.outputs
-        for source in sorted(used):
-            self.first_row[source] = row
-            row += widths[source]
-        self.steps, self.rows = _allocated(program, self.first_row, row)
+        self.first_row = program.rows(widths, self.outputs)
+        self.steps, self.rows = _allocated(program, self.first_row, self.first_row.pop(""))
         fitting: int = CACHE_BYTES // (self.dtype.itemsize * max(self.rows, 1)) // 8 * 8
         self.block = min(max(fitting, SMALLEST), LARGEST)
         self._ready: dict[int, tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]] = {}

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.programs.program import Program
-from robodyn.programs.run.compiled_blocks import rows_of
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
@@ -122,7 +121,7 @@ class NumpySteps:
 
 
 def _kernel(program: Program, source: str, width: int, lanes: int, columns: int) -> Function:
-    rows = {**rows_of(program, {source: width, COLUMNS: columns})[1], source: 0, "": width, COLUMNS: 2 * width + 1}
+    rows = {**program.rows({source: width, COLUMNS: columns}), source: 0, "": width, COLUMNS: 2 * width + 1}
     content = "repeated", program.operations, program.outputs, width, lanes
     return built("kernel", content, lambda: kernel(program, rows, "double", lanes))
 
