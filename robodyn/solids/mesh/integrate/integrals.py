@@ -14,7 +14,7 @@ from robodyn.solids.mesh.closed.fingerprint import Fingerprint
 from robodyn.solids.mesh.integrate.compiled_kernel import kernel_for
 from robodyn.solids.mesh.integrate.exact import Moments, VolumeIntegrals, exact_moments
 from robodyn.solids.mesh.integrate.kernel import symmetric, volume_kernel
-from robodyn.solids.mesh.integrate.sweep import Sweep, swept, swept_with_edges
+from robodyn.solids.mesh.integrate.sweep import Sweep, swept
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
 
@@ -131,9 +131,10 @@ def measure(triangles: Triangles, exact: bool = False) -> tuple[Integrals, Finge
     Raises:
         MeshError: as `integrate`, or it is too large or too small for products of moments.
     """
-    sweep, found = swept_with_edges(triangles, kernel_for(triangles.count))
+    sweep = swept(triangles, kernel_for(triangles.count), edges=True)
+    assert sweep.edges is not None
     sweep.check_size(triangles)
-    return _refined(triangles, sweep, exact, limit=LIMIT if found.closed else np.inf), found
+    return _refined(triangles, sweep, exact, limit=LIMIT if sweep.edges.closed else np.inf), sweep.edges
 
 
 def _refined(triangles: Triangles, first: Sweep, exact: bool, limit: float = LIMIT) -> Integrals:

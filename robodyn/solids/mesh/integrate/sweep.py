@@ -31,6 +31,7 @@ class Sweep:
         reference: (3,) the point about which they are.
         lows, highs: (blocks, 3) corners of the box of each block.
         least: twice the area of the smallest triangle.
+        edges: fingerprint of the boundary, where it was asked for.
     """
 
     sums: Array
@@ -38,6 +39,7 @@ class Sweep:
     lows: Floats
     highs: Floats
     least: float
+    edges: Fingerprint | None = None
 
     @property
     def lo(self) -> Floats:
@@ -116,6 +118,7 @@ def swept(
     *,
     dtype: DTypeLike = np.float64,
     reference: Floats | None = None,
+    edges: bool = False,
 ) -> Sweep:
     """Pass over the triangles once.
 
@@ -123,47 +126,37 @@ def swept(
         kernel: `volume_kernel` or `surface_kernel`.
         dtype: of the arithmetic.
         reference: (3,) by default a point in the middle of the first block.
+        edges: take the fingerprint of the boundary, too; the arithmetic is in float64 then.
 
     Raises:
         MeshError: there are no triangles.
     """
     space = block_space(triangles, dtype)
-    return _swept(triangles, space, kernel(space), reference, None)
-
-
-def swept_with_edges(triangles: Triangles, kernel: Callable[[Array], Kernel]) -> tuple[Sweep, Fingerprint]:
-    """`swept` in float64, and the fingerprint of the boundary, in one pass."""
-    space = block_space(triangles)
-    edges = EdgeSums(space)
-    return _swept(triangles, space, kernel(space), None, edges), edges.total()
-
-
-def _swept(
-    triangles: Triangles, space: Array, kernel: Kernel, reference: Floats | None, edges: EdgeSums | None
-) -> Sweep:
+    ready, boundary = kernel(space), EdgeSums(space) if edges else None
     sums, lows, highs, least = [], [], [], [np.inf]
     left = triangles.count
     with np.errstate(all="ignore"):
         for X in fill(space, triangles, checked=False):
-            if edges is not None:
-                edges.add()
+            if boundary is not None:
+                boundary.add()
             if reference is None:
                 reference = reference_in(X)
             lows.append(np.minimum.reduce(X, 2))
             highs.append(np.maximum.reduce(X, 2))
             np.subtract(X, reference[:, None], X)
-            for function, arguments in kernel.steps:
+            for function, arguments in ready.steps:
                 function(*arguments)
-            sums.append(kernel.result.copy())
-            least.append(np.minimum.reduce(kernel.sizes[:left]))
-            left -= len(kernel.sizes)
+            sums.append(ready.result.copy())
+            least.append(np.minimum.reduce(ready.sizes[:left]))
+            left -= len(ready.sizes)
     if reference is None:
         raise MeshError("has no triangles", remedy="give a mesh with at least one", file=triangles.name)
     ends = np.min(lows, axis=1).astype(np.float64), np.max(highs, axis=1).astype(np.float64)
     if not np.isfinite(ends).all():
         for _ in triangles.blocks():  # which names the first corner that is not finite
             pass
-    return Sweep(np.array(sums), reference, *ends, float(min(least)))
+    found = None if boundary is None else boundary.total()
+    return Sweep(np.array(sums), reference, *ends, float(min(least)), found)
 
 
 @dataclass(frozen=True, eq=False)
