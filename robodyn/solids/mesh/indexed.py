@@ -79,6 +79,15 @@ def areas(corners: Floats) -> Floats:
     return found
 
 
+def in_parts(corners: Floats, label: Numbers) -> tuple[list[Floats], Floats, Floats]:
+    """Triangles (m, 3, 3) by their labels, ascending from 0, and the least and largest coordinates (k, 3) of each."""
+    order = np.argsort(label, kind="stable")
+    starts = np.flatnonzero(np.diff(label[order], prepend=-1))
+    corners = corners[order]
+    lo, hi = np.minimum.reduceat(corners.min(axis=1), starts), np.maximum.reduceat(corners.max(axis=1), starts)
+    return np.split(corners, starts[1:]), lo, hi
+
+
 @dataclass(frozen=True, eq=False)
 class Edges:
     """Which sides of triangles lie on the same edge; side k goes from corner k to the next.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, triple
+from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, areas, in_parts, triple
 from robodyn.solids.mesh.repair.inside import Interior, OpenInterior
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
@@ -131,20 +131,16 @@ def _open(shells: Shells, caps: int) -> OpenInterior | None:
 
 def _parents(shells: Shells, sizes: Floats, proper: Mask, patches: OpenInterior | None) -> tuple[Numbers, list[int]]:
     """Return the smallest shell around each, and closed shells from the largest down."""
-    order = np.argsort(shells.label, kind="stable")
-    starts = np.searchsorted(shells.label[order], np.arange(shells.count))
-    corners = shells.mesh.corners[order]
-    lo, hi = np.minimum.reduceat(corners.min(axis=1), starts), np.maximum.reduceat(corners.max(axis=1), starts)
-    stops = np.append(starts[1:], len(order))
+    corners, lo, hi = in_parts(shells.mesh.corners, shells.label)
     interiors: dict[int, Interior] = {}
     parent = np.full(shells.count, NOWHERE, np.int64)
     down = [shell for shell in np.argsort(-sizes, kind="stable").tolist() if proper[shell]]
     for shell in down:
         around = proper & (sizes > sizes[shell]) & (lo <= lo[shell]).all(axis=1) & (hi >= hi[shell]).all(axis=1)
-        points = _points(corners[starts[shell] : stops[shell]]) if around.any() or patches else []
+        points = _points(corners[shell]) if around.any() or patches else []
         for other in sorted(np.flatnonzero(around).tolist(), key=sizes.__getitem__):
             if other not in interiors:
-                interiors[other] = Interior(corners[starts[other] : stops[other]])
+                interiors[other] = Interior(corners[other])
             if _holds(interiors[other], points):
                 parent[shell] = other
                 break
@@ -167,7 +163,5 @@ def _points(corners: Floats) -> list[Floats]:
     """Some points of a shell (n, 3, 3): its extremes along the axes, and the centres of its largest triangles."""
     points = corners.reshape(-1, 3)
     ends = np.concatenate([points.argmin(axis=0), points.argmax(axis=0)])
-    a, b, c = corners.transpose(1, 0, 2)
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    largest = np.argsort(area, kind="stable")[-_LARGEST:]
+    largest = np.argsort(areas(corners), kind="stable")[-_LARGEST:]
     return [*points[ends], *corners[largest].mean(axis=1)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Mask, Numbers, components, hashed, triple
+from robodyn.solids.mesh.indexed import Mask, Numbers, components, hashed, in_parts, triple
 from robodyn.solids.mesh.repair.inside import Interior
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats
@@ -54,9 +54,8 @@ class _Shells:
 
     @classmethod
     def of(cls, corners: Floats) -> _Shells:
-        parts = _apart(corners)
+        parts, lo, hi = in_parts(corners, _labels(corners))
         volumes = np.array([float(triple(part - part[0, 0]).sum()) / 6 for part in parts])
-        lo, hi = (np.array([find(part, axis=(0, 1)) for part in parts]) for find in (np.min, np.max))
         return cls(parts, volumes, lo, hi)
 
     def shared(self, body: int, others: Mask) -> Floats:
@@ -124,12 +123,8 @@ def _points(shell: Floats, lo: Floats, hi: Floats) -> Floats:
     return chosen
 
 
-def _apart(corners: Floats) -> list[Floats]:
-    """Return the triangles of each shell."""
+def _labels(corners: Floats) -> Numbers:
+    """(m,) the shell of each triangle."""
     _, number = np.unique(hashed(corners.transpose(1, 2, 0)), return_inverse=True)
-    number = number.reshape(3, -1).T
-    a, b = np.concatenate([number[:, 0], number[:, 0]]), np.concatenate([number[:, 1], number[:, 2]])
-    label = components(int(number.max()) + 1, a, b)[number[:, 0]]
-    order = np.argsort(label, kind="stable")
-    firsts = np.flatnonzero(np.diff(label[order], prepend=-1))
-    return [corners[rows] for rows in np.split(order, firsts[1:])]
+    one, two, three = number.reshape(3, -1)
+    return components(int(number.max()) + 1, np.concatenate([one, one]), np.concatenate([two, three]))[one]

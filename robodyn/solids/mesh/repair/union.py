@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, in_parts
 from robodyn.solids.mesh.repair.nesting import Nesting
 from robodyn.support.floats import Floats
 
@@ -65,18 +65,15 @@ def united(nesting: Nesting, caps: int = 0) -> United:
 
 def _clusters(corners: Floats, body: Numbers) -> list[list[int]]:
     """Bodies that are connected by overlapping boxes, two or more at a time."""
-    order = np.argsort(body, kind="stable")
-    order = order[np.searchsorted(body[order], 0) :]
-    names, starts = np.unique(body[order], return_index=True)
+    solid = body >= 0
+    names = np.unique(body[solid])
     if len(names) < 2:
         return []
-    lo = np.minimum.reduceat(corners[order].min(axis=1), starts)
-    hi = np.maximum.reduceat(corners[order].max(axis=1), starts)
+    _, lo, hi = in_parts(corners[solid], body[solid])
     links = [np.flatnonzero(((lo < hi[k]) & (lo[k] < hi)).all(axis=1)) for k in range(len(names))]
     from_body = np.repeat(np.arange(len(names)), [len(link) for link in links])
     label = components(len(names), from_body, np.concatenate(links))
-    groups = [names[label == k].tolist() for k in np.flatnonzero(np.bincount(label) > 1)]
-    return groups
+    return [names[label == k].tolist() for k in np.flatnonzero(np.bincount(label) > 1)]
 
 
 def _folded(mesh: Indexed, label: Numbers) -> int:
