@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from robodyn.report.document import (
@@ -25,9 +23,6 @@ from robodyn.report.sizes import simulation_sizes
 from robodyn.report.table import drift_text, number, relative_text
 from robodyn.simulation.result import Simulation
 from robodyn.support.floats import ranked
-
-if TYPE_CHECKING:
-    pass
 
 PLOTTED = 12
 """Joints that have plots; those that move most where there are more."""
