@@ -16,6 +16,7 @@ NEAR = 1e-2
 class _Judged:
     """What has an asymmetry and a verdict."""
 
+    asymmetry: float
     verdict: Verdict
 
     @property

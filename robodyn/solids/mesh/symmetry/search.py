@@ -20,7 +20,7 @@ from robodyn.solids.mesh.symmetry.higher_moments import FREQUENCIES, EvenForm, a
 from robodyn.solids.mesh.symmetry.kinds import NEAR, Axis, Plane, Verdict, verdict_of
 from robodyn.support.floats import Floats, ranked
 
-Found = TypeVar("Found")
+Found = TypeVar("Found", bound=Plane | Axis)
 
 DECIMALS = 12
 """Of asymmetries: what is smaller is rounding, and another one on each processor."""
@@ -70,13 +70,8 @@ class Search:
                 others = [other.direction for other in found if other.fold == axis.fold]
                 for direction in self._images(axis.direction, found, others):
                     found += self._first(direction, (axis.fold,))
-        kept: list[Axis] = []
         found = ranked(_in_order(found, lambda axis: axis.direction), lambda axis: axis.fold)
-        for axis in ranked(found, _nearness):
-            same = [other.direction for other in kept if other.fold == axis.fold]
-            if not any(_parallel(axis.direction, other, _apart(axis.verdict)) for other in same):
-                kept.append(axis)
-        return tuple(kept)
+        return _once(found, lambda axis: (axis.fold, axis.direction))
 
     def planes(self, axes: Iterable[Axis]) -> tuple[Plane, ...]:
         """Planes normal to distinct principal axes, and all others that are at least near; the most symmetric first."""
@@ -87,12 +82,7 @@ class Search:
             for normal in tuple(near):
                 others += [self._plane(image) for image in self._images(normal, axes, near)]
         others = _in_order((plane for plane in others if plane.verdict != "none"), lambda plane: plane.normal)
-        listed = [*self._always.values(), *others]
-        kept: list[Plane] = []
-        for plane in ranked(listed, _nearness):
-            if not any(_parallel(plane.normal, other.normal, _apart(plane.verdict)) for other in kept):
-                kept.append(plane)
-        return tuple(kept)
+        return _once([*self._always.values(), *others], lambda plane: (1.0, plane.normal))
 
     @cached_property
     def lone(self) -> tuple[int, ...]:
@@ -241,9 +231,18 @@ class Search:
         return verdict_of(asymmetry, self.tolerance, facets)
 
 
-def _nearness(found: Plane | Axis) -> float:
-    """Return a rank: what is exact is so to rounding, which is another on each processor."""
-    return 0.0 if found.verdict == "exact" else -found.asymmetry
+def _once(found: Sequence[Found], line: Callable[[Found], tuple[float, Array]]) -> tuple[Found, ...]:
+    """Return the most symmetric first, without those that are nearly parallel to an earlier one of the same fold.
+
+    What is exact is so to rounding, which is another on each processor.
+    """
+    kept: list[Found] = []
+    for each in ranked(found, lambda each: 0.0 if each.verdict == "exact" else -each.asymmetry):
+        fold, direction = line(each)
+        same = [other for its, other in map(line, kept) if its == fold]
+        if not any(_parallel(direction, other, _APART if each.verdict == "exact" else _BLUR) for other in same):
+            kept.append(each)
+    return tuple(kept)
 
 
 def _in_order(found: Iterable[Found], direction: Callable[[Found], Array]) -> list[Found]:
@@ -252,10 +251,6 @@ def _in_order(found: Iterable[Found], direction: Callable[[Found], Array]) -> li
     for k in (2, 1, 0):
         ordered = ranked(ordered, lambda each, k=k: float(direction(each)[k]), noise=_SAME_COORDINATE)  # type: ignore[misc]
     return ordered
-
-
-def _apart(verdict: Verdict) -> float:
-    return _APART if verdict == "exact" else _BLUR
 
 
 def _parallel(one: Array, other: Array, within: float = _APART) -> bool:

@@ -41,8 +41,7 @@ def symmetry(body: CentredBody, tolerance: float = 1e-6) -> Symmetry:
     planes = search.planes(axes)
     accepted = [mirror(plane.normal) for plane in planes if plane.holds]
     accepted += [_turn(axis) for axis in axes if axis.holds]
-    asymmetries = [plane.asymmetry for plane in planes if plane.holds] + [axis.asymmetry for axis in axes if axis.holds]
-    worst = max(asymmetries, default=0.0)
+    worst = max((each.asymmetry for each in (*planes, *axes) if each.holds), default=0.0)
     invariants = _invariants(accepted)
     return Symmetry(planes, axes, _products(body.S, invariants, max(tolerance, 2 * worst)), invariants)
 
