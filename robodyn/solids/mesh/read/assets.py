@@ -23,8 +23,17 @@ _LOOKS = (
 """Elements without which a scene has the same shape. A reference that is broken in one of them hides geometry."""
 
 
-def bare(source: Source, stream: BinaryIO) -> tuple[float | None, str, bytes]:
-    """Metres per unit and the axis that points up, None and "" if it names none; and the document without its looks.
+@dataclass(frozen=True)
+class Asset:
+    """Metres per unit of the file, None if it says none; what else to note; what to read in place of the file."""
+
+    metres: float | None
+    notes: tuple[str, ...] = ()
+    data: bytes | None = None
+
+
+def _dae(source: Source, stream: BinaryIO) -> Asset:
+    """Return what a COLLADA says, and the document without its looks.
 
     Raises:
         MeshError: the unit is no length, or a position is not finite or an index negative, which
@@ -43,7 +52,8 @@ def bare(source: Source, stream: BinaryIO) -> tuple[float | None, str, bytes]:
         for child in list(parent):
             if _tag(child) in _LOOKS:
                 parent.remove(child)
-    return metres, up, ElementTree.tostring(root, "utf-8")
+    notes = (f"the axis {up[0]} points up in the file; its axes are kept",) if up in ("X_UP", "Y_UP") else ()
+    return Asset(metres, notes, ElementTree.tostring(root, "utf-8"))
 
 
 def _tag(element: Element) -> str:
@@ -97,15 +107,6 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "M
 _MOST_UNPACKED = 1 << 31
 
 
-@dataclass(frozen=True)
-class Asset:
-    """Metres per unit of the file, None if it says none; what else to note; what to read in place of the file."""
-
-    metres: float | None
-    notes: tuple[str, ...] = ()
-    data: bytes | None = None
-
-
 def asset_of(source: Source, kind: str) -> Asset:
     """Return what a file of this kind says about its unit and axes.
 
@@ -118,12 +119,6 @@ def asset_of(source: Source, kind: str) -> Asset:
 
 def _nothing(source: Source, stream: BinaryIO) -> Asset:
     return Asset(None)
-
-
-def _dae(source: Source, stream: BinaryIO) -> Asset:
-    metres, up, data = bare(source, stream)
-    notes = (f"the axis {up[0]} points up in the file; its axes are kept",) if up in ("X_UP", "Y_UP") else ()
-    return Asset(metres, notes, data)
 
 
 def _3mf(source: Source, stream: BinaryIO) -> Asset:

@@ -14,7 +14,7 @@ FREQUENCIES = 8
 """Highest order of the moments about an axis."""
 
 _HEIGHTS = 3
-_BLOCK = 2048
+_BLOCK, _SMALL_BLOCK = 2048, 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +126,6 @@ _SHARES = np.array([np.roll((1 - 2 * s, s, s), turn) for s in (_NEAR, _FAR) for 
 _WEIGHTS = np.repeat((0.10995174365532187, 0.22338158967801147), 3)
 """The rule with six points for the mean over a triangle, exact for the fourth order (Cowper 1973)."""
 _PAIR = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
-
-
-_SMALL_BLOCK = 512
 
 
 @dataclass(frozen=True, eq=False)
