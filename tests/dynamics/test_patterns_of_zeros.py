@@ -32,13 +32,13 @@ def model():
 @pytest.fixture
 def traced(monkeypatch):
     """A list that grows by one for every program that is traced."""
-    made = []
+    made, trace = [], program.trace
 
     def counted(*given):
         made.append(given)
-        return program.trace(*given)
+        return trace(*given)
 
-    for module in (plan, inverse, forward, momentum, self_checks, robodyn.dynamics.forward):
+    for module in (program, plan, inverse, forward, momentum, self_checks, robodyn.dynamics.forward):
         if hasattr(module, "trace"):
             monkeypatch.setattr(module, "trace", counted)
     return made
