@@ -8,7 +8,7 @@ import operator
 import numpy as np
 import pytest
 from helpers.program_values import evaluated
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from robodyn.programs.program import trace
@@ -86,6 +86,7 @@ def traced(tree, unary=OF_TRACED):
         return None
 
 
+@example(("neg", ("-", ("input", 0), ("input", 1))), [3.0, 5.0, 7.0, 9.0])
 @settings(deadline=None, max_examples=500)
 @given(expressions, values)
 def test_in_plain_floats(tree, inputs):
