@@ -15,6 +15,7 @@ from robodyn.checks.context import Asked
 from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import Checked, Options, Task, check_tasks
+from robodyn.checks.selection import WORDS
 from robodyn.cli.files import STANDARD_INPUT, check_names, source_of
 from robodyn.cli.options import DESCRIPTION, PATH, Parsed, lookup, together
 from robodyn.cli.progress import robots_done
@@ -23,6 +24,7 @@ from robodyn.cli.reports import REPORT, answer, report_name, write_report
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.report.check import check_diff, check_page, check_sections, fix_lines, statistics_sections
+from robodyn.report.check_places import short_sections
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.report.renderers.sarif import check_sarif
@@ -32,19 +34,19 @@ from robodyn.support.files import write_whole
 
 
 def _codes(text: str) -> tuple[str, ...]:
-    """Return codes of rules, or their beginnings, that stand between commas."""
+    """Return codes of rules, or their beginnings, or ALL or DEFAULT, that stand between commas."""
     codes = [code.strip() for code in text.split(",")]
-    return tuple(code.upper() if code[:2].upper() == "RD" else code for code in codes)
+    return tuple(code.upper() if code[:2].upper() == "RD" or code.upper() in WORDS else code for code in codes)
 
 
 def _programs(text: str) -> tuple[str, ...]:
-    return tuple(code.lower() for code in _codes(text))
+    return tuple(code.strip().lower() for code in text.split(","))
 
 
 CODES = Parsed("codes", _codes)
-FORMATS = ("text", "json", "sarif", "junit", "github")
+FORMATS = ("text", "short", "json", "sarif", "junit", "github")
 OPTIONS = together(
-    click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; default all."),
+    click.option("--select", type=CODES, metavar="CODES", help="Rules to run: RD207,RD5; ALL; default DEFAULT."),
     click.option("--ignore", type=CODES, metavar="CODES", help="Rules not to run."),
     click.option("--strict", is_flag=True, help="Exit with 1 on warnings, too."),
     click.option("--format", "form", type=click.Choice(FORMATS), default="text", help="Default text."),
@@ -78,7 +80,7 @@ def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:
         (flags["write_baseline"] and not flags["baseline"], "--write-baseline needs --baseline FILE"),
         (flags["unsafe_fixes"] and not (flags["fix"] or flags["diff"]), "--unsafe-fixes needs --fix or --diff"),
         (flags["fix"] and stdin and not flags["diff"], "--fix cannot edit standard input; --diff shows the edit"),
-        (flags["statistics"] and flags["form"] != "text", "--statistics is text; leave --format out"),
+        (flags["statistics"] and flags["form"] not in ("text", "short"), "--statistics is text; leave --format out"),
     ]
     for is_wrong, what in wrong:
         if is_wrong:
@@ -111,9 +113,10 @@ def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bo
             click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)
     findings, unread = checked.findings, checked.unread
     readings = {task.name: task.reading for task in tasks}
+    listed = short_sections if form == "short" else check_sections
     answer(
-        statistics_sections(findings) if statistics else check_sections(checked),
-        form=form,
+        (statistics_sections if statistics else listed)(checked),
+        form="text" if form == "short" else form,
         json=lambda: check_json(checked),
         sarif=lambda: check_sarif(findings, RULES, lambda name: readings[name](), unread),
         junit=lambda: check_junit(checked, strict),
@@ -129,6 +132,7 @@ def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bo
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
     A file named - is standard input; a folder means every .urdf below it; a .xacro file is expanded first.
+    Errors are shown, and what is likely a defect; `--select ALL` shows all.
     The exit status is 1 if an error is found, 2 if a file cannot be read, which stops no other.
     `robodyn rule CODE` explains a finding.
 
@@ -161,7 +165,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         return 2 if checked.unread else 1
     if flags["write_baseline"]:
         count = write_baseline(checked.findings, flags["baseline"])
-        click.echo(f"written: {flags['baseline']}, {count} findings", err=True)
+        click.echo(f"written: {flags['baseline']}, {count} places", err=True)
         return 2 if checked.unread else 0
     if flags["baseline"]:
         checked = _new(checked, flags["baseline"])
@@ -177,5 +181,5 @@ def _new(checked: Checked, baseline: str) -> Checked:
     """Return what the baseline does not have."""
     found = compared(checked.findings, baseline)
     gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
-    click.echo(f"{baseline}: {found.known} findings passed over{gone}", err=True)
+    click.echo(f"{baseline}: {found.known} places passed over{gone}", err=True)
     return replace(checked, findings=found.new)

@@ -13,7 +13,9 @@ from typing import Any
 
 from robodyn.checks.context import DEFAULT, Thresholds
 from robodyn.checks.fixes import Fixed, fixed
-from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Task, check_one, rules_for
+from robodyn.checks.groups import places
+from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Task, found_in
+from robodyn.checks.selection import rules_for
 from robodyn.checks.sources import files_of
 from robodyn.errors import InputError, SceneError, unreadable
 from robodyn.robot.urdf.packages import EXPANDED
@@ -37,7 +39,7 @@ def tasks_for(
     Raises:
         InputError: nothing matches a source, there is no such rule, or settings are wrong.
     """
-    rules_for(given)
+    rules_for(given.select, given.ignore)
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}
     return tuple(Task(file, _options(file, given, fixed, known)) for file in files_of(sources))
@@ -46,7 +48,8 @@ def tasks_for(
 def check_description(description: Description, given: Options = EVERYTHING) -> Checked:
     """Return the findings in a description that was read, with the settings of its project."""
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
-    return Checked((description.file,), check_one(description.data, options, description.file))
+    found = found_in(description.data, options, description.file)
+    return Checked((description.file,), found.shown, hidden=found.hidden)
 
 
 def fix_task(task: Task, unsafe: bool = False) -> Fixed:
@@ -55,7 +58,7 @@ def fix_task(task: Task, unsafe: bool = False) -> Fixed:
     _, data = read_source(task.source, name)
     if is_xacro(task.source):
         return Fixed(name, data, data)
-    return fixed(data, name, lambda text: check_one(text, task.options, name), unsafe=unsafe)
+    return fixed(data, name, lambda text: places(found_in(text, task.options, name).shown), unsafe=unsafe)
 
 
 def _options(file: str | bytes, given: Options, fixed: Config | None, known: dict[str, Config | None]) -> Options:
@@ -175,7 +178,7 @@ def _config(table: SceneTable, file: str) -> Config:
     table.finish()
     for codes in (select, ignore, *(codes for _, codes in per_file)):
         try:
-            rules_for(Options(ignore=codes))
+            rules_for((), codes)
         except InputError as error:
             raise InputError(error.what, remedy=error.remedy, file=file) from None
     return Config(folder, Options(select, ignore, thresholds, roots), per_file)

@@ -19,11 +19,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import IntEnum
 
 from robodyn.checks.context import Context
-from robodyn.robot.urdf.document import Document
-from robodyn.robot.urdf.elements import BOM, Span
+from robodyn.checks.finding import Edit, Excerpt, Finding, Fix, Severity, excerpt
+from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import Subject
 
 __all__ = [
@@ -44,14 +44,6 @@ __all__ = [
 ]
 
 
-class Severity(Enum):
-    """ERROR fails the check, WARNING fails it with `--strict`, NOTE is a remark."""
-
-    ERROR = "error"
-    WARNING = "warning"
-    NOTE = "note"
-
-
 class Stage(IntEnum):
     """How far the reading must have come for a rule to run; see above."""
 
@@ -59,24 +51,6 @@ class Stage(IntEnum):
     DOCUMENT = 1
     TREE = 2
     MODEL = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """Bytes [start, end) of the file, and the text to stand there instead."""
-
-    start: int
-    end: int
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Fix:
-    """The one right correction: `what` it does, its edits, and whether it leaves the dynamics as they are."""
-
-    what: str
-    edits: tuple[Edit, ...]
-    safe: bool
 
 
 HERE = Subject("", "")
@@ -96,6 +70,8 @@ class Fault:
         severity: where it is not the rule's.
         cause: why it is so, where that can be established.
         fix: where one edit is uniquely right.
+        kind: what it has in common with others of the same cause in the file; by default `what` without its names and
+            numbers.
     """
 
     at: Span
@@ -107,6 +83,7 @@ class Fault:
     severity: Severity | None = None
     cause: str | None = None
     fix: Fix | None = None
+    kind: str | None = None
 
 
 Faults = Iterable[Fault]
@@ -119,7 +96,13 @@ def text_faults(context: Context, code: str) -> Faults:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both."""
+    """One rule with its documentation; `bad` and `good` are whole descriptions, and tests run both.
+
+    Attributes:
+        default: findings of this severity and above belong to the default set; the others are shown where the rule or
+            ALL is selected.
+        explains: codes of rules whose finding about the same link or joint is the same defect as this rule's.
+    """
 
     code: str
     name: str
@@ -130,10 +113,24 @@ class Rule:
     bad: str
     good: str
     check: Callable[[Context], Faults]
+    default: Severity = Severity.WARNING
+    explains: tuple[str, ...] = ()
+
+    @property
+    def in_default(self) -> bool:
+        """Whether its usual finding belongs to the default set."""
+        return self.severity.reaches(self.default)
 
 
 def rule(
-    severity: Severity, stage: Stage = Stage.DOCUMENT, *, good: str, bad: str | tuple[str, str], explanation: str = ""
+    severity: Severity,
+    stage: Stage = Stage.DOCUMENT,
+    *,
+    good: str,
+    bad: str | tuple[str, str],
+    explanation: str = "",
+    default: Severity = Severity.WARNING,
+    explains: tuple[str, ...] = (),
 ) -> Callable[[Callable[[Context], Faults]], Rule]:
     """Make the decorated function the rule of its module: `rd201_mass_not_positive` is RD201, mass-not-positive.
 
@@ -142,6 +139,8 @@ def rule(
     Args:
         good, bad: descriptions; a pair is a piece of the good one and what stands in its place in the bad one.
         explanation: in place of the docstring's, where it has figures in it.
+        default: ERROR for a rule whose warnings are a matter of taste or of one program, NOTE where remarks matter.
+        explains: see `Rule`.
     """
     wrong = bad if isinstance(bad, str) else good.replace(*bad)
 
@@ -149,65 +148,7 @@ def rule(
         code, _, name = check.__module__.rpartition(".")[2].partition("_")
         summary, _, text = (sys.modules[check.__module__].__doc__ or "").partition("\n\n")
         names = code.upper(), name.replace("_", "-")
-        return Rule(*names, severity, stage, summary, explanation or text.strip(), wrong, good, check)
+        words = summary, explanation or text.strip()
+        return Rule(*names, severity, stage, *words, wrong, good, check, default, explains)
 
     return decorate
-
-
-@dataclass(frozen=True, slots=True)
-class Excerpt:
-    """The line of the source around a finding, cut to a readable length, and where in it the finding stands."""
-
-    text: str
-    start: int
-    length: int
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A fault with its rule and its place; what the reports show.
-
-    `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
-    """
-
-    code: str
-    name: str
-    severity: Severity
-    file: str
-    line: int
-    column: int
-    start: int
-    end: int
-    subject: Subject | None
-    message: str
-    remedy: str
-    measured: float | None
-    bound: float | None
-    cause: str | None
-    fix: Fix | None
-    excerpt: Excerpt
-
-
-_BEFORE, _AFTER = 60, 60
-"""Bytes that are shown before and after a finding, at most; its first `_AFTER` count."""
-
-
-def excerpt(reading: Document, at: Span) -> Excerpt:
-    """Return the line in which the span begins, without its indent, and cut where it is long."""
-    data = reading.data
-    last = min(at.start + _AFTER, len(data))
-    start = max(_after_newline(data, max(at.start - _BEFORE, 0), at.start), len(BOM) * data.startswith(BOM))
-    end = min(
-        (found for found in (data.find(b"\n", at.start, last), data.find(b"\r", at.start, last)) if found >= 0),
-        default=last,
-    )
-    before = data[start : at.start].decode(reading.encoding, "ignore").lstrip()
-    text = data[at.start : end].decode(reading.encoding, "ignore").rstrip()
-    within = data[at.start : min(at.end, end)].decode(reading.encoding, "ignore")
-    shown = (before + text).replace("\t", " ")
-    return Excerpt(shown, len(before), max(min(len(within), len(text)), 1))
-
-
-def _after_newline(data: bytes, first: int, last: int) -> int:
-    """Return the place after the last line end in [first, last), or `first`."""
-    return max(data.rfind(b"\n", first, last), data.rfind(b"\r", first, last), first - 1) + 1

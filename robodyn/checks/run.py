@@ -7,10 +7,12 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from robodyn.checks.catalogue import CODES, RULES, instead_of
+from robodyn.checks.catalogue import CODES
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
+from robodyn.checks.groups import grouped, kind_of, one_each, places
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
+from robodyn.checks.selection import BY_CODE, rules_for, shown_of
 from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
@@ -18,7 +20,6 @@ from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import content_of, is_xacro
 from robodyn.robot.urdf.view import Subject
-from robodyn.support.wording import shown
 
 Source = str | os.PathLike[str] | bytes
 STDIN = "<stdin>"
@@ -29,7 +30,8 @@ class Options:
     """What is checked, and against what.
 
     Attributes:
-        select: codes (RD207) or beginnings of codes (RD2) of the rules to run; all if empty.
+        select: codes (RD207) or beginnings of codes (RD2) of the rules to run, ALL, or DEFAULT, which is meant if it is
+            empty: errors, and what is likely a defect.
         ignore: codes or beginnings of the rules not to run.
         thresholds: what the rules measure against.
         package_path: folders in which `package://` names are looked up first.
@@ -67,11 +69,13 @@ class Checked:
 
     Attributes:
         unread: the other files.
+        hidden: findings that are not in the default set.
     """
 
     files: tuple[str, ...]
     findings: tuple[Finding, ...]
     unread: tuple[Unread, ...] = ()
+    hidden: tuple[Finding, ...] = ()
 
     def count(self, severity: Severity) -> int:
         return sum(finding.severity is severity for finding in self.findings)
@@ -84,7 +88,17 @@ class Checked:
     def of_link(self, name: str) -> Checked:
         """Return the findings about a link."""
         subject = Subject("link", name)
-        return replace(self, findings=tuple(finding for finding in self.findings if finding.subject == subject))
+        every = (self.findings, self.hidden)
+        findings, hidden = (grouped(one for one in places(found) if one.subject == subject) for found in every)
+        return replace(self, findings=findings, hidden=hidden)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is shown of the findings in a file, and what is not."""
+
+    shown: tuple[Finding, ...]
+    hidden: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,7 +133,7 @@ def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> 
         InputError: a file cannot be read, nothing matches a pattern, or there is no such rule.
     """
     given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
-    rules_for(options)
+    rules_for(options.select, options.ignore)
     checked = check_tasks([Task(file, options) for file in files_of(given)])
     if checked.unread:
         raise checked.unread[0].error
@@ -137,20 +151,21 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     """
     shared_out = worth_processes([task.source for task in tasks])
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
-    files, found, unread = list[str](), list[Finding](), list[Unread]()
+    files, found, hidden, unread = list[str](), list[Finding](), list[Finding](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
         if isinstance(outcome, InputError):
             unread.append(Unread(task.name, outcome))
         else:
             files.append(task.name)
-            found += outcome
+            found += outcome.shown
+            hidden += outcome.hidden
         done()
-    return Checked(tuple(files), tuple(found), tuple(unread))
+    return Checked(tuple(files), tuple(found), tuple(unread), tuple(hidden))
 
 
-def _outcome(task: Task) -> tuple[Finding, ...] | InputError:
+def _outcome(task: Task) -> Found | InputError:
     try:
-        return check_one(task.source, task.options)
+        return found_in(task.source, task.options)
     except InputError as error:
         return error
 
@@ -162,28 +177,24 @@ def read_one(source: Source, options: Options = EVERYTHING, name: str | None = N
     return read(data, file)
 
 
+def found_in(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Found:
+    """Return what is found in one file or its bytes: one finding for each defect, shown or hidden as is selected."""
+    single = one_each(check_one(source, options, name), BY_CODE)
+    is_shown = shown_of(options.select, options.asked)
+    return Found(
+        grouped(finding for finding in single if is_shown(finding)),
+        grouped(finding for finding in single if not is_shown(finding)),
+    )
+
+
 def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
-    """Return the findings in one file or its bytes, in the order of the text."""
+    """Return what the rules find in one file or its bytes: every place by itself, in the order of the text."""
     reading = read_one(source, options, name)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
-    rules = [rule for rule in rules_for(options) if context.reaches(rule.stage)]
+    rules = [rule for rule in rules_for(options.select, options.ignore) if context.reaches(rule.stage)]
     findings = [_finding(context, rule, fault) for rule in rules for fault in rule.check(context)]
     left = _without_waived(context, rules, findings)
     return tuple(sorted(left, key=lambda finding: (finding.start, finding.code)))
-
-
-def rules_for(options: Options) -> tuple[Rule, ...]:
-    """Return the rules that are selected and not ignored.
-
-    Raises:
-        InputError: no rule has such a code.
-    """
-    for given in (*options.select, *options.ignore):
-        if not given or not any(code.startswith(given) for code in CODES):
-            what = f"there is no rule {shown(given)}"
-            raise InputError(what, remedy=instead_of(given, RULES))
-    select, ignore = options.select or ("",), options.ignore
-    return tuple(rule for rule in RULES if rule.code.startswith(select) and not rule.code.startswith(ignore))
 
 
 def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:
@@ -213,13 +224,14 @@ def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
         start=fault.at.start,
         end=fault.at.end,
         subject=subject,
-        message=fault.what if subject is None else f"{subject.kind} {shown(subject.name)}: {fault.what}",
+        message=fault.what if subject is None else f"{subject.words}: {fault.what}",
         remedy=fault.remedy,
         measured=fault.measured,
         bound=fault.bound,
         cause=fault.cause,
         fix=fault.fix,
         excerpt=excerpt(reading, fault.at),
+        kind=fault.kind or kind_of(fault.what),
     )
 
 

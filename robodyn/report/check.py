@@ -12,7 +12,8 @@ from textwrap import indent, wrap
 from robodyn.checks.fixes import Fixed, Made
 from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
 from robodyn.checks.run import Checked
-from robodyn.report.check_words import LEVELS, check_line, check_verdict
+from robodyn.report.check_places import further
+from robodyn.report.check_words import LEVELS, check_verdict, checked_lines
 from robodyn.report.document import (
     Block,
     Document,
@@ -40,8 +41,9 @@ def check_sections(checked: Checked) -> Iterator[Section]:
         cause = [f"  cause: {finding.cause}"] if finding.cause is not None else []
         fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
         lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *cause]
-        yield paragraphs([*lines, f"  do: {finding.remedy}", *fix])
-    yield [Paragraph(f"{count(len(checked.files), 'file')} checked: {check_line(checked)}")]
+        also = [f"  also: {line}" for line in further(finding)]
+        yield paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
+    yield paragraphs(checked_lines(checked))
 
 
 def _safety(fix: Fix) -> str:
@@ -84,7 +86,8 @@ def _verdict(checked: Checked) -> Verdict:
 def _facts(checked: Checked) -> Facts:
     clean = len(set(checked.files) - {finding.file for finding in checked.findings})
     counts = [(f"{severity.value}s".capitalize(), str(checked.count(severity)), "") for severity in LEVELS]
-    return Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
+    hidden = [("Not shown", str(len(checked.hidden)), "minor; --select ALL shows them")] if checked.hidden else []
+    return Facts((*counts, *hidden, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
 
 
 def _rules(checked: Checked) -> Table:
@@ -101,6 +104,8 @@ _EXPLAINED = "robodyn rule CODE explains a rule."
 def _item(finding: Finding) -> tuple[Level, str, tuple[tuple[str, bool], ...]]:
     title = f"Line {finding.line}: {finding.message} ({finding.severity.value} {finding.code} {finding.name})"
     lines = [("\n".join(marked(finding.line, finding.excerpt)), True)] if finding.excerpt.text else []
+    if finding.others:
+        lines.append((f"Also at {'; '.join(further(finding))}.", False))
     if finding.cause is not None:
         lines.append((f"Cause: {finding.cause}.", False))
     lines.append((f"To do: {finding.remedy}.", False))
@@ -156,21 +161,34 @@ _WEIGHT = {
 def rules_sections(rules: Sequence[Rule]) -> Iterator[Section]:
     """Yield what each rule asks for, why, and an example of both."""
     for rule in rules:
-        yield [Paragraph(f"{rule.code} {rule.name} ({_WEIGHT[rule.severity]})")]
+        off = "" if rule.in_default else f"; shown with --select {rule.code}"
+        yield [Paragraph(f"{rule.code} {rule.name} ({_WEIGHT[rule.severity]}{off})")]
         for text in (rule.summary, rule.explanation):
             yield paragraphs(wrap(" ".join(text.split()), _WIDTH))
         for title, example in (("bad:", rule.bad), ("good:", rule.good)):
             yield paragraphs([title, *indent(example, "    ").splitlines()])
 
 
-def statistics_sections(findings: Sequence[Finding]) -> Iterator[Section]:
-    """Yield a table of rules, the most frequent first: findings, files, and how many have safe and other fixes."""
-    counts = Counter(finding.code for finding in findings)
+def statistics_sections(checked: Checked) -> Iterator[Section]:
+    """Yield a table of rules, the most frequent first: findings, places, files, and how many places have safe and other
+    fixes; and one of what is not shown."""
+    if not checked.findings:
+        yield [Paragraph("no findings")]
+    for caption, findings in (("", checked.findings), (_HIDDEN, checked.hidden)):
+        if findings:
+            yield [_counted(caption, findings)]
+
+
+_HIDDEN = "Not shown, since they are minor; --select ALL shows them"
+
+
+def _counted(caption: str, findings: Sequence[Finding]) -> Table:
+    places = [(finding.code, place) for finding in findings for place in finding.places]
+    counts, at = Counter(finding.code for finding in findings), Counter(code for code, _ in places)
     files = Counter(code for code, _ in {(finding.code, finding.file) for finding in findings})
-    fixes = Counter((finding.code, finding.fix.safe) for finding in findings if finding.fix)
+    fixes = Counter((code, place.fix.safe) for code, place in places if place.fix)
     names = {finding.code: f"{finding.code} {finding.name}" for finding in findings}
-    figures = {code: (counts[code], files[code], fixes[code, True], fixes[code, False]) for code in counts}
+    figures = {code: (counts[code], at[code], files[code], fixes[code, True], fixes[code, False]) for code in counts}
     order = sorted(counts, key=lambda code: (-counts[code], code))
     rows = [[names[code], *(str(figure or "-") for figure in figures[code])] for code in order]
-    head = ("rule", "findings", "files", "safe fixes", "unsafe fixes")
-    yield [Table("", head, rows)] if rows else [Paragraph("no findings")]
+    return Table(caption, ("rule", "findings", "places", "files", "safe fixes", "unsafe fixes"), rows)

@@ -17,10 +17,21 @@ _NAMED = 8
 
 
 def check_line(checked: Checked) -> str:
-    """Return how many findings there are of each kind, and whether the description is unfit."""
+    """Return how many findings there are of each kind, at how many places, and whether the description is unfit."""
     counts = ", ".join(count(checked.count(severity), severity.value) for severity in LEVELS)
-    said = f"{counts}{'' if checked.fit else f': {UNFIT}'}" if checked.findings else "nothing found"
+    places = sum(len(finding.places) for finding in checked.findings)
+    at = f" at {places} places" if places > len(checked.findings) else ""
+    said = f"{counts}{at}{'' if checked.fit else f': {UNFIT}'}" if checked.findings else "nothing found"
     return f"{said}; {count(len(checked.unread), 'file')} could not be read" if checked.unread else said
+
+
+def checked_lines(checked: Checked) -> list[str]:
+    """Return how many files were checked and what was found, and in a second line what is not shown."""
+    line = f"{count(len(checked.files), 'file')} checked: {check_line(checked)}"
+    if not checked.hidden:
+        return [line]
+    rules = len({finding.code for finding in checked.hidden})
+    return [line, f"not shown: {count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)"]
 
 
 def check_data(checked: Checked) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from helpers.planted_defects import HEALTHY
 
 import robodyn
 from robodyn.checks import sources
-from robodyn.checks.run import Checked, Options, Task, check, check_one, check_tasks, rules_for
+from robodyn.checks.run import Checked, Options, Task, check, check_one, check_tasks
+from robodyn.checks.selection import rules_for
 from robodyn.errors import InputError
 
 BAD = '<robot name="r"><link name="a"/><link name="a"/></robot>'
@@ -100,15 +101,15 @@ def test_findings_stand_in_the_order_of_the_text(folder: Path) -> None:
     ],
 )
 def test_rules_by_code_or_beginning(select: tuple[str, ...], ignore: tuple[str, ...], expected: set[str]) -> None:
-    assert {rule.code for rule in rules_for(Options(select, ignore))} == expected
+    assert {rule.code for rule in rules_for(select, ignore)} == expected
 
 
 @pytest.mark.parametrize("code", ["RD999", "X", "", "rd207"])
 def test_unknown_codes(code: str) -> None:
     with pytest.raises(InputError, match="there is no rule"):
-        rules_for(Options(select=(code,)))
+        rules_for((code,), ())
     with pytest.raises(InputError, match="there is no rule"):
-        rules_for(Options(ignore=(code,)))
+        rules_for((), (code,))
 
 
 def test_a_rule_finds_the_same_alone(folder: Path) -> None:

@@ -69,9 +69,9 @@ def test_control_characters_never_reach_the_terminal(robot: Path) -> None:
 def test_json_has_the_keys_of_the_contract(robot: Path) -> None:
     robot.write_text(NEGATIVE.replace('xyz="0 0 1"', 'xyz="0 0 2"'))
     document = json.loads(run("check", str(robot), "--select", "RD201,RD502", "--format", "json").out)
-    assert document["summary"] == {"files": 1, "errors": 1, "warnings": 1, "notes": 0, "fit": False}
+    assert document["summary"] == {"files": 1, "errors": 1, "warnings": 1, "notes": 0, "fit": False, "hidden": 0}
     mass, axis = document["findings"]
-    assert list(mass) == [*FINDING, "cause", "fix"]
+    assert list(mass) == [*FINDING, "cause", "fix", "places"]
     assert (mass["line"], mass["column"], mass["code"], mass["severity"]) == (15, 20, "RD201", "error")
     assert mass["subject"] == {"kind": "link", "name": "arm"}
     assert (mass["measured"], mass["bound"], mass["fix"]) == (-3.5, 0.0, None)
@@ -84,7 +84,7 @@ def test_json_has_the_keys_of_the_contract(robot: Path) -> None:
 def test_standard_input() -> None:
     outcome = run("check", "-", "--format", "json", stdin=NEGATIVE.encode())
     assert outcome.status == 1
-    assert json.loads(outcome.out)["findings"][1]["file"] == "<stdin>"
+    assert json.loads(outcome.out)["findings"][0]["file"] == "<stdin>"
 
 
 @pytest.mark.parametrize(

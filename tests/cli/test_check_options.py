@@ -77,15 +77,15 @@ def test_package_path_is_handed_on(folder: Path) -> None:
 
 def test_baseline(folder: Path) -> None:
     written = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--write-baseline")
-    assert (written.status, written.out, written.err) == (0, "", "written: known.json, 4 findings\n")
+    assert (written.status, written.out, written.err) == (0, "", "written: known.json, 4 places\n")
     again = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--strict")
-    assert (again.status, again.err) == (0, "known.json: 4 findings passed over\n")
+    assert (again.status, again.err) == (0, "known.json: 4 places passed over\n")
     assert again.out == "2 files checked: nothing found\n"
     (folder / "error.urdf").write_text("\n\n" + arm(shoulder="0 1 0", elbow="0 0 0")[22:])
     new = run("check", "error.urdf", "both.urdf", "--select", OLD, "--baseline", "known.json", "--format", "json")
     assert new.status == 1
     assert [finding["subject"]["name"] for finding in json.loads(new.out)["findings"]] == ["elbow"]
-    assert new.err == "known.json: 2 findings passed over; 2 of it no longer found, --write-baseline drops them\n"
+    assert new.err == "known.json: 2 places passed over; 2 of it no longer found, --write-baseline drops them\n"
 
 
 def test_fix(folder: Path) -> None:
@@ -172,7 +172,7 @@ def test_expanded_files(folder: Path) -> None:
         (("clean.urdf", "--config", "clean.urdf"), "clean.urdf:1: is not TOML: "),
         (
             ("clean.urdf", "--format", "xml"),
-            "invalid value for '--format': 'xml' is not one of 'text', 'json'",
+            "invalid value for '--format': 'xml' is not one of 'text', 'short', 'json'",
         ),
         (("no.xacro",), "no.xacro: there is no such file (check the name)"),
     ],

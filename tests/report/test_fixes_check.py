@@ -12,7 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from robodyn.checks.fixes import Fixed, fixed
-from robodyn.checks.run import check_one
+from robodyn.checks.run import Checked, check_one
 from robodyn.report.check import check_diff, fix_lines, statistics_sections
 from robodyn.report.text import text
 
@@ -77,10 +77,10 @@ def test_a_line_for_each_fix() -> None:
 def test_statistics() -> None:
     findings = [one for name in ("a", "b") for one in check_one(PLANTED.encode(), name=name)]
     findings += check_one(arm(upper=IDENTITY).encode(), name="a")
-    head, *rows = text(statistics_sections(findings)).splitlines()
+    head, *rows = text(statistics_sections(Checked(("a", "b"), tuple(findings)))).splitlines()
     assert head.split("  ")[0] == "rule"
     assert [row.split() for row in rows] == [
-        ["RD502", "axis-length", "4", "2", "4", "-"],
-        ["RD208", "placeholder-tensor", "3", "2", "-", "-"],
+        ["RD502", "axis-length", "4", "4", "2", "4", "-"],
+        ["RD208", "placeholder-tensor", "3", "3", "2", "-", "-"],
     ]
-    assert text(statistics_sections([])) == "no findings\n"
+    assert text(statistics_sections(Checked((), ()))) == "no findings\n"

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from robodyn.checks.rule import Excerpt, Finding, Severity
 from robodyn.checks.run import Options, check_one
 from robodyn.report.renderers.ci import check_github
+from robodyn.robot.urdf.view import Subject
 
 
 def finding(file: str = "a.urdf", message: str = "m", remedy: str = "r", cause: str | None = None) -> Finding:
@@ -89,3 +90,10 @@ def test_any_text_stays_on_one_line_and_comes_back(file: str, message: str, reme
 def test_severities() -> None:
     text = check_github([replace(finding(), severity=severity) for severity in Severity])
     assert [line.split()[0] for line in text.splitlines()] == ["::error", "::warning", "::notice"]
+
+
+def test_one_annotation_for_a_finding_and_its_places() -> None:
+    others = tuple(replace(finding(), line=line, subject=Subject("link", f"l{line}")) for line in (5, 9))
+    line = check_github([replace(finding(), others=others)])
+    assert line.count("\n") == 1
+    assert "%0Aalso: 5:7 link 'l5', 9:7 link 'l9'%0Aremedy: " in line

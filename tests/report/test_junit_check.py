@@ -8,7 +8,7 @@ from helpers.schemas import JUNIT
 from lxml import etree
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.run import Checked, Options, check_one
+from robodyn.checks.run import Checked, Options, check_one, found_in
 from robodyn.report.renderers.ci import check_junit
 
 SCHEMA = etree.XMLSchema(etree.fromstring(JUNIT))
@@ -71,3 +71,11 @@ def test_every_rule() -> None:
 def test_names_that_xml_does_not_take(name: str) -> None:
     junit((name, BAD))
     junit((name, arm().encode()))
+
+
+def test_a_test_for_each_finding_lists_its_places() -> None:
+    found = found_in(arm(shoulder="0 0 0", elbow="0 0 0").encode(), Options(("RD501",)), "a.urdf")
+    document = etree.fromstring(check_junit(Checked(("a.urdf",), found.shown)).encode())
+    SCHEMA.assertValid(document)
+    (failure,) = document.iter("failure")
+    assert "\nalso: 28:16 joint 'elbow'\n" in failure.text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from jsonschema import Draft7Validator
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.rule import Edit, Fix, Severity
-from robodyn.checks.run import check_one
+from robodyn.checks.run import Options, check_one, found_in
 from robodyn.report.renderers.sarif import check_sarif
 from robodyn.robot.urdf.document import read
 
@@ -151,3 +152,29 @@ def test_what_is_not_utf_8() -> None:
 def test_the_schema_is_named() -> None:
     document = sarif(BOTH.encode())
     assert document["$schema"].endswith("/sarif-schema-2.1.0.json")
+
+
+def test_places_of_a_finding_are_related_locations_that_its_message_links_to() -> None:
+    data = arm(shoulder="0 2 0", elbow="0 3 0").encode()
+    found = found_in(data, Options(("RD502",)), "arm.urdf").shown
+    document = json.loads(check_sarif(found, RULES, lambda file: read(data, file)))
+    Draft7Validator(json_schema(SARIF)).validate(document)
+    (result,) = document["runs"][0]["results"]
+    (related,) = result["relatedLocations"]
+    assert (result["occurrenceCount"], related["id"]) == (2, 1)
+    line = related["physicalLocation"]["region"]["startLine"]
+    assert f"Also in [line {line}](1)." in result["message"]["text"]
+    assert related["message"]["text"].startswith("joint 'elbow': the axis")
+    assert region_text(data, related["physicalLocation"]["region"]) == "0 3 0"
+    replacements = result["fixes"][0]["artifactChanges"][0]["replacements"]
+    assert [region_text(data, one["deletedRegion"]) for one in replacements] == ["0 2 0", "0 3 0"]
+
+
+def test_of_many_places_the_message_links_to_some() -> None:
+    finding = check_one(arm(shoulder="0 2 0").encode(), Options(("RD502",)), "arm.urdf")[0]
+    many = [replace(finding, others=(finding,) * 30)]
+    document = json.loads(check_sarif(many, RULES, lambda file: read(arm(shoulder="0 2 0").encode(), file)))
+    (result,) = document["runs"][0]["results"]
+    assert result["message"]["text"].count("](") == 20
+    assert ", 10 more places. " in result["message"]["text"]
+    assert len(result["relatedLocations"]) == 30

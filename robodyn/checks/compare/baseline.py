@@ -5,18 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from robodyn.checks.groups import grouped, kind_of, places, without_numbers
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
 from robodyn.support.files import write_whole
 from robodyn.support.input_file import read_input
-
-_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]*\w)")
 
 
 class Identity(NamedTuple):
@@ -35,14 +33,28 @@ def identity(finding: Finding, folder: str = "") -> Identity:
     """
     path = os.path.relpath(finding.file, folder) if folder and not finding.file.startswith("<") else finding.file
     subject = "" if finding.subject is None else f"{finding.subject.kind} {finding.subject.name}"
-    return Identity(path.replace(os.sep, "/"), finding.code, subject, _NUMBER.sub("#", finding.message))
+    return Identity(_slashes(path), finding.code, subject, without_numbers(finding.message))
+
+
+def _slashes(path: str) -> str:
+    return path.replace(os.sep, "/")
 
 
 def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
-    """Yield a name for each finding: 64 hexadecimal digits of its identity, and which one of that identity it is."""
-    seen: Counter[Identity] = Counter()
+    """Yield a name for each finding: 64 hexadecimal digits, and which one it is of those that have them.
+
+    The digits are those of file, code and what the places of the finding have in common: they stay when a place joins,
+    or goes.
+    """
+    seen: Counter[tuple[str, ...]] = Counter()
     for finding in findings:
-        same = identity(finding)
+        same = (
+            _slashes(finding.file),
+            finding.code,
+            finding.severity.value,
+            finding.kind,
+            kind_of(finding.cause or ""),
+        )
         seen[same] += 1
         digest = hashlib.sha256("\0".join(same).encode("utf-8", "replace")).hexdigest()
         yield f"{digest}:{seen[same]}"
@@ -61,7 +73,9 @@ class Compared:
 
 
 def compared(findings: Iterable[Finding], path: str) -> Compared:
-    """Return the findings against a baseline. One that is there k times allows the first k findings of its identity.
+    """Return the findings against a baseline, place by place: of a finding those places are new that it lacks.
+
+    An entry that is there k times allows the first k places of its identity.
 
     Raises:
         InputError: the file cannot be read or is no baseline.
@@ -70,24 +84,24 @@ def compared(findings: Iterable[Finding], path: str) -> Compared:
     total = left.total()
     new = []
     folder = os.path.dirname(os.path.abspath(path))
-    for finding in findings:
+    for finding in places(findings):
         same = identity(finding, folder)
         if left[same] > 0:
             left[same] -= 1
         else:
             new.append(finding)
     gone = left.total()
-    return Compared(tuple(new), total - gone, gone)
+    return Compared(grouped(new), total - gone, gone)
 
 
 def write_baseline(findings: Iterable[Finding], path: str) -> int:
-    """Write the findings as a baseline, one a line and in order, and return how many there are.
+    """Write the findings as a baseline, a line for each place and in order, and return how many there are.
 
     Raises:
         InputError: the file cannot be written.
     """
     folder = os.path.dirname(os.path.abspath(path))
-    counts = Counter(identity(finding, folder) for finding in findings)
+    counts = Counter(identity(finding, folder) for finding in places(findings))
     lines = [json.dumps({**same._asdict(), "count": count}) for same, count in sorted(counts.items())]
     inside = "\n    " + ",\n    ".join(lines) + "\n  " if lines else ""
     write_whole(path, f'{{\n  "robodyn_baseline": {VERSION},\n  "findings": [{inside}]\n}}\n'.encode())
@@ -106,8 +120,11 @@ def _read(path: str) -> Counter[Identity]:
     if not isinstance(document, Mapping) or document.get("robodyn_baseline") != VERSION:
         raise _no_baseline(path)
     try:
-        entries = [({**entry}, entry["count"]) for entry in document["findings"]]
-        return Counter({Identity(*(str(entry[key]) for key in Identity._fields)): int(n) for entry, n in entries})
+        known = Counter[Identity]()
+        for entry in document["findings"]:
+            same = Identity(*(str(entry[key]) for key in Identity._fields))
+            known[same._replace(message=without_numbers(same.message))] += int(entry["count"])
+        return known
     except (KeyError, TypeError, ValueError):
         raise _no_baseline(path) from None
 

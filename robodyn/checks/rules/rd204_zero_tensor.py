@@ -10,7 +10,12 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.view import LinkView
 
 
-@rule(Severity.ERROR, good=longer_arm(), bad=longer_arm(inertial='<mass value="1"/>' + inertia("0 0 0 0 0 0")))
+@rule(
+    Severity.ERROR,
+    good=longer_arm(),
+    bad=longer_arm(inertial='<mass value="1"/>' + inertia("0 0 0 0 0 0")),
+    explains=("RD402",),
+)
 def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or not link.mass or link.mass < 0 or not is_a_point(link):

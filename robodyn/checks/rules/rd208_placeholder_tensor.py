@@ -15,7 +15,12 @@ _FRACTION = 0.01
 """Of the mass of its rigid group; a placeholder on less than this is a remark."""
 
 
-@rule(Severity.WARNING, good=one_link(), bad=(INERTIA, inertia("1 0 0 1 0 1")))
+@rule(
+    Severity.WARNING,
+    good=one_link(),
+    bad=(INERTIA, inertia("1 0 0 1 0 1")),
+    explains=("RD206", "RD207", "RD301", "RD303", "RD402"),
+)
 def check(context: Context) -> Faults:
     first_with: dict[tuple[float, ...], LinkView] = {}
     for link, inertial, tensor in tensors(context):

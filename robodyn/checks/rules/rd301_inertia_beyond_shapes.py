@@ -8,6 +8,8 @@ second bound is a remark, and a warning where it is exceeded four times wherever
 of the mass that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from robodyn.checks.bodies.bodies import Body
@@ -70,7 +72,9 @@ def _beyond_box(body: Body) -> Fault | None:
     wherever = spread[axis] > sides[axis] ** 2 / 4
     severity = Severity.WARNING if ratio > FAR and wherever else Severity.NOTE
     what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
-    return _fault(body, severity, f"{what} around the shapes can have", float(spread[axis]), float(bound[axis]))
+    what += " around the shapes can have"
+    fault = _fault(body, severity, what, float(spread[axis]), float(bound[axis]))
+    return replace(fault, kind="beyond the box around the shapes")
 
 
 def _reach(box: Box, c: Floats) -> float:

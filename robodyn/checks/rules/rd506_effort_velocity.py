@@ -1,7 +1,7 @@
 """Effort and velocity limits are positive and those of a machine.
 
 URDF asks for both. A limit of 0 makes a joint that some simulators can never move, and that others
-do not limit; 1e9 is a stand-in that nothing can be sized against.
+do not limit. 1e9 is a stand-in that nothing can be sized against: a remark.
 """
 
 from robodyn.checks.examples import arm
@@ -24,5 +24,7 @@ def check(context: Context) -> Faults:
                 what = f"{numbers.attribute} is {value:g}, " + (
                     "a stand-in that limits nothing" if value > 0 else "not positive"
                 )
+            endless = value is not None and value > 0
+            severity = Severity.NOTE if endless else Severity.WARNING
             remedy = "write what the drive can do"
-            yield Fault(numbers.span, what, remedy, value, most if value is not None and value > 0 else 0.0)
+            yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity)

@@ -45,7 +45,7 @@ def _angles(numbers: Numbers, certain: float = _TURN) -> Faults:
         yield Fault(numbers.span, what, "write radians", abs(largest), 2 * pi, cause=cause, fix=fix)
     elif abs(largest) > _TURN:
         remedy = "narrow it, or make the joint continuous"
-        yield Fault(numbers.span, what, remedy, abs(largest), 2 * pi, severity=Severity.NOTE)
+        yield Fault(numbers.span, what, remedy, abs(largest), 2 * pi, severity=Severity.NOTE, kind="more than a turn")
 
 
 def _fix(numbers: Numbers) -> Fix:

@@ -15,7 +15,13 @@ from robodyn.robot.urdf.packages import package_of
 from robodyn.support.wording import count, listed, shown, shown_path
 
 
-@rule(Severity.ERROR, good=a_shaped_link(), bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"))
+@rule(
+    Severity.ERROR,
+    good=a_shaped_link(),
+    bad=('<box size="0.1 0.1 0.25"/>', "<mesh/>"),
+    default=Severity.NOTE,
+    explains=("RD603",),
+)
 def check(context: Context) -> Faults:
     for use in mesh_uses(context):
         if not use.uri:

@@ -3,9 +3,9 @@
 Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
 coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
 their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
-boundary chain; and shells that reach into another, as far as a few points of each show. The last four are a remark
-where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a file `open.stl`, a box
-without lid; the good one beside `closed.stl`.
+boundary chain; and shells that reach into another, as far as a few points of each show. The last is a remark; the
+three before it are one where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a
+file `open.stl`, a box without lid; the good one beside `closed.stl`.
 """
 
 from robodyn.checks.examples import a_mesh
@@ -36,7 +36,7 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
         return inside_out, Severity.WARNING
     if facts.doubt:
         return f"may not be whole: {facts.doubt}", Severity.WARNING
-    what = None
+    what, severity = None, Severity.NOTE if name.is_seen_only else Severity.WARNING
     if facts.one_sided:
         what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
     elif facts.mixed:
@@ -44,5 +44,5 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     elif not facts.closed and facts.problem is None:
         what = "is not closed: it encloses no definite volume"
     elif facts.overlapping:
-        what = "has shells that overlap: what they share counts twice"
-    return None if what is None else (what, Severity.NOTE if name.is_seen_only else Severity.WARNING)
+        what, severity = "has shells that overlap: what they share counts twice", Severity.NOTE
+    return None if what is None else (what, severity)

@@ -4,8 +4,9 @@ A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero,
 programs (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
 faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right; Pinocchio
 4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one tetrahedron). Shapes are
-where they should be in all four. So this is a warning: meshes on both sides of a robot are often made this way. Two
-negative scales are half a turn, right in all four, and a remark.
+where they should be in all four. So this is a warning in a <collision>, and a remark where the mesh is only a <visual>:
+meshes on both sides of a robot are often made this way. Two negative scales are half a turn, right in all four, and a
+remark.
 """
 
 from robodyn.checks.examples import a_shaped_link
@@ -36,7 +37,9 @@ def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
         severity, remedy = Severity.ERROR, 'write scale="1 1 1", or leave it out'
         what = "leaves no volume"
     elif sum(value < 0 for value in scale) % 2:
-        severity, remedy = Severity.WARNING, "export the mesh of this part, mirrored"
+        only_seen = all(use.geometry.kind == "visual" for use in uses)
+        severity = Severity.NOTE if only_seen else Severity.WARNING
+        remedy = "export the mesh of this part, mirrored"
         what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
     else:
         severity, remedy = Severity.NOTE, "export the mesh of this part, or turn it by rpy"

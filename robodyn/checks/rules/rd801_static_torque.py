@@ -38,7 +38,7 @@ def check(context: Context) -> Faults:
             f"{joint.effort:g}, at {_pose(context.model, one)}"
         )
         remedy = "raise the limit, lower masses or levers, or narrow the ranges; a counterbalance deserves a waiver"
-        yield Fault(limit.effort.span, what, remedy, abs(one.torque), joint.effort)
+        yield Fault(limit.effort.span, what, remedy, abs(one.torque), joint.effort, kind="more than the effort limit")
 
 
 def _pose(model: Model, one: StaticTorque) -> str:

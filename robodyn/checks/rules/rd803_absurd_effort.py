@@ -17,6 +17,7 @@ farthest part can be (5 cm away at least), was never meant to limit anything: sa
 it say nothing. Greater ones still, which stand for no limit at all, are RD506's.""",
     good=arm('<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="900" velocity="3"/>'),
     bad=('"900"', '"90000"'),
+    default=Severity.ERROR,
 )
 def check(context: Context) -> Faults:
     bounds = context.once(gravity_bounds)

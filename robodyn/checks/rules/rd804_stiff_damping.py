@@ -17,6 +17,7 @@ the inertia of a rotor times the square of the gear ratio, which most descriptio
 middle of the ranges.""",
     good=arm('<axis xyz="1 0 0"/><limit lower="-2" upper="2" effort="30" velocity="3"/><dynamics damping="1"/>'),
     bad=('"1"', '"50"'),
+    default=Severity.ERROR,
 )
 def check(context: Context) -> Faults:
     for joint, inertia in context.once(reflected_inertias):

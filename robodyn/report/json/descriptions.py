@@ -66,7 +66,7 @@ def check_json(checked: Checked) -> str:
         {
             "findings": list(map(_finding, checked.findings)),
             "unread": [select(each, "file error:why") for each in checked.unread],
-            "summary": {"files": len(checked.files), **check_data(checked)},
+            "summary": {"files": len(checked.files), **check_data(checked), "hidden": len(checked.hidden)},
         }
     )
 
@@ -74,12 +74,21 @@ def check_json(checked: Checked) -> str:
 def _finding(finding: Finding) -> dict[str, Any]:
     return select(
         finding,
-        "file line column code name severity subject message remedy measured bound cause fix",
-        subject=finding.subject and select(finding.subject, "kind name"),
-        measured=finite(finding.measured),
-        bound=finite(finding.bound),
-        fix=finding.fix and select(finding.fix, "what safe edits"),
+        "file line column code name severity subject message remedy measured bound cause fix places",
+        **_place(finding),
+        places=[
+            select(place, "line column subject message measured bound fix", **_place(place)) for place in finding.places
+        ],
     )
+
+
+def _place(finding: Finding) -> dict[str, Any]:
+    return {
+        "subject": finding.subject and select(finding.subject, "kind name"),
+        "measured": finite(finding.measured),
+        "bound": finite(finding.bound),
+        "fix": finding.fix and select(finding.fix, "what safe edits"),
+    }
 
 
 def doctor_json(lines: tuple[Line, ...]) -> str:

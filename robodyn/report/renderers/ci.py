@@ -8,6 +8,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Checked, Unread
+from robodyn.report.check_places import further
 from robodyn.report.table import printable
 
 
@@ -53,7 +54,8 @@ def _case(finding: Finding, fatal: set[Severity]) -> str:
     name = f"{finding.code} {finding.name} {finding.line}:{finding.column}"
     head = f'    <testcase name={_attribute(name)} classname={_attribute(finding.file)} time="0">'
     cause = f"\ncause: {finding.cause}" if finding.cause else ""
-    text = _text(f"{place}: {finding.severity.value}: {finding.message}{cause}\nremedy: {finding.remedy}")
+    also = "".join(f"\nalso: {line}" for line in further(finding))
+    text = _text(f"{place}: {finding.severity.value}: {finding.message}{also}{cause}\nremedy: {finding.remedy}")
     if finding.severity in fatal:
         what = f'<failure type="{finding.code}" message={_attribute(finding.message)}>{text}</failure>'
     else:
@@ -99,7 +101,7 @@ def _path(file: str) -> str:
 
 
 def _message(finding: Finding) -> str:
-    parts = [printable(finding.message)]
+    parts = [printable(finding.message), *(f"also: {printable(line)}" for line in further(finding))]
     if finding.cause:
         parts.append(f"cause: {printable(finding.cause)}")
     return "\n".join([*parts, f"remedy: {printable(finding.remedy)}"])

@@ -8,15 +8,17 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.metadata import version
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from robodyn.checks.compare.baseline import fingerprints
-from robodyn.checks.rule import Edit, Finding, Rule
+from robodyn.checks.rule import Edit, Finding, Fix, Rule
 from robodyn.checks.run import Unread
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import SourcePositions
+from robodyn.support.wording import count
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 Object = dict[str, Any]
@@ -82,6 +84,43 @@ def _rule(rule: Rule) -> Object:
 
 def _result(finding: Finding, index: dict[str, int], name: str, region: Region) -> Object:
     cause = f" Cause: {finding.cause}." if finding.cause else ""
+    also = _also(finding)
+    result: Object = {
+        "ruleId": finding.code,
+        "level": finding.severity.value,
+        "message": {"text": f"{finding.message}.{also}{cause} Remedy: {finding.remedy}."},
+        "locations": [_location(finding, region)],
+        "partialFingerprints": {"robodynFinding/v2": name},
+    }
+    if finding.others:
+        result["occurrenceCount"] = len(finding.places)
+        result["relatedLocations"] = [
+            {"id": k, **_location(other, region), "message": {"text": other.message}}
+            for k, other in enumerate(finding.others, 1)
+        ]
+    if finding.code in index:
+        result["ruleIndex"] = index[finding.code]
+    numbers = {"measured": finding.measured, "bound": finding.bound}
+    if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
+        result["properties"] = known
+    if finding.fix is not None:
+        result["fixes"] = [_fix(finding, finding.fix.what, _edits(finding, finding.fix), region)]
+    return result
+
+
+_LINKED = 20
+"""Further places that the message links to."""
+
+
+def _also(finding: Finding) -> str:
+    """Return links to the related locations, in the form that readers of SARIF make links of."""
+    links = [f"[line {other.line}]({k})" for k, other in enumerate(finding.others[:_LINKED], 1)]
+    more = len(finding.others) - _LINKED
+    listed = ", ".join([*links, *([count(more, "more place")] if more > 0 else [])])
+    return f" Also in {listed}." if links else ""
+
+
+def _location(finding: Finding, region: Region) -> Object:
     location: Object = {
         "physicalLocation": {
             "artifactLocation": _artifact(finding.file),
@@ -91,21 +130,14 @@ def _result(finding: Finding, index: dict[str, int], name: str, region: Region) 
     if finding.subject is not None:
         kind, named = finding.subject.kind, finding.subject.name
         location["logicalLocations"] = [{"name": named, "kind": kind, "fullyQualifiedName": f"{kind}/{named}"}]
-    result: Object = {
-        "ruleId": finding.code,
-        "level": finding.severity.value,
-        "message": {"text": f"{finding.message}.{cause} Remedy: {finding.remedy}."},
-        "locations": [location],
-        "partialFingerprints": {"robodynFinding/v1": name},
-    }
-    if finding.code in index:
-        result["ruleIndex"] = index[finding.code]
-    numbers = {"measured": finding.measured, "bound": finding.bound}
-    if known := {key: value for key, value in numbers.items() if value is not None and math.isfinite(value)}:
-        result["properties"] = known
-    if finding.fix is not None:
-        result["fixes"] = [_fix(finding, finding.fix.what, finding.fix.edits, region)]
-    return result
+    return location
+
+
+def _edits(finding: Finding, fix: Fix) -> Sequence[Edit]:
+    """Return the edits of all places, in their order; those of the first where some touch."""
+    every = {edit for place in finding.places if place.fix for edit in place.fix.edits}
+    edits = sorted(every, key=lambda edit: edit.start)
+    return fix.edits if any(a.end > b.start for a, b in pairwise(edits)) else edits
 
 
 def _fix(finding: Finding, what: str, edits: Sequence[Edit], region: Region) -> Object:

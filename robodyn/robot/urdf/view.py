@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 from robodyn.robot.urdf.elements import Element, Span
 from robodyn.robot.urdf.numbers import Numbers, numbers, value_span
 from robodyn.robot.urdf.parts import INERTIA, JOINT_TYPES, SHAPES, SIZES
+from robodyn.support.wording import shown
 
 _MOVING = frozenset(JOINT_TYPES) - {"fixed"}
 T = TypeVar("T")
@@ -28,6 +29,11 @@ class Subject:
 
     kind: str
     name: str
+
+    @property
+    def words(self) -> str:
+        """`link 'arm'`"""
+        return f"{self.kind} {shown(self.name)}"
 
 
 class Kept(Generic[T]):

@@ -178,8 +178,8 @@ SURFACES = {
     "inside out": (flipped(PART), (W, W), "is inside out"),
     "one inside out": (INVERTED, (W, W), "shells that are inside out"),
     "mixed": (MIXED, (W, I), "wound against"),
-    "crossed": (CROSS, (W, I), "overlap"),
-    "doubled within": (INSIDE, (W, I), "overlap"),
+    "crossed": (CROSS, (I, I), "overlap"),
+    "doubled within": (INSIDE, (I, I), "overlap"),
     "NaN": (NOT_A_NUMBER, (W, W), "no number"),
 }
 

@@ -1,0 +1,73 @@
+"""Findings of one cause made one: the same slip at many places, and two rules that speak of the same defect.
+
+Rules, waivers, fixes and baselines work on each place by itself. What a user is shown has one finding for each file,
+rule, severity and kind, with its places; so that one more place changes neither the others nor the name of the whole.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from robodyn.checks.finding import Finding
+from robodyn.checks.rule import Rule
+from robodyn.robot.urdf.view import Subject
+
+_NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]*\w)")
+_NAME = re.compile(r"(?<!\w)(['\"]).*?\1(?!\w)")
+_MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
+
+
+def without_numbers(text: str) -> str:
+    """Return a message with `#` for the numbers that stand alone; those in a name (`link_2`) stay.
+
+    How many more there are of something is left out.
+    """
+    return _NUMBER.sub("#", _MORE.sub("", text))
+
+
+def kind_of(what: str) -> str:
+    """Return a message with `#` for numbers and quoted names: what it has in common with others of the same slip."""
+    return without_numbers(_NAME.sub("#", what))
+
+
+def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return one finding for each cause in each file, with its further places; in the order of the first places."""
+    together: dict[tuple[object, ...], list[Finding]] = {}
+    for finding in findings:
+        cause = None if finding.cause is None else kind_of(finding.cause)
+        key = (finding.file, finding.code, finding.severity, finding.kind, cause)
+        together.setdefault(key, []).append(finding)
+    return tuple(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
+
+
+def places(findings: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Return every place of the findings by itself, file by file and each in the order of its text."""
+    files: dict[str, list[Finding]] = {}
+    for finding in findings:
+        files.setdefault(finding.file, []).extend(finding.places)
+    return tuple(one for found in files.values() for one in sorted(found, key=lambda one: (one.start, one.code)))
+
+
+def one_each(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Return the findings of one file without those that another rule explains, for the same link or joint.
+
+    Of two that are one defect the one that explains stays, unless the other is more severe: then that one stays, and
+    what explains it becomes its cause.
+    """
+    of: dict[tuple[Subject, str], list[Finding]] = {}
+    for finding in findings:
+        if finding.subject is not None:
+            of.setdefault((finding.subject, finding.code), []).append(finding)
+    dropped: set[int] = set()
+    causes: dict[int, str] = {}
+    for (subject, code), found in of.items():
+        for other in (other for explained in rules[code].explains for other in of.get((subject, explained), ())):
+            if found[0].severity.reaches(other.severity):
+                dropped.add(id(other))
+            else:
+                dropped.update(map(id, found))
+                causes.setdefault(id(other), f"{found[0].what} ({code})")
+    kept = (finding for finding in findings if id(finding) not in dropped)
+    return [replace(one, cause=one.cause or causes.get(id(one))) if id(one) in causes else one for one in kept]

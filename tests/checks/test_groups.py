@@ -1,0 +1,142 @@
+"""One finding for each cause in a file, with its places; two rules that speak of one defect are one finding."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from helpers.clean_arm import IDENTITY, INERTIA, arm
+
+from robodyn.checks.catalogue import CODES, RULES
+from robodyn.checks.compare.baseline import compared, fingerprints, write_baseline
+from robodyn.checks.finding import Severity
+from robodyn.checks.groups import grouped, kind_of, one_each, places
+from robodyn.checks.project import fix_task
+from robodyn.checks.run import EVERYTHING, Checked, Options, Task, check_one, found_in
+from robodyn.checks.selection import BY_CODE
+
+ONE = arm(shoulder="0 2 0")
+TWO = arm(shoulder="0 2 0", elbow="0 3 0")
+FAR = '<inertia ixx="40" ixy="0" ixz="0" iyy="40" iyz="0" izz="40"/>'
+SHAPE = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+
+
+def shown(text: str, *select: str) -> tuple[tuple[str, int], ...]:
+    found = found_in(text.encode(), Options(select or ("RD2", "RD3", "RD5")))
+    return tuple((finding.code, len(finding.places)) for finding in found.shown)
+
+
+def shaped(upper: str) -> str:
+    """The arm with a box for its upper link, around its centre of mass."""
+    box = SHAPE.replace("<visual>", '<visual><origin xyz="0.2 0 0"/>')
+    return arm(upper=upper).replace('<link name="upper">', f'<link name="upper">{box}')
+
+
+@pytest.mark.parametrize(
+    ("what", "kind"),
+    [
+        ("the mass is -3.5 kg, not positive", "the mass is # kg, not positive"),
+        ("there is no link 'link_2' in the robot", "there is no link # in the robot"),
+        ("the robot's own weight is that of 'arm's end'", "the robot's own weight is that of #"),
+        ("the mesh 'a.stl' is not there (and 1 more place)", "the mesh # is not there"),
+        ("the mesh 'a.stl' is not there (and 12 more places)", "the mesh # is not there"),
+        ("the scale 1 -1 1 mirrors the mesh (and 3 more of this mesh)", "the scale # # # mirrors the mesh"),
+    ],
+)
+def test_kind_is_the_sentence_without_names_and_numbers(what: str, kind: str) -> None:
+    assert kind_of(what) == kind
+
+
+def test_the_same_slip_in_one_file_is_one_finding_with_its_places() -> None:
+    (finding,) = found_in(TWO.encode(), Options(("RD5",))).shown
+    assert [place.subject and place.subject.name for place in finding.places] == ["shoulder", "elbow"]
+    assert [place.measured for place in finding.places] == [2.0, 3.0]
+    assert finding.line == finding.places[0].line < finding.others[0].line
+    assert all(place.others == () for place in finding.places)
+
+
+def test_files_rules_severities_and_causes_are_kept_apart() -> None:
+    mixed = arm(shoulder="0 0 0", elbow="0 2 0")
+    assert shown(mixed, "RD5") == (("RD501", 1), ("RD502", 1))
+    two_files = [*check_one(ONE.encode(), name="a.urdf"), *check_one(ONE.encode(), name="b.urdf")]
+    assert [len(one.places) for one in grouped(two_files)] == [1, 1]
+    placeholders = arm(upper=IDENTITY, fore=IDENTITY.replace('"1"', '"0.1"'))
+    assert shown(placeholders, "RD208") == (("RD208", 1), ("RD208", 1))
+
+
+def test_places_are_what_was_grouped() -> None:
+    for rule in RULES:
+        single = check_one(rule.bad.encode())
+        assert places(grouped(single)) == single
+
+
+@pytest.mark.parametrize(("code", "rule"), BY_CODE.items())
+def test_rules_explain_rules_that_exist_and_no_two_each_other(code: str, rule: object) -> None:
+    for other in BY_CODE[code].explains:
+        assert other in CODES
+        assert code not in BY_CODE[other].explains
+
+
+def test_the_less_severe_of_two_that_are_one_defect_becomes_the_cause() -> None:
+    assert shown(shaped(FAR), "RD301") == (("RD301", 1),)
+    (finding,) = found_in(shaped(IDENTITY).encode(), Options(("RD208", "RD301"))).shown
+    assert (finding.code, finding.severity) == ("RD301", Severity.ERROR)
+    assert finding.cause == "the inertia looks like a placeholder: the identity matrix, 1 kg m^2 three times (RD208)"
+
+
+def test_what_explains_stays_where_it_is_as_severe() -> None:
+    negative = shaped(INERTIA.replace('"0.01"', '"-40"'))
+    both = [one.code for one in check_one(negative.encode(), Options(("RD206", "RD301")))]
+    assert both.count("RD206") == 1
+    assert [code for code, _ in shown(negative, "RD206", "RD301")] == ["RD206"]
+
+
+def test_another_link_s_defect_is_its_own() -> None:
+    single = check_one(shaped(IDENTITY).replace(INERTIA, IDENTITY).encode(), Options(("RD208", "RD301")))
+    left = one_each(single, BY_CODE)
+    assert [(one.code, one.subject and one.subject.name) for one in left] == [("RD301", "upper"), ("RD208", "fore")]
+
+
+def test_a_waiver_allows_the_place_that_it_is_about() -> None:
+    waiver = "<!-- robodyn: allow RD502 as it was published -->"
+    waived = TWO.replace('<axis xyz="0 2 0"/>', f'{waiver}\n    <axis xyz="0 2 0"/>')
+    (finding,) = found_in(waived.encode(), Options(("RD5", "RD0"))).shown
+    assert [place.subject and place.subject.name for place in finding.places] == ["elbow"]
+
+
+def test_every_place_is_fixed(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(TWO)
+    fixed = fix_task(Task(str(path), EVERYTHING))
+    assert len(fixed.made) == 2
+    assert fixed.after.decode() == arm(shoulder="0.0 1.0 0.0", elbow="0.0 1.0 0.0")
+
+
+def test_one_more_place_is_new_alone_and_leaves_the_name_of_the_finding(tmp_path: Path) -> None:
+    before, after = (found_in(text.encode(), Options(("RD5",)), "arm.urdf").shown for text in (ONE, TWO))
+    path = str(tmp_path / "known.json")
+    assert write_baseline(before, path) == 1
+    result = compared(after, path)
+    assert (result.known, result.gone) == (1, 0)
+    assert [place.subject and place.subject.name for one in result.new for place in one.places] == ["elbow"]
+    assert list(fingerprints(before)) == list(fingerprints(after))
+    write_baseline(after, path)
+    assert compared(before, path).gone == 1
+
+
+def test_a_baseline_of_numbers_of_places_still_holds(tmp_path: Path) -> None:
+    """Messages in baselines once had `(and # more places)`."""
+    (finding,) = check_one(ONE.encode(), Options(("RD502",)), "arm.urdf")
+    path = tmp_path / "known.json"
+    write_baseline([finding], str(path))
+    path.write_text(path.read_text().replace('", "count"', ' (and # more places)", "count"'))
+    assert compared([finding], str(path)).new == ()
+
+
+def test_of_one_link_are_its_places() -> None:
+    both = arm(upper=IDENTITY, fore=IDENTITY)
+    found = found_in(both.encode(), Options(("RD208",)))
+    checked = Checked(("<stdin>",), found.shown, hidden=found.hidden).of_link("fore")
+    assert [len(one.places) for one in checked.findings] == [1]
+    assert checked.findings[0].subject is not None
+    assert checked.findings[0].subject.name == "fore"
