@@ -25,11 +25,12 @@ def add_completions(command: click.Command) -> None:
 
 
 def _completed(names: Names, end: str, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-    """Return the names that begin like what stands behind the last comma, each followed by `end`."""
+    """Return the names that begin like what stands behind the last comma, in any case, each followed by `end`."""
     from click.shell_completion import CompletionItem
 
     before, comma, last = incomplete.rpartition(",")
-    return [CompletionItem(f"{before}{comma}{name}{end}") for name in names(ctx) if name.startswith(last)]
+    begun = (name for name in names(ctx) if name.casefold().startswith(last.casefold()))
+    return [CompletionItem(f"{before}{comma}{name}{end}") for name in begun]
 
 
 def _methods(ctx: click.Context) -> Iterable[str]:
@@ -42,6 +43,18 @@ def _codes(ctx: click.Context) -> Iterable[str]:
     from robodyn.checks.catalogue import RULES
 
     return [rule.code for rule in RULES]
+
+
+def _codes_and_names(ctx: click.Context) -> Iterable[str]:
+    from robodyn.checks.catalogue import RULES
+
+    return [name for rule in RULES for name in (rule.code, rule.name)]
+
+
+def _selected(ctx: click.Context) -> Iterable[str]:
+    from robodyn.checks.selection import WORDS
+
+    return [*WORDS, *_codes(ctx)]
 
 
 def _is_description(name: object) -> TypeGuard[str]:
@@ -63,8 +76,8 @@ def _named(element: str, ctx: click.Context) -> Iterable[str]:
 LINKS, JOINTS = partial(_named, "link"), partial(_named, "joint")
 COMPLETED: dict[str | None, tuple[Names, str]] = {
     "method": (_methods, ""),
-    "asked": (_codes, ""),
-    "select": (_codes, ""),
+    "asked": (_codes_and_names, ""),
+    "select": (_selected, ""),
     "ignore": (_codes, ""),
     "link": (LINKS, ""),
     "frame": (LINKS, ""),

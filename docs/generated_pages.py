@@ -17,7 +17,7 @@ from markdown_text import escaped
 from python_page import python_page
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.rule import Rule
+from robodyn.checks.rule import Rule, Severity
 from robodyn.cli.main import COMMANDS
 from robodyn.cli.main import robodyn as main_command
 
@@ -56,20 +56,26 @@ def pages() -> Iterator[tuple[str, str]]:
 
 def rules_page() -> str:
     """Return the page that lists the rules by family."""
+    default = sum(rule.in_default for rule in RULES)
     lines = [
         "# Rules of the check",
         "",
         f"`robodyn check` has {len(RULES)} rules. `robodyn rule RD207` explains one on the command line, and",
         "`robodyn rule mimic` finds those about a word. How to select, waive and fix findings is in",
         "[Find out whether a description is possible](../../howto/check_descriptions.md).",
+        "",
+        f"The usual findings of {default} rules are in the default set: errors, and what is likely a defect. Those",
+        "of the others are shown where their code, or `ALL`, is selected, or an option asks for them.",
     ]
     for prefix, title in FAMILIES.items():
         family = [rule for rule in RULES if rule.code.startswith(prefix)]
         rows = [
-            f"| [{rule.code}]({rule.code.lower()}.md) | {rule.name} | {rule.severity.value} | {escaped(rule.summary)} |"
+            f"| [{rule.code}]({rule.code.lower()}.md) | {rule.name} | {rule.severity.value} |"
+            f" {'yes' if rule.in_default else 'no'} | {escaped(rule.summary)} |"
             for rule in family
         ]
-        lines += ["", f"## {prefix}xx: {title}", "", "| code | name | severity | rule |", "| --- | --- | --- | --- |"]
+        lines += ["", f"## {prefix}xx: {title}", "", "| code | name | severity | default | rule |"]
+        lines += ["| --- | --- | --- | --- | --- |"]
         lines += rows
     entries = [rule.code.lower() for rule in RULES]
     return "\n".join([*lines, "", "```{toctree}", ":hidden:", "", *entries, "```", ""])
@@ -81,7 +87,7 @@ def rule_page(rule: Rule) -> str:
 
 {escaped(rule.summary)}
 
-Severity: {rule.severity.value}
+Severity: {rule.severity.value}, {_shown(rule)}
 
 {escaped(" ".join(rule.explanation.split()))}
 
@@ -97,6 +103,14 @@ Severity: {rule.severity.value}
 {rule.good.strip(chr(10))}
 ```
 """
+
+
+def _shown(rule: Rule) -> str:
+    """Return which findings of a rule are shown by default."""
+    least = {Severity.ERROR: "errors alone", Severity.WARNING: "errors and warnings", Severity.NOTE: "all"}
+    said = f"in the default set: {least[rule.default]}; `--select {rule.code}` shows every finding."
+    same = f" A finding of {', '.join(rule.explains)} about the same link or joint is the same defect."
+    return said + same * bool(rule.explains)
 
 
 def commands_page() -> str:

@@ -16,6 +16,7 @@ from robodyn.robot.urdf.view import Subject
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]*\w)")
 _NAME = re.compile(r"(?<!\w)(['\"]).*?\1(?!\w)")
+_LIST = re.compile(r"#(?:, #)+(?:, \.\.\. \(# in all\)| and # more)?")
 _MORE = re.compile(r" \(and (?:\d+|#) more[^()]*\)")
 
 
@@ -28,8 +29,8 @@ def without_numbers(text: str) -> str:
 
 
 def kind_of(what: str) -> str:
-    """Return a message with `#` for numbers and quoted names: what it has in common with others of the same slip."""
-    return without_numbers(_NAME.sub("#", what))
+    """Return a message with `#` for numbers, quoted names and lists of them: what the same slip has in common."""
+    return _LIST.sub("#", without_numbers(_NAME.sub("#", what)))
 
 
 def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:

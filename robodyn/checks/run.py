@@ -178,9 +178,13 @@ def read_one(source: Source, options: Options = EVERYTHING, name: str | None = N
 
 
 def found_in(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Found:
-    """Return what is found in one file or its bytes: one finding for each defect, shown or hidden as is selected."""
-    single = one_each(check_one(source, options, name), BY_CODE)
-    is_shown = shown_of(options.select, options.asked)
+    """Return what is found in one file or its bytes: one finding for each cause, shown or hidden as is selected."""
+    return sifted(check_one(source, options, name), options)
+
+
+def sifted(every: Sequence[Finding], options: Options) -> Found:
+    """Return what `check_one` returns, with one finding for each cause, as what is shown and what is not."""
+    single, is_shown = one_each(every, BY_CODE), shown_of(options.select, options.asked)
     return Found(
         grouped(finding for finding in single if is_shown(finding)),
         grouped(finding for finding in single if not is_shown(finding)),

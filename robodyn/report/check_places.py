@@ -39,7 +39,10 @@ def place_words(finding: Finding) -> str:
 def short_sections(checked: Checked) -> Iterator[Section]:
     """Yield for each file its rules, the most severe first, and the places of each; at the end how many there are."""
     order = list(LEVELS)
-    for file, found in groupby(checked.findings, key=lambda finding: finding.file):
+    files: dict[str, list[Finding]] = {}
+    for finding in checked.findings:
+        files.setdefault(finding.file, []).append(finding)
+    for file, found in files.items():
         ranked = sorted(found, key=lambda one: (order.index(one.severity), one.code))
         lines = [relative(file)]
         for head, same in groupby(ranked, key=lambda one: f"{one.severity.value} {one.code} {one.name}"):

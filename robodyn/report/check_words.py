@@ -26,12 +26,12 @@ def check_line(checked: Checked) -> str:
 
 
 def checked_lines(checked: Checked) -> list[str]:
-    """Return how many files were checked and what was found, and in a second line what is not shown."""
+    """Return what is not shown, if anything, and at the end how many files were checked and what was found."""
     line = f"{count(len(checked.files), 'file')} checked: {check_line(checked)}"
     if not checked.hidden:
         return [line]
     rules = len({finding.code for finding in checked.hidden})
-    return [line, f"not shown: {count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)"]
+    return [f"not shown: {count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)", line]
 
 
 def check_data(checked: Checked) -> dict[str, Any]:

@@ -40,6 +40,9 @@ def shaped(upper: str) -> str:
         ("the robot's own weight is that of 'arm's end'", "the robot's own weight is that of #"),
         ("the mesh 'a.stl' is not there (and 1 more place)", "the mesh # is not there"),
         ("the mesh 'a.stl' is not there (and 12 more places)", "the mesh # is not there"),
+        ("it moves 'a', 'b' and has 1, 2.5, -3 kg", "it moves # and has # kg"),
+        ("it moves 'a', 'b', ... (7 in all)", "it moves #"),
+        ("mujoco refuses 'a', 'b' and 4 more", "mujoco refuses #"),
         ("the scale 1 -1 1 mirrors the mesh (and 3 more of this mesh)", "the scale # # # mirrors the mesh"),
     ],
 )

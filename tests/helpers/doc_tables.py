@@ -27,6 +27,7 @@ TIMED = {
     "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",
     "check": "bench_check",
+    "findings": "bench_findings",
     "iftomm": "bench_iftomm",
 }
 

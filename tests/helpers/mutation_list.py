@@ -8,6 +8,17 @@ MUTATIONS = {
         ("loads/history.py", "each.argmax", "each.argmin"),
         ("loads/history.py", "columns if len(each) > 1 else 0", "0"),
     ],
+    "checks/test_groups.py": [
+        ("checks/groups.py", "found[0].severity.reaches(other.severity)", "True"),
+        (
+            "checks/groups.py",
+            "(finding.file, finding.code, finding.severity, finding.kind, cause)",
+            "(finding.file, finding.code, finding.severity, cause)",
+        ),
+    ],
+    "checks/test_selection.py": [
+        ("checks/selection.py", "not select or DEFAULT in select", "not select"),
+    ],
     "solids/mesh/integrate/test_compiled_kernel.py": [
         (
             "solids/mesh/integrate/compiled_kernel.py",
