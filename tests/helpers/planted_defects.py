@@ -110,8 +110,11 @@ _OPTICS = '<joint name="optics" type="fixed"><parent link="camera"/><child link=
 _GRIP = '<limit lower="0" upper="0.04" effort="25" velocity="0.2"/>'
 _SHOULDER = '<limit lower="-2.9" upper="2.8" effort="120" velocity="2.5"/>'
 _TO_LIMIT = HEALTHY.partition('"shoulder" ')[2].partition("<dynamics")[0]
+_SLIDING = '<axis xyz="1 0 0"/>'
+_TO_AXIS = HEALTHY.partition('"grip" ')[2].partition("<limit")[0]
 _RIGHT = '<mass value="0.12"/><inertia ixx="3.1e-4" ixy="0" ixz="0" iyy="2.1e-4" iyz="0" izz="2.5e-4"/>'
 _ROD = '<cylinder radius="0.05" length="0.4"/>'
+_ROD_SEEN = f'<visual><origin xyz="0 0 0.2"/><geometry>{_ROD}</geometry></visual>'
 _SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'
 
 DEFECTS = tuple(
@@ -201,7 +204,7 @@ DEFECTS = tuple(
         ("RD201", _RIGHT, _RIGHT.replace('"0.12', '"@0')),
         ("RD201", _RIGHT, '<mass value="@0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'),
         ("RD202", f"<inertial>{_RIGHT}</inertial>", ""),
-        ("RD202", 'name="optics" type="fixed"', 'name="optics" type="continuous"'),
+        ("RD202", 'name="optics" type="fixed">', 'name="optics" type="continuous"><axis xyz="0 0 1"/>'),
         ("RD203", '<mass value="1.25"/>', ""),
         ("RD203", '<mass value="1.25"/>', "@<mass/>"),
         ("RD203", _WRIST, ""),
@@ -231,6 +234,7 @@ DEFECTS = tuple(
             '<mass value="0.12"/><inertia ixx="@3e-10" ixy="0" ixz="0" iyy="2e-10" iyz="0" izz="2e-10"/>',
         ),
         ("RD210", 'value="1.25"', 'value="@12500"'),
+        ("RD213", _LENS, f'<link name="lens"><inertial><mass value="@0.2"/>{_CAMERA}</inertial></link>'),
         ("RD301", _ARM, '<inertia ixx="0.6" ixy="0.015" ixz="-0.03" iyy="@0.675" iyz="0.0075" izz="0.12"/>'),
         ("RD302", 'xyz="0 0 0.2" rpy="0 0.1 0"', 'xyz="@0 0 0.5" rpy="0 0.1 0"'),
         ("RD302", 'xyz="0 0 0.2" rpy="0 0.1 0"', 'xyz="@0 0 0.9" rpy="0 0.1 0"'),
@@ -273,7 +277,20 @@ DEFECTS = tuple(
         ("RD512", 'multiplier="1.1"', 'multiplier="@2"'),
         ("RD512", 'multiplier="1.1"', 'multiplier="@-1.1"'),
         ("RD512", 'multiplier="1.1" offset="0.001"', 'multiplier="@1.1" offset="-0.01"'),
+        ("RD513", '<limit effort="40"', '<limit lower="@-1" upper="1" effort="40"'),
+        ("RD513", '<limit effort="40"', '<limit upper="@6" effort="40"'),
+        ("RD514", f'"grip" {_TO_AXIS}', f'"@grip" {_TO_AXIS.replace(_SLIDING, "")}'),
+        ("RD515", 'upper="0.05"', 'upper="@50"'),
+        ("RD515", _GRIP, _GRIP.replace("0.2", "@200")),
         ("RD601", '<cylinder radius="0.05" length="0.4"/>', "@<mesh/>"),
+        ("RD609", _ROD_SEEN, f'{_ROD_SEEN}<collision>@<origin xyz="0 0 0.3"/><geometry>{_ROD}</geometry></collision>'),
+        ("RD609", _ROD_SEEN, f"{_ROD_SEEN}@<collision><geometry>{_ROD}</geometry></collision>"),
+        ("RD611", _ROD_SEEN, f'{_ROD_SEEN}<collision><geometry>@<box size="0.1 0.1 1e-7"/></geometry></collision>'),
+        (
+            "RD611",
+            _ROD_SEEN,
+            f'{_ROD_SEEN}<collision><geometry>@<cylinder radius="0.05" length="9e-6"/></geometry></collision>',
+        ),
         ("RD606", 'size="0.3 0.3 0.1"', 'size="@0.3 0 0.1"'),
         ("RD606", 'size="0.3 0.3 0.1"', 'size="@0.3 0.3 -0.1"'),
         ("RD606", 'radius="0.05"', 'radius="@0"'),
@@ -318,7 +335,8 @@ SOUND = tuple(
         (_TURNING, '<limit lower="3" upper="-3" effort="40" velocity="3"/>'),
         (_TURNING, '<limit lower="1e17" upper="1e17" effort="40" velocity="3"/>'),
         (_TURNING, ""),
-        (_TURNING, '<limit lower="-1" upper="1" effort="40" velocity="3"/><safety_controller soft_upper_limit="2"/>'),
+        (_TURNING, '<limit lower="-4" upper="4" effort="40" velocity="3"/><safety_controller soft_upper_limit="5"/>'),
+        (_TURNING, '<limit lower="-3.14" upper="3.14" effort="40" velocity="3"/>'),
         (_ROLL, '<joint name="roll" type="continuous" dont_collapse="true">'),
         ('upper="0.05"', 'upper="7"'),
         (_GRIP, '<limit upper="0.04" effort="25" velocity="0.2"/>'),
@@ -328,7 +346,6 @@ SOUND = tuple(
         (_SOFT, 'soft_lower_limit="-2.9"'),
         (_SOFT, ""),
         ('<axis xyz="0.6 0 0.8"/>', '<axis xyz="0.7071 0 0.7071"/>'),
-        ('<axis xyz="1 0 0"/>', ""),
         ('<mimic joint="grip" multiplier="1.1" offset="0.001"/>', '<mimic joint="grip"/>'),
         ('<mimic joint="grip" multiplier="1.1" offset="0.001"/>', '<mimic joint="roll" multiplier="9"/>'),
         (

@@ -19,6 +19,9 @@ from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
+STILL = Pose(np.eye(3), np.zeros(3))
+"""The pose of a link in its own frame."""
+
 
 class Solid(NamedTuple):
     """The box around a shape in its own axes [m], and where these are in the link's frame."""

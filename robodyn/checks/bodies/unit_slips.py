@@ -9,6 +9,7 @@ from math import exp, isfinite
 import numpy as np
 
 from robodyn.checks.bodies.bodies import Body, bodies, share
+from robodyn.checks.bodies.repeated import repeated
 from robodyn.checks.bodies.shapes import outside, size_of
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product
@@ -59,10 +60,10 @@ def slips(context: Context) -> Mapping[str, Slip]:
 
 
 def judged(context: Context) -> Iterator[Body]:
-    """Yield the bodies whose mass matters in their group and that no slip of units explains."""
-    explained = context.once(slips)
+    """Yield the bodies whose mass matters in their group and that neither a slip of units nor a repetition explains."""
+    explained, again = context.once(slips), context.once(repeated)
     for name, body in context.once(bodies).items():
-        if name not in explained and share(context, body) is not None:
+        if name not in explained and name not in again and share(context, body) is not None:
             yield body
 
 

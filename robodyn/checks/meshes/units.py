@@ -30,14 +30,14 @@ class UnitSlip:
 
 def mesh_slips(context: Context) -> Mapping[GeometryView, UnitSlip]:
     """Return the uses of meshes that are 1000 times too large or too small."""
-    reach = _reach(context)
+    around = reach(context)
     found: dict[GeometryView, UnitSlip] = {}
     for name in context.once(mesh_names).values():
         for use in name.uses:
             side = longest(use.geometry, name.uri, context)
             if side is None:
                 continue
-            mistaken = _mistaken(side, _twin(use, context), reach) or _uneven(use.geometry)
+            mistaken = _mistaken(side, _twin(use, context), around) or _uneven(use.geometry)
             if mistaken is not None:
                 found[use.geometry] = UnitSlip(name, side, *mistaken)
     return found
@@ -83,7 +83,7 @@ def _twin(use: MeshUse, context: Context) -> float | None:
     return max((side for side in sides if side is not None), default=None)
 
 
-def _reach(context: Context) -> float:
+def reach(context: Context) -> float:
     """Return the largest distance between the origins of neighbouring links [m]; 0 where there is none."""
     offsets = (joint.origin.xyz.or_default(0.0, 0.0, 0.0) for joint in context.view.joints)
     return max((dist(xyz, (0.0, 0.0, 0.0)) for xyz in offsets if xyz is not None), default=0.0)

@@ -4,11 +4,12 @@ The torque of gravity about each joint at rest, the root standing still with z u
 pose within the position limits; a joint without limits turns all the way round. The pose is found by going through
 the joints again and again, the torque being a sine of each angle alone, from several starts. What is reported is
 reached in the pose that is named; a worse one may exist. Loads, motion and friction come on top: robodyn torques
-computes them.
+computes them. Silent where a part is detached (RD111), for levers are not known then.
 """
 
 from math import degrees
 
+from robodyn.checks.bodies.contacts import detached
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import StaticTorque, static_torques
@@ -28,6 +29,8 @@ _SLACK = 1e-3
     bad=('"30"', '"5"'),
 )
 def check(context: Context) -> Faults:
+    if context.once(detached):
+        return
     for one in context.once(static_torques):
         limit, joint = context.view.joint[one.joint.name].limit, one.joint
         if limit is None or joint.effort is None or abs(one.torque) <= (1.0 + _SLACK) * joint.effort:

@@ -1,0 +1,169 @@
+"""How the collision shapes of a link fit what is seen of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.checks.bodies.shapes import STILL, box_of, real_shapes, size_of, solids
+from robodyn.checks.context import Context
+from robodyn.programs.vectors import length
+from robodyn.robot.urdf.view import GeometryView, LinkView
+from robodyn.solids.inertia.validity import Box
+from robodyn.support.floats import Floats
+
+_ALIKE = 0.1
+"""Sides of the boxes of two meshes of one part differ by less: one may be simplified."""
+_ASIDE, _LEAST = 0.15, 0.01
+"""Of the size of a shape, and in metres: as far the collision shape is away at least."""
+_APART = 0.5
+"""Of the larger of two different shapes: a gap as wide is between them."""
+_OTHER, _OWN = 0.8, 0.5
+"""Shared volume of the boxes over that of both: at least with another link's visual, and at most with its own.
+
+Of 1388 links of published robots with meshes for both, 12 have less than 0.4 (each has a collision mesh that stands
+elsewhere), and 1360 more than 0.8.
+"""
+_SCALED, _EVEN = 1.25, 1.05
+"""Least factor between sizes, and how far it may differ between axes."""
+
+
+class Misfit(NamedTuple):
+    """A collision shape, what is wrong with it, what to do, and by how much [m or a ratio]."""
+
+    geometry: GeometryView
+    what: str
+    remedy: str
+    measured: float
+    bound: float
+
+
+def misfits(context: Context) -> tuple[Misfit, ...]:
+    """Return at most one collision shape of each link that is not that of what is seen."""
+    return tuple(_misfits(context))
+
+
+def _misfits(context: Context) -> Iterator[Misfit]:
+    known = context.once(solids)
+    seen = {link.name: box_of(_of_kind(link, "visual"), known, STILL) for link in context.view.links}
+    for link in context.view.links:
+        felt = _of_kind(link, "collision")
+        found = _foreign(link, felt, seen, context) or _aside(link, felt, context)
+        found = found or _scaled(link, felt, context) or _away(link, felt, seen, context)
+        if found is not None:
+            yield found
+
+
+def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
+    return [shape for shape in real_shapes(link) if shape.kind == kind]
+
+
+def _foreign(
+    link: LinkView, felt: Sequence[GeometryView], seen: dict[str, Box | None], context: Context
+) -> Misfit | None:
+    """Find a collision mesh that fits what is seen of another link, and not its own."""
+    own, box = seen[link.name], box_of(felt, context.once(solids), STILL)
+    if own is None or box is None or not all(map(_is_mesh, felt)):
+        return None
+    fit = _shared(own, box)
+    if fit > _OWN:
+        return None
+    others = [(name, _shared(other, box)) for name, other in seen.items() if other is not None]
+    name, best = max(others, key=lambda each: each[1])
+    if best < _OTHER:
+        return None
+    what = f"its collision shape is that of link '{name}': their boxes share {best:.0%}, with its own visual {fit:.0%}"
+    return Misfit(felt[0], what, "name the mesh of this link", fit, _OWN)
+
+
+def _aside(link: LinkView, felt: Sequence[GeometryView], context: Context) -> Misfit | None:
+    """Find the shape that is seen, too, at another place."""
+    known = context.once(solids)
+    for shape in felt:
+        twins = [other for other in _of_kind(link, "visual") if _same(shape, other, context)]
+        if shape not in known or not 0 < sum(_same(shape, other, context) for other in felt) <= len(twins):
+            continue
+        box = known[shape].placed(STILL)
+        away = min(_corner(box, known[other].placed(STILL)) for other in twins)
+        if away > max(_ASIDE * size_of(box), _LEAST):
+            what = f"its collision {_named(shape)} is not where its visual is, but up to {away:.3g} m from there"
+            return Misfit(shape, what, "give both the same <origin>", away, _ASIDE * size_of(box))
+    return None
+
+
+def _scaled(link: LinkView, felt: Sequence[GeometryView], context: Context) -> Misfit | None:
+    """Find a mesh of another size than the same mesh, or the link's only one, that is seen."""
+    known = context.once(solids)
+    seen = [shape for shape in _of_kind(link, "visual") if _is_mesh(shape)]
+    for shape in felt:
+        twins = [other for other in seen if _file(other) == _file(shape)] or (seen if len(felt) == 1 else [])
+        if not _is_mesh(shape) or shape not in known or len(twins) != 1 or twins[0] not in known:
+            continue
+        sides, own = _sides(shape, context), _sides(twins[0], context)
+        if not (sides > 0).all() or not (own > 0).all():
+            continue
+        ratios = sides / own
+        factor = float(ratios.prod()) ** (1 / 3)
+        if max(factor, 1 / factor) >= _SCALED and ratios.max() <= _EVEN * ratios.min():
+            what = f"its collision mesh is {factor:.3g} times as large as its visual, in all three axes"
+            return Misfit(shape, what, "give both the same scale", factor, 1.0)
+    return None
+
+
+def _away(link: LinkView, felt: Sequence[GeometryView], seen: dict[str, Box | None], context: Context) -> Misfit | None:
+    """Find a shape that has a wide gap to all that is seen."""
+    own, known = seen[link.name], context.once(solids)
+    for shape in felt:
+        if own is None or shape not in known:
+            continue
+        box = known[shape].placed(STILL)
+        gap = length(np.maximum(np.maximum(own.lo - box.hi, box.lo - own.hi), 0.0))
+        bound = max(_APART * max(size_of(own), size_of(box)), _LEAST)
+        if gap > bound:
+            what = f"there are {gap:.3g} m between its collision {_named(shape)} and its visual"
+            return Misfit(shape, what, "check the <origin> of both", gap, bound)
+    return None
+
+
+def _is_mesh(shape: GeometryView) -> bool:
+    return shape.shape is not None and shape.shape.tag == "mesh"
+
+
+def _same(first: GeometryView, second: GeometryView, context: Context) -> bool:
+    """Return whether two shapes are of one kind and size; meshes may be simplified."""
+    known = context.once(solids)
+    if first not in known or second not in known or first.shape is None or second.shape is None:
+        return False
+    a, b = _sides(first, context), _sides(second, context)
+    slack = _ALIKE if _is_mesh(first) else 1e-2
+    return first.shape.tag == second.shape.tag and bool((np.abs(a - b) <= slack * np.maximum(a, b)).all())
+
+
+def _sides(shape: GeometryView, context: Context) -> Floats:
+    """Return (3,) the sides of its box in its own axes, ascending [m]; of a shape that is known."""
+    box = context.once(solids)[shape].box
+    return np.sort(box.hi - box.lo)
+
+
+def _file(shape: GeometryView) -> str | None:
+    return None if shape.shape is None else shape.shape.get("filename")
+
+
+def _named(shape: GeometryView) -> str:
+    return "" if shape.shape is None else shape.shape.tag
+
+
+def _corner(first: Box, second: Box) -> float:
+    """Return the larger of the distances between their corners [m]."""
+    return max(length(first.lo - second.lo), length(first.hi - second.hi))
+
+
+def _shared(first: Box, second: Box) -> float:
+    """Return the volume that two boxes share over that of both together."""
+    sides = np.minimum(first.hi, second.hi) - np.maximum(first.lo, second.lo)
+    if (sides <= 0).any():
+        return 0.0
+    shared = float(sides.prod())
+    return shared / (float((first.hi - first.lo).prod()) + float((second.hi - second.lo).prod()) - shared)
