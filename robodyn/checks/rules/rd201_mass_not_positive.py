@@ -2,7 +2,8 @@
 
 No body has a negative mass, and one of zero mass that moves takes on any acceleration: its
 equation of motion is 0 = force. A zero counts only where the whole rigid group (links joined by fixed joints) has no
-mass; it is a remark where the group carries on to one that has mass, as in a universal joint.
+mass; it is a warning where the group carries on to one that has mass, as in a universal joint: MuJoCo refuses such a
+group, and Gazebo drops it and all that hangs on it.
 """
 
 from robodyn.checks.bodies.masses import severity_of_zero

@@ -1,12 +1,17 @@
 """Whatever a joint moves has mass.
 
 Links joined by fixed joints are one body, a rigid group. A moving group without any mass makes the
-mass matrix singular: the joint's acceleration is undefined, and simulators refuse the robot, invent a mass or
-diverge. Where other bodies with mass hang on the group, it is but a remark: the mass matrix is regular then.
+mass matrix singular: the joint's acceleration is undefined. Where other bodies with mass hang on the group, it is a
+warning: the mass matrix is regular then, but MuJoCo makes up a mass from collision shapes or refuses the robot, and
+Gazebo drops the group and all that hangs on it.
 """
 
+from math import fsum
+
 from robodyn.checks.bodies.masses import carried_masses
+from robodyn.checks.consumers.water import inventions
 from robodyn.checks.examples import longer_arm
+from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import listed
 
@@ -23,5 +28,15 @@ def check(context: Context) -> Faults:
         what = f"joint '{group.joint.name}' moves it{with_it}, and it has no mass" + (
             f"; what hangs on it has {carried[group]:g} kg" if onward else ""
         )
+        what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what hangs on it" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
-        yield Fault(first.name_span, what, remedy, measured=0.0, severity=Severity.NOTE if onward else Severity.ERROR)
+        severity = Severity.WARNING if onward else Severity.ERROR
+        yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity)
+
+
+def _in_mujoco(context: Context, group: Group) -> str:
+    masses = inventions(context, group.links).values()
+    known = [mass for mass in masses if mass is not None]
+    if not masses:
+        return "refuses it"
+    return f"invents {f'{fsum(known):.3g} kg' if known else 'a mass'} from its collision shapes"

@@ -1,6 +1,6 @@
 """The programs that a description is meant for read its meshes."""
 
-from robodyn.checks.consumers.facts import READS, unread
+from robodyn.checks.consumers.meshes import READS, unread
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.support.wording import count

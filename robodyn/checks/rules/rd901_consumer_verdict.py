@@ -16,8 +16,9 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
 @rule(
     Severity.NOTE,
     Stage.TREE,
-    explanation=f"""One remark for each program asked for ({", ".join(TARGETS)}) with its verdict: loads, alters, or
-rejects and why. Without being asked, only rejections are reported. What is known, and from where:
+    explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
+rejection by a program that is asked for is an error, all else a remark. Without being asked, only rejections are
+reported. What is known, and from where (KG is a mass):
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
@@ -33,11 +34,13 @@ def check(context: Context) -> Faults:
 
 def _fault(context: Context, one: Opinion) -> Fault:
     shown = [entry for entry in one.found if entry[0].verdict is one.verdict]
-    reasons = [f"{fact.does} ({_listed([what for _, what in found])})" for fact, found in shown]
+    reasons = [f"{fact.says(found)} ({_listed([each.what for each in found])})" for fact, found in shown]
     sources = dict.fromkeys(fact.source for fact, _ in shown)
     what = f"{one.target} {_SAYS[one.verdict]}" + (f": it {'; it '.join(reasons)}" if reasons else "")
     remedy = f"known from {'; '.join(sources)}" if sources else "nothing to do"
-    return Fault(shown[0][1][0][0] if shown else context.view.root.span, what, remedy, subject=None)
+    at = shown[0][1][0].at if shown else context.view.root.span
+    refused = one.verdict is Verdict.REJECTS and one.target in context.asked.targets
+    return Fault(at, what, remedy, subject=None, severity=Severity.ERROR if refused else None)
 
 
 def _listed(names: list[str]) -> str:

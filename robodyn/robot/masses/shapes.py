@@ -16,12 +16,13 @@ from robodyn.solids.inertia.validity import Box, around, counted_twice, half_siz
 from robodyn.solids.mesh_mass import WATER, Part
 from robodyn.support.wording import shown
 
-_SOLIDS: dict[str, Callable[..., MassProperties]] = {
+SOLIDS: dict[str, Callable[..., MassProperties]] = {
     "box": solids.box,
     "cylinder": solids.cylinder,
     "sphere": solids.sphere,
     "capsule": solids.capsule,
 }
+"""Closed forms by the shapes of URDF."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ def shapes_inertia(
 def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]:
     geometry = shape.geometry
     try:
-        body = _SOLIDS[geometry.shape](*geometry.size, density=WATER)
+        body = SOLIDS[geometry.shape](*geometry.size, density=WATER)
     except RobodynError as error:
         raise DescriptionError(error.what, remedy=error.remedy, file=description.file, line=geometry.line) from None
     half = half_size(geometry.shape, geometry.size)

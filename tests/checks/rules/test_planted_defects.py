@@ -40,7 +40,10 @@ def test_message_says_what_to_do(defect: Defect) -> None:
 
 @pytest.mark.parametrize("change", SOUND, ids=[change.new[:50] for change in SOUND])
 def test_what_is_sound_stays_unfound(change: Defect) -> None:
-    assert {finding.code for finding in check_one(change.text.encode())} <= {"RD211"}
+    """But for a remark that some program refuses it: MuJoCo an empty <collision>, Drake lower > upper."""
+    found = check_one(change.text.encode())
+    assert {finding.code for finding in found if finding.severity is not Severity.NOTE} == set()
+    assert {finding.code for finding in found} <= {"RD211", "RD901"}
 
 
 @pytest.mark.parametrize(("defect", "words"), MESSAGES, ids=[words for _, words in MESSAGES])
@@ -94,7 +97,7 @@ def test_places_in_latin_1() -> None:
 @pytest.mark.parametrize(
     ("defect", "severity"),
     [
-        (('<mass value="3.5"/>', '<mass value="0"/>'), ("RD201", Severity.NOTE)),
+        (('<mass value="3.5"/>', '<mass value="0"/>'), ("RD201", Severity.WARNING)),
         (('<mass value="3.5"/>', '<mass value="-0.1"/>'), ("RD201", Severity.ERROR)),
         (('<inertia ixx="4e-4" ixy="0" ixz="0" iyy="5e-4" iyz="0" izz="6e-4"/>',
           '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'), ("RD204", Severity.NOTE)),
@@ -114,11 +117,11 @@ def test_severity_follows_the_rigid_group(defect: tuple[str, str], severity: tup
     assert severity in [(finding.code, finding.severity) for finding in findings]
 
 
-def test_a_body_without_mass_that_carries_on_is_a_remark() -> None:
+def test_a_body_without_mass_that_carries_on_is_a_warning() -> None:
     start = HEALTHY.index("<inertial>", HEALTHY.index('link name="arm"'))
     end = HEALTHY.index("</inertial>", start) + len("</inertial>")
     (finding,) = [
         finding for finding in check_one((HEALTHY[:start] + HEALTHY[end:]).encode()) if finding.code == "RD202"
     ]
-    assert finding.severity is Severity.NOTE
-    assert "1.68 kg" in finding.message
+    assert finding.severity is Severity.WARNING
+    assert "1.68 kg; MuJoCo refuses it, Gazebo drops it and what hangs on it" in finding.message
