@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from robodyn.checks.run import check as check
+    from robodyn.checks.project import check as check
     from robodyn.dynamics.forward import forward_dynamics as forward_dynamics
     from robodyn.dynamics.inverse import bias_forces as bias_forces
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from robodyn.trajectory.robot_motion import read_motion as read_motion
 
 _HOMES = {
-    "checks.run": ("check",),
+    "checks.project": ("check",),
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "dynamics.momenta": ("momenta",),

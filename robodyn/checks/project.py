@@ -1,33 +1,68 @@
-"""The files of a project, each with the settings that hold for it.
-
-Settings are `[tool.robodyn.check]` of pyproject.toml or robodyn.toml, the nearest above a description.
-"""
+"""The files of a project, each checked with the settings that hold for it."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from fnmatch import fnmatchcase
-from typing import Any
+from dataclasses import replace
 
-from robodyn.checks.context import DEFAULT, Thresholds
+from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.groups import places
-from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Task, found_in
+from robodyn.checks.rule import Finding
+from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Source, Task, check_tasks, found_in
 from robodyn.checks.selection import rules_for
 from robodyn.checks.sources import files_of
-from robodyn.errors import InputError, SceneError, unreadable
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.parts import Description
 from robodyn.robot.urdf.sources import is_xacro, read_source
-from robodyn.scene.toml_table import SceneTable, read_toml
-from robodyn.support.input_file import read_input
 
 
-def tasks_for(
-    sources: Sequence[str | bytes], given: Options = EVERYTHING, config: str | None = None
-) -> tuple[Task, ...]:
+def check(
+    sources: Source | Sequence[Source],
+    options: Options = EVERYTHING,
+    *,
+    select: Sequence[str] = (),
+    ignore: Sequence[str] = (),
+    package_paths: Sequence[str | os.PathLike[str]] = (),
+    xacro_args: Mapping[str, str] | None = None,
+    config: str | os.PathLike[str] | None = None,
+) -> tuple[Finding, ...]:
+    """Return the findings in one or several descriptions, in the order of the files and of their text.
+
+        for finding in robodyn.check("robot.urdf", ignore=["RD110"]):
+            print(finding.line, finding.code, finding.message)
+
+    They are those of the command `robodyn check`: the settings of a project hold for its files, and xacro files are
+    expanded first.
+
+    Args:
+        sources: paths of URDF or xacro files, folders (every .urdf below them) or patterns (`robots/*.urdf`), or bytes,
+            for which the settings of the current folder hold.
+        options: which rules run, and against what; the arguments below are added to them.
+        select, ignore: codes of rules (RD207) or their beginnings (RD2) to run, all if none is given, and not to run.
+        package_paths: packages, or folders of packages, that are looked at first for meshes and what xacro includes.
+        xacro_args: values of the arguments of xacro files; defaults hold for the others.
+        config: a file whose settings hold for all, in place of robodyn.toml or pyproject.toml above each.
+
+    Raises:
+        InputError: a file cannot be read, nothing matches a pattern, there is no such rule, or settings are wrong.
+    """
+    given = replace(
+        options,
+        select=(*options.select, *map(str.upper, select)),
+        ignore=(*options.ignore, *map(str.upper, ignore)),
+        package_path=(*options.package_path, *map(os.fspath, package_paths)),
+        xacro_args=(*options.xacro_args, *(xacro_args or {}).items()),
+    )
+    files = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else sources
+    checked = check_tasks(tasks_for(files, given, None if config is None else os.fspath(config)))
+    if checked.unread:
+        raise checked.unread[0].error
+    return checked.findings
+
+
+def tasks_for(sources: Sequence[Source], given: Options = EVERYTHING, config: str | None = None) -> tuple[Task, ...]:
     """Return the files of the sources, each with its options.
 
     Args:
@@ -65,139 +100,3 @@ def _options(file: str | bytes, given: Options, fixed: Config | None, known: dic
     path = STDIN if isinstance(file, bytes) else file
     config = fixed or find_config(os.path.dirname(path), known)
     return given if config is None else config.of(path, given)
-
-
-NAMES = ("robodyn.toml", "pyproject.toml")
-"""What is looked for in each folder, in this order."""
-
-
-@dataclass(frozen=True)
-class Config:
-    """What a project has set.
-
-    Attributes:
-        folder: of the file; patterns and package paths are relative to it.
-        options: select, ignore, thresholds and package path.
-        per_file: patterns of files, and the codes that are ignored in those.
-    """
-
-    folder: str
-    options: Options
-    per_file: tuple[tuple[str, tuple[str, ...]], ...] = ()
-
-    def of(self, path: str, given: Options) -> Options:
-        """Return the options for one file, `given` being those of the call: its `select` and package path win over the
-        project's, its `ignore` is added to it."""
-        own = self.options
-        return replace(
-            own,
-            select=given.select or own.select,
-            ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
-            package_path=(*given.package_path, *own.package_path),
-            xacro_args=given.xacro_args,
-            asked=given.asked,
-        )
-
-    def _ignored_in(self, path: str) -> tuple[str, ...]:
-        relative = os.path.relpath(path, self.folder).replace(os.sep, "/")
-        names = (relative, f"./{relative}", os.path.basename(path))
-        return tuple(
-            code
-            for pattern, codes in self.per_file
-            if any(fnmatchcase(name, pattern) for name in names)
-            for code in codes
-        )
-
-
-def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
-    """Return the settings that hold in a folder: of the nearest file, there or above, that has any.
-
-    Args:
-        known: what has been found for other folders; it is added to.
-    """
-    folder = os.path.abspath(folder)
-    if folder not in known:
-        above = os.path.dirname(folder)
-        found = next((config for name in NAMES if (config := _in_file(os.path.join(folder, name)))), None)
-        known[folder] = found or (find_config(above, known) if above != folder else None)
-    return known[folder]
-
-
-def read_config(path: str) -> Config:
-    """Return the settings in a file.
-
-    Raises:
-        InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
-    """
-    try:
-        data = read_input(path)
-    except (OSError, ValueError) as error:
-        raise unreadable(error, path) from None
-    config = parse_config(data, path)
-    if config is None:
-        raise InputError("there is no table [tool.robodyn.check]", remedy="write one, or name another file", file=path)
-    return config
-
-
-def _in_file(path: str) -> Config | None:
-    try:
-        data = read_input(path)
-    except OSError:
-        return None
-    return parse_config(data, path) if b"robodyn" in data else None
-
-
-def parse_config(data: bytes, file: str) -> Config | None:
-    """Return the settings in TOML text; None where it has no table of ours.
-
-    Raises:
-        InputError: as `read_config`.
-    """
-    values: Any = read_toml(data, file)
-    for name in ("tool", "robodyn"):
-        values = values.get(name) if isinstance(values, Mapping) else None
-    if values is None:
-        return None
-    try:
-        ours = SceneTable(values, "[tool.robodyn]", file)
-        inside = ours.take("check", {})
-        ours.finish()
-        config = _config(SceneTable(inside, "[tool.robodyn.check]", file), file)
-    except SceneError as error:
-        raise InputError(error.what, remedy=error.remedy, file=file) from None
-    return config
-
-
-def _config(table: SceneTable, file: str) -> Config:
-    folder = os.path.dirname(os.path.abspath(file))
-    select, ignore = _codes(table, "select"), _codes(table, "ignore")
-    patterns = SceneTable(table.take("per-file-ignores", {}), "[tool.robodyn.check.per-file-ignores]", file)
-    per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
-    thresholds = _thresholds(SceneTable(table.take("thresholds", {}), "[tool.robodyn.check.thresholds]", file))
-    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in _texts(table, "package-path"))
-    table.finish()
-    for codes in (select, ignore, *(codes for _, codes in per_file)):
-        try:
-            rules_for((), codes)
-        except InputError as error:
-            raise InputError(error.what, remedy=error.remedy, file=file) from None
-    return Config(folder, Options(select, ignore, thresholds, roots), per_file)
-
-
-def _thresholds(table: SceneTable) -> Thresholds:
-    remedy = "thresholds are positive or zero"
-    names = {field.name: field.name.replace("_", "-") for field in fields(Thresholds)}
-    values = {name: table.nonnegative(key, getattr(DEFAULT, name), remedy) for name, key in names.items()}
-    table.finish()
-    return Thresholds(**values)
-
-
-def _codes(table: SceneTable, key: str) -> tuple[str, ...]:
-    return tuple(code.upper() for code in _texts(table, key))
-
-
-def _texts(table: SceneTable, key: str) -> tuple[str, ...]:
-    value = table.take(key, [])
-    if not isinstance(value, list) or not all(isinstance(entry, str) and entry for entry in value):
-        raise table.error(f'"{key}" is {value!r:.60}, not a list of texts', remedy=f'write {key} = ["...", "..."]')
-    return tuple(value)

@@ -13,7 +13,7 @@ from robodyn.checks.groups import grouped, kind_of, one_each, places
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.selection import BY_CODE, rules_for, shown_of
-from robodyn.checks.sources import each_in_a_process, files_of, worth_processes
+from robodyn.checks.sources import each_in_a_process, worth_processes
 from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError
 from robodyn.robot.urdf.document import Document, read
@@ -117,27 +117,6 @@ class Task:
 
     def reading(self) -> Document:
         return read_one(self.source, self.options)
-
-
-def check(sources: Source | Sequence[Source], options: Options = EVERYTHING) -> tuple[Finding, ...]:
-    """Return the findings in one or several descriptions, in the order of the files and of their text.
-
-        for finding in robodyn.check("robot.urdf"):
-            print(finding.line, finding.code, finding.message)
-
-    Args:
-        sources: paths of URDF files, folders (every .urdf below them) or patterns (`robots/*.urdf`), or bytes.
-        options: which rules run, and against what.
-
-    Raises:
-        InputError: a file cannot be read, nothing matches a pattern, or there is no such rule.
-    """
-    given = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else list(sources)
-    rules_for(options.select, options.ignore)
-    checked = check_tasks([Task(file, options) for file in files_of(given)])
-    if checked.unread:
-        raise checked.unread[0].error
-    return checked.findings
 
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:

@@ -10,7 +10,8 @@ from helpers.planted_defects import HEALTHY
 
 import robodyn
 from robodyn.checks import sources
-from robodyn.checks.run import Checked, Options, Task, check, check_one, check_tasks
+from robodyn.checks.project import check
+from robodyn.checks.run import Checked, Options, Task, check_one, check_tasks
 from robodyn.checks.selection import rules_for
 from robodyn.errors import InputError
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.clean_arm import IDENTITY, arm
 
+import robodyn
 from robodyn.checks import run
+from robodyn.checks.config import parse_config
 from robodyn.checks.context import DEFAULT
-from robodyn.checks.project import parse_config, tasks_for
+from robodyn.checks.project import tasks_for
 from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError
 
@@ -103,6 +106,31 @@ def test_standard_input_has_the_settings_of_the_current_folder(tmp_path: Path, m
     (tmp_path / "robodyn.toml").write_text(f'{TABLE}ignore = ["RD208"]')
     monkeypatch.chdir(tmp_path)
     assert [one.code for one in check_tasks(tasks_for([PLANTED.encode()])).findings] == ["RD502"]
+
+
+def test_the_function_of_the_package_has_them_too(robot: Path, tmp_path: Path) -> None:
+    (robot.parent / "robodyn.toml").write_text(f'{TABLE}ignore = ["RD208"]')
+    named = tmp_path / "strict.toml"
+    named.write_text(f'{TABLE}select = ["RD208"]')
+
+    def found(**how: Any) -> list[str]:
+        return [finding.code for finding in robodyn.check(robot, **how)]
+
+    assert found() == codes(robot) == ["RD502"]
+    assert found(select=["rd2"]) == []
+    assert found(ignore=["RD5"]) == []
+    assert found(config=named) == codes(robot, config=str(named)) == ["RD208"]
+
+
+@pytest.mark.parametrize("text", ['[check]\nignore = ["RD208"]', "[thresholds]\nmass-ratio = 3", 'ignore = ["RD208"]'])
+def test_settings_that_nothing_would_read_are_refused(robot: Path, text: str) -> None:
+    (robot.parent / "robodyn.toml").write_text(text)
+    with pytest.raises(
+        InputError, match=r"stands outside of \[tool\.robodyn\.check\], where no setting is read \(write"
+    ):
+        codes(robot)
+    (robot.parent / "robodyn.toml").rename(robot.parent / "pyproject.toml")
+    assert codes(robot) == ["RD208", "RD502"]
 
 
 def test_thresholds(robot: Path) -> None:

@@ -13,6 +13,7 @@ import pytest
 import xacro
 from helpers.clean_arm import IDENTITY, arm
 
+import robodyn
 from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_tasks
@@ -54,6 +55,13 @@ def findings(path: Path, options: Options = Options()) -> tuple[Finding, ...]:  
     for unread in checked.unread:
         raise unread.error
     return checked.findings
+
+
+def test_the_function_of_the_package_expands_them(robot: Path) -> None:
+    assert robodyn.check(robot) == findings(robot)
+    given = robodyn.check(robot, xacro_args={"kilo": "-1"})
+    assert given == findings(robot, Options(xacro_args=(("kilo", "-1"),)))
+    assert "RD201" in {finding.code for finding in given}
 
 
 def test_places_are_those_of_the_expanded_text(robot: Path) -> None:

@@ -9,10 +9,12 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 
 from robodyn.errors import MeshError
 from robodyn.support.cache import Key, ObjectCache, cache_folder
+from robodyn.support.libraries import code_digest
 from robodyn.support.threads import in_threads
 
 _NOT_FINITE = "coordinates must be finite"
@@ -103,20 +105,29 @@ def mesh_facts(path: Path) -> MeshFacts:
     )
 
 
-MAKER = "mesh facts 2"
-"""Another text wherever other facts would come of the same file."""
 _SHARD = 1 << 20
 """Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
 _ELSEWHERE = (".gltf",)
 """Types that hold part of their data in other files."""
 
 
+@cache
+def maker() -> str:
+    """Return a digest of the modules that facts come from: with any change of them, facts are found anew."""
+    checks = Path(__file__).parent
+    own, solids = code_digest(checks), code_digest(checks.parents[1] / "solids")
+    return f"{own} {solids}" if own and solids else ""
+
+
 def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
-    """Return the facts of each file, in threads; those of known content are not computed again."""
+    """Return the facts of each file, in threads; those of known content are not computed again.
+
+    Nothing is kept where robodyn is installed without its sources, by which versions are told apart.
+    """
     wanted = list(dict.fromkeys(paths))
     if not wanted:
         return {}
-    folder = cache_folder()
+    folder = cache_folder() if maker() else None
     return dict(zip(wanted, in_threads(lambda path: _kept(path, folder), wanted), strict=True))
 
 
@@ -128,7 +139,7 @@ def _kept(path: Path, folder: Path | None) -> MeshFacts:
             digest = hashlib.sha256(stream.read()).hexdigest()
     except OSError:
         return mesh_facts(path)
-    key = Key(f"{digest} {path.suffix.lower()}", MAKER)
+    key = Key(f"{digest} {path.suffix.lower()}", maker())
     store = ObjectCache(folder / "meshes" / digest[:2], _SHARD)
     data = store.get(key)
     known = None if data is None else MeshFacts.loads(data)

@@ -67,6 +67,28 @@ def test_a_damaged_entry_is_ignored(tmp_path: Path, computed: list[Path], damage
     assert len(computed) == 2
 
 
+def test_facts_of_other_code_do_not_count(
+    tmp_path: Path, computed: list[Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = mesh(tmp_path)
+    facts_of([path])
+    monkeypatch.setattr(mesh_store, "maker", lambda: "other code")
+    assert facts_of([path]) == facts_of([path])
+    assert computed == [path, path]
+    monkeypatch.setattr(mesh_store, "maker", lambda: "")
+    facts_of([path])
+    assert len(computed) == 3
+    assert len(kept(tmp_path)) == 2
+
+
+def test_the_code_that_counts_is_that_of_meshes_and_of_their_facts(monkeypatch: pytest.MonkeyPatch) -> None:
+    folders: list[Path] = []
+    monkeypatch.setattr(mesh_store, "code_digest", lambda folder: folders.append(folder) or str(len(folders)))
+    assert mesh_store.maker.__wrapped__() == "1 2"
+    assert all((folder / "__init__.py").exists() for folder in folders)
+    assert [(folder / name).exists() for folder, name in zip(folders, ("facts.py", "mesh/indexed.py"), strict=True)]
+
+
 def test_nothing_is_kept_where_nothing_may_be(
     tmp_path: Path, computed: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

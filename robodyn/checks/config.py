@@ -1,0 +1,158 @@
+"""Settings of a project: `[tool.robodyn.check]` of robodyn.toml or pyproject.toml, the nearest above a description."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from fnmatch import fnmatchcase
+from typing import Any
+
+from robodyn.checks.context import DEFAULT, Thresholds
+from robodyn.checks.run import Options
+from robodyn.checks.selection import rules_for
+from robodyn.errors import InputError, SceneError, unreadable
+from robodyn.scene.toml_table import SceneTable, read_toml
+from robodyn.support.input_file import read_input
+from robodyn.support.wording import shown
+
+NAMES = ("robodyn.toml", "pyproject.toml")
+"""What is looked for in each folder, in this order."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """What a project has set.
+
+    Attributes:
+        folder: of the file; patterns and package paths are relative to it.
+        options: select, ignore, thresholds and package path.
+        per_file: patterns of files, and the codes that are ignored in those.
+    """
+
+    folder: str
+    options: Options
+    per_file: tuple[tuple[str, tuple[str, ...]], ...] = ()
+
+    def of(self, path: str, given: Options) -> Options:
+        """Return the options for one file, `given` being those of the call: its `select` and package path win over the
+        project's, its `ignore` is added to it."""
+        own = self.options
+        return replace(
+            own,
+            select=given.select or own.select,
+            ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
+            package_path=(*given.package_path, *own.package_path),
+            xacro_args=given.xacro_args,
+            asked=given.asked,
+        )
+
+    def _ignored_in(self, path: str) -> tuple[str, ...]:
+        relative = os.path.relpath(path, self.folder).replace(os.sep, "/")
+        names = (relative, f"./{relative}", os.path.basename(path))
+        return tuple(
+            code
+            for pattern, codes in self.per_file
+            if any(fnmatchcase(name, pattern) for name in names)
+            for code in codes
+        )
+
+
+def find_config(folder: str, known: dict[str, Config | None]) -> Config | None:
+    """Return the settings that hold in a folder: of the nearest file, there or above, that has any.
+
+    Args:
+        known: what has been found for other folders; it is added to.
+    """
+    folder = os.path.abspath(folder)
+    if folder not in known:
+        above = os.path.dirname(folder)
+        found = next((config for name in NAMES if (config := _in_file(os.path.join(folder, name)))), None)
+        known[folder] = found or (find_config(above, known) if above != folder else None)
+    return known[folder]
+
+
+def read_config(path: str) -> Config:
+    """Return the settings in a file.
+
+    Raises:
+        InputError: it cannot be read, is not TOML, has no such table, or a key in it is not understood.
+    """
+    try:
+        data = read_input(path)
+    except (OSError, ValueError) as error:
+        raise unreadable(error, path) from None
+    config = parse_config(data, path)
+    if config is None:
+        raise InputError("there is no table [tool.robodyn.check]", remedy="write one, or name another file", file=path)
+    return config
+
+
+def _in_file(path: str) -> Config | None:
+    try:
+        data = read_input(path)
+    except OSError:
+        return None
+    ours = os.path.basename(path) == NAMES[0] or b"robodyn" in data
+    return parse_config(data, path) if ours else None
+
+
+def parse_config(data: bytes, file: str) -> Config | None:
+    """Return the settings in TOML text; None where it has no table of ours, which robodyn.toml must have.
+
+    Raises:
+        InputError: as `read_config`.
+    """
+    values: Any = read_toml(data, file)
+    if os.path.basename(file) == NAMES[0]:
+        stray = next((name for name in values if name != "tool"), None)
+        if stray is not None:
+            what = f"{shown(stray)} stands outside of [tool.robodyn.check], where no setting is read"
+            raise InputError(what, remedy="write [tool.robodyn.check] above settings, as in pyproject.toml", file=file)
+    for name in ("tool", "robodyn"):
+        values = values.get(name) if isinstance(values, Mapping) else None
+    if values is None:
+        return None
+    try:
+        ours = SceneTable(values, "[tool.robodyn]", file)
+        inside = ours.take("check", {})
+        ours.finish()
+        config = _config(SceneTable(inside, "[tool.robodyn.check]", file), file)
+    except SceneError as error:
+        raise InputError(error.what, remedy=error.remedy, file=file) from None
+    return config
+
+
+def _config(table: SceneTable, file: str) -> Config:
+    folder = os.path.dirname(os.path.abspath(file))
+    select, ignore = _codes(table, "select"), _codes(table, "ignore")
+    patterns = SceneTable(table.take("per-file-ignores", {}), "[tool.robodyn.check.per-file-ignores]", file)
+    per_file = tuple((pattern, _codes(patterns, pattern)) for pattern in list(patterns.values))
+    thresholds = _thresholds(SceneTable(table.take("thresholds", {}), "[tool.robodyn.check.thresholds]", file))
+    roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in _texts(table, "package-path"))
+    table.finish()
+    for codes in (select, ignore, *(codes for _, codes in per_file)):
+        try:
+            rules_for((), codes)
+        except InputError as error:
+            raise InputError(error.what, remedy=error.remedy, file=file) from None
+    return Config(folder, Options(select, ignore, thresholds, roots), per_file)
+
+
+def _thresholds(table: SceneTable) -> Thresholds:
+    remedy = "thresholds are positive or zero"
+    names = {field.name: field.name.replace("_", "-") for field in fields(Thresholds)}
+    values = {name: table.nonnegative(key, getattr(DEFAULT, name), remedy) for name, key in names.items()}
+    table.finish()
+    return Thresholds(**values)
+
+
+def _codes(table: SceneTable, key: str) -> tuple[str, ...]:
+    return tuple(code.upper() for code in _texts(table, key))
+
+
+def _texts(table: SceneTable, key: str) -> tuple[str, ...]:
+    value = table.take(key, [])
+    if not isinstance(value, list) or not all(isinstance(entry, str) and entry for entry in value):
+        raise table.error(f'"{key}" is {value!r:.60}, not a list of texts', remedy=f'write {key} = ["...", "..."]')
+    return tuple(value)
