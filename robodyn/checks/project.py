@@ -52,7 +52,7 @@ def check(
         options,
         select=(*options.select, *map(str.upper, select)),
         ignore=(*options.ignore, *map(str.upper, ignore)),
-        package_path=(*options.package_path, *map(os.fspath, package_paths)),
+        package_path=(*options.package_path, *(os.fspath(path) for path in package_paths)),
         xacro_args=(*options.xacro_args, *(xacro_args or {}).items()),
     )
     files = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else sources

@@ -1,7 +1,8 @@
 """The limits of a joint leave it a range, and end somewhere.
 
 A revolute or prismatic joint needs lower and upper; an absent one is 0, and with both absent the
-joint is frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples.
+joint is frozen. A stand-in such as 1e16 passes for a range, from which planners then draw samples. A joint that turns
+freely, as a wheel or a propeller does, is `continuous` and has neither.
 """
 
 from robodyn.checks.examples import arm
@@ -17,25 +18,29 @@ def check(context: Context) -> Faults:
         limit = joint.limit
         if limit is None or limit.range is None or joint.type not in WITH_RANGE:
             continue
-        found = _frozen(limit) or _endless(limit, context.thresholds.most_range)
+        found = _frozen(joint.type, limit) or _endless(joint.type, limit, context.thresholds.most_range)
         if found is not None:
             at, what, remedy, measured = found
             yield Fault(at.span, what, remedy, measured=measured)
 
 
-def _frozen(limit: LimitView) -> tuple[Numbers, str, str, float] | None:
+def _frozen(kind: str, limit: LimitView) -> tuple[Numbers, str, str, float] | None:
     assert limit.range is not None, "the limits can be read"
     lower, upper = limit.range
     if lower != upper:
         return None
+    free = "; one that turns freely is continuous" if kind == "revolute" and not lower else ""
     if not limit.lower.given and not limit.upper.given:
-        return limit.lower, "it has neither lower nor upper, which are 0 then: it cannot move", "write both", 0.0
-    return limit.lower, f"lower and upper are both {lower:g}: it cannot move", "correct one, or make it fixed", lower
+        what = "it has neither lower nor upper, which are 0 then: it cannot move"
+        return limit.lower, what, f"write both{free}", 0.0
+    what = f"lower and upper are both {lower:g}: it cannot move"
+    return limit.lower, what, f"correct one, or make it fixed{free}", lower
 
 
-def _endless(limit: LimitView, bound: float) -> tuple[Numbers, str, str, float] | None:
+def _endless(kind: str, limit: LimitView, bound: float) -> tuple[Numbers, str, str, float] | None:
     for numbers in (limit.lower, limit.upper):
         if numbers.value is not None and abs(numbers.value) > bound:
             what = f"{numbers.attribute} is {numbers.value:g}, which limits nothing"
-            return numbers, what, "make a revolute joint continuous, or write the real limit", numbers.value
+            remedy = "make a joint that turns freely continuous, or write the real limits"
+            return numbers, what, remedy if kind == "revolute" else "write the real limits", numbers.value
     return None
