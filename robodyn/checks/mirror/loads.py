@@ -7,17 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.checks.bodies.masses import POINT, principal_moments
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length
+from robodyn.robot.urdf.parts import Inertial
 from robodyn.robot.urdf.view import InertialView, LinkView
 from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
 
 MASS = 0.02
 """How far the masses of twins may differ."""
 MOMENTS = 0.10
 """How far their moments may differ, each divided by its mass, relative to the largest."""
+ONE_OF_TWO = "correct the one of the two that is wrong, or allow it where the parts differ"
 _FLOOR = 1e-3
 """A shift of the centre of mass that is no more is none [m]."""
 
@@ -29,8 +33,10 @@ class Twins:
     Attributes:
         link, inertial: the right link in the file.
         masses: of the left and the right link [kg].
-        c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes.
+        c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes;
+            see `reflected`.
         c_right, I_right: those of the right link.
+        real: whether bodies can have both of the tensors; where they cannot, other rules say so.
     """
 
     pair: Pair
@@ -41,10 +47,18 @@ class Twins:
     I: Floats
     c_right: Floats
     I_right: Floats
+    real: bool
 
     @property
     def other(self) -> str:
-        return self.pair.left.name
+        """The left link, as messages name it."""
+        return f"{shown(self.pair.left.name)} (line {self.pair.left.line})"
+
+    @property
+    def c_left(self) -> Floats:
+        """The left link's own centre of mass, in its own axes [m]."""
+        left = self.pair.left.inertial
+        return np.zeros(3) if left is None else link_inertia(left)[0]
 
     @property
     def mass_differs(self) -> bool:
@@ -57,12 +71,16 @@ class Twins:
 
     @property
     def moments_apart(self) -> float:
-        left, right = self.moments
-        return _apart(left, right)
+        """By mass or as they stand, so that a wrong mass alone sets no moments apart."""
+        return self._apart(*self.moments)
 
     @property
     def tensors_apart(self) -> float:
-        return _apart(self.I, self.I_right)
+        return self._apart(self.I, self.I_right)
+
+    def _apart(self, left: Floats, right: Floats) -> float:
+        mass, mass_right = self.masses
+        return min(_apart(left, right), _apart(mass * left, mass_right * right))
 
     @property
     def shift(self) -> float:
@@ -88,7 +106,16 @@ def _twins(context: Context) -> Iterator[Twins]:
             continue
         (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
         masses = left.mass, right.mass
-        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass)
+        real = all(_is_real(context, one) for one in (left, right))
+        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass, real)
+
+
+def _is_real(context: Context, inertial: Inertial) -> bool:
+    """Return whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
+    limits = context.thresholds
+    small, middle, large = principal_moments(inertial.inertia)
+    real = small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
+    return real and large > POINT * POINT * inertial.mass
 
 
 def _ascending(I: Floats) -> Floats:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import median
 
 import numpy as np
 
 from robodyn.checks.context import Context
+from robodyn.checks.mirror.names import named_pairs
+from robodyn.checks.mirror.parts import Carried, carried
 from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
 from robodyn.robot.urdf.parts import Description, Inertial, Joint, Link
@@ -20,26 +22,6 @@ _NEAR = 2e-3
 """How far a frame may be from its mirror image, relative to the robot's size."""
 _SQUARE = 0.02
 """How far an axis may be from the mirror image of one [rad]."""
-_ALONE = r"(?<![A-Za-z]){}(?![A-Za-z])"
-_ENDS = "FBHMR"
-"""Front, back, hind, middle, rear."""
-_SWAPS = tuple(
-    (re.compile(pattern), replacement)
-    for pattern, replacement in (
-        ("left", "right"),
-        ("Left", "Right"),
-        ("LEFT", "RIGHT"),
-        (_ALONE.format("l"), "r"),
-        (_ALONE.format("L"), "R"),
-        (_ALONE.format(f"([{_ENDS}])L"), r"\1R"),
-        (_ALONE.format(f"([{_ENDS.lower()}])l"), r"\1r"),
-        (_ALONE.format(f"L([{_ENDS}])"), r"R\1"),
-        (_ALONE.format(f"l([{_ENDS.lower()}])"), r"r\1"),
-        (r"(?<![A-Za-z])L(?=[A-Z][a-z])", "R"),
-        (r"(?<![A-Za-z])l(?=[A-Z])", "r"),
-        (r"(?<=[a-z0-9])L(?![A-Za-z])", "R"),
-    )
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +39,11 @@ class Pair:
     left_joint: Joint
     right_joint: Joint
     D: Floats
+
+    @cached_property
+    def part(self) -> Carried | None:
+        """What carries the left link's meshes onto the right link's, where both are made of the same."""
+        return carried(self.left, self.right)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,9 +115,25 @@ def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[
 
 def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
     """Return the centre of mass [m] and inertia about it [kg m^2] of the left link's mirror image, in the right link's
-    axes."""
+    axes.
+
+    A part that is mounted on both sides is no mirror image of itself: where the same meshes are on both links, what
+    goes with them is returned if the right link is nearer to that.
+    """
     c, I = link_inertia(inertial)
-    return product(pair.D, c), product(pair.D, I, pair.D.T)
+    image = product(pair.D, c), product(pair.D, I, pair.D.T)
+    right, part = pair.right.inertial, pair.part
+    if part is None or right is None or not (right.mass > 0 and inertial.mass > 0):
+        return image
+    mounted = part.point(c), product(part.G, I, part.G.T)
+    c_right, I_right = link_inertia(right)
+
+    def apart(one: tuple[Floats, Floats]) -> float:
+        """Of the centres, squared, or of the inertias by mass, whichever is more [m^2]."""
+        shift = length(one[0] - c_right)
+        return max(shift * shift, float(np.abs(one[1] / inertial.mass - I_right / right.mass).max()))
+
+    return min(image, mounted, key=apart)
 
 
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
@@ -183,25 +186,3 @@ def _rooted(found: Sequence[Pair]) -> list[Pair]:
         if verdicts[pair.left.name]:
             kept[pair.left.name] = pair
     return list(kept.values())
-
-
-def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield (left, right) of the names that are each other's but for left and right.
-
-    Understood are left and right, l and r, two letters such as FL, LF, RL or LH, all in lower and upper case, and L as
-    the first letter of LHipYaw and the last of ElbowL.
-    """
-    known = frozenset(names)
-    for name in names:
-        other = _right_of(name, known)
-        if other is not None:
-            yield name, other
-
-
-def _right_of(name: str, known: frozenset[str]) -> str | None:
-    for pattern, replacement in _SWAPS:
-        for count in (0, 1):
-            other = pattern.sub(replacement, name, count=count)
-            if other != name and other in known:
-                return other
-    return None

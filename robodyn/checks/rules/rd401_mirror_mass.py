@@ -1,9 +1,9 @@
 """A left link weighs what the right one does."""
 
 from robodyn.checks.examples import IMAGE, two_arms
-from robodyn.checks.mirror.loads import MASS, twins
+from robodyn.checks.mirror.loads import MASS, ONE_OF_TWO, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.support.wording import figure, shown
+from robodyn.support.wording import figure
 
 
 @rule(
@@ -20,8 +20,7 @@ def check(context: Context) -> Faults:
         left, right = one.masses
         if one.mass_differs:
             what = (
-                f"the mass is {right:g} kg; that of its mirror twin {shown(one.other)} is {left:g} kg, "
+                f"the mass is {right:g} kg, that of its mirror twin {one.other} {left:g} kg, "
                 f"{figure(100 * abs(left - right) / max(left, right), 2)} % apart"
             )
-            remedy = "one of the two is wrong, or allow it where the parts differ"
-            yield Fault(one.inertial.mass.span, what, remedy, right, left)
+            yield Fault(one.inertial.mass.span, what, ONE_OF_TWO, right, left)

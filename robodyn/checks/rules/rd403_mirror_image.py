@@ -3,20 +3,22 @@
 A reflection turns the sign of one coordinate of the centre of mass and of two products of
 inertia. Copying a limb's numbers to the other side without it shifts the robot's centre of mass to one side, by
 twice the offset of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image.
-Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself, and a waiver
-says so. Twins are found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead.
+Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself: where both links
+have the same <visual> meshes (or, without any, the same <collision> meshes), what goes with these is as good. Twins are
+found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead, and where no body can have one
+of the two, RD204, RD206 or RD207 do.
 """
 
 from robodyn.checks.causes.causes import causes
 from robodyn.checks.examples import two_arms
 from robodyn.checks.mirror.loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import length
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.support.floats import Floats
-from robodyn.support.wording import figure, shown
+from robodyn.support.wording import figure
 
-_REMEDY = "reflect one of them, or allow it where the same part is mounted on both sides"
+_REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
 
 
 @rule(Severity.WARNING, Stage.MODEL, good=two_arms(), bad=("-0.05", "0.05"))
@@ -24,20 +26,20 @@ def check(context: Context) -> Faults:
     for one in context.once(twins):
         if one.shift > one.most_shift:
             yield _centre(one)
-        if one.moments_apart <= MOMENTS < one.tensors_apart and one.link.name not in context.once(causes):
+        if one.real and one.moments_apart <= MOMENTS < one.tensors_apart and one.link.name not in context.once(causes):
             what = (
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
-                f"{shown(one.other)}, although their principal moments agree"
+                f"{one.other}, although their principal moments agree"
             )
             yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, MOMENTS)
 
 
 def _centre(one: Twins) -> Fault:
     origin = one.inertial.origin.element
-    copied = length(one.c_right - product(one.pair.D.T, one.c)) <= one.most_shift
-    cause = "it is a copy of its twin's, which is not reflected" if copied else None
+    copied = length(one.c_right - one.c_left) <= one.most_shift
+    cause = "one is a copy of the other that is not reflected" if copied else None
     what = (
-        f"the centre of mass is at {_listed(one.c_right)} m; the mirror image of that of {shown(one.other)} is at "
+        f"the centre of mass is at {_listed(one.c_right)} m, the mirror image of that of {one.other} at "
         f"{_listed(one.c)}, {one.shift:.3g} m away"
     )
     at = one.inertial.element.span if origin is None else value_span(origin, "xyz")

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms
-from robodyn.checks.mirror.pairs import Plane, link_inertia, named_pairs, pairs, reflected
+from robodyn.checks.mirror.names import named_pairs
+from robodyn.checks.mirror.pairs import Plane, link_inertia, pairs, reflected
 from robodyn.checks.run import check_one
 from robodyn.robot.urdf.document import read
 from robodyn.solids.inertia.conversions import from_inertia
@@ -161,12 +162,84 @@ def test_clean_robots_have_no_findings(name: str) -> None:
     assert not found
 
 
-def test_the_right_leg_of_icub_is_found_by_its_left_twin() -> None:
-    found = {one.subject.name for one in check_one(str(path_of("icub"))) if one.code == "RD402" and one.subject}
-    assert {"r_hip_1", "r_hip_2", "r_upper_leg", "r_lower_leg", "r_ankle_1"} <= found
+def of_links(robot: str, code: str) -> set[str]:
+    return {one.subject.name for one in check_one(str(path_of(robot))) if one.code == code and one.subject}
 
 
-def test_copied_grippers_of_talos_are_found() -> None:
-    found = {(one.code, one.subject.name) for one in check_one(str(path_of("talos_full_v2"))) if one.subject}
+def test_the_right_leg_of_icub_is_found_once() -> None:
+    """Its tensors are next to nothing, which RD204 says; that they are not the left leg's is no second finding."""
+    leg = {"r_hip_1", "r_hip_2", "r_upper_leg", "r_lower_leg", "r_ankle_1"}
+    assert leg <= of_links("icub", "RD204")
+    assert of_links("icub", "RD402") == {"r_shoulder_1", "r_shoulder_3"}
+    assert not of_links("hyq_no_sensors", "RD403") & of_links("hyq_no_sensors", "RD206")
+
+
+def test_a_part_that_is_mounted_twice_is_no_copy() -> None:
+    """Both grippers of TALOS have the same meshes at the same place, and so the same inertials."""
     for link in ("gripper_right_motor_double_link", "gripper_right_motor_single_link"):
-        assert {("RD313", link), ("RD403", link)} <= found
+        assert link not in of_links("talos_full_v2", "RD313") | of_links("talos_full_v2", "RD403")
+    assert not of_links("pr2", "RD313") | of_links("pr2", "RD403")
+
+
+def test_copied_arms_of_talos_are_found() -> None:
+    """Its right arm has the left one's meshes with a negative scale, but the left one's inertials as they are."""
+    assert {"arm_right_3_link", "arm_right_4_link"} <= of_links("talos_reduced", "RD313")
+    assert {"arm_right_3_link", "arm_right_4_link"} <= of_links("talos_reduced", "RD403")
+
+
+MESH = '<visual>{}<geometry><mesh filename="package://arms/{}.stl"{}/></geometry></visual>'
+
+
+def with_meshes(left: str, right: str, inertial: str) -> str:
+    text = two_arms(right=inertial)
+    for side, mesh in (("left", left), ("right", right)):
+        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm">{mesh}')
+    return text
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "copied", "turned"),
+    [
+        (("", "arm", ""), ("", "arm", ""), False, True),
+        (("", "arm", ""), ('<origin xyz="0 0 0" rpy="3.141592653589793 0 0"/>', "arm", ""), True, False),
+        (("", "arm", ""), ("", "arm", ' scale="1 -1 1"'), True, True),
+        (("", "left", ""), ("", "right", ""), True, True),
+        (("", "arm", ""), ('<origin xyz="0.4 0 0"/>', "arm", ""), True, True),
+        (("", "arm", ' scale="1e-3 1e-3 1e-3"'), ("", "arm", ""), True, True),
+    ],
+    ids=["mounted twice", "mounted turned", "reflected", "two parts", "elsewhere", "of another size"],
+)
+def test_what_goes_with_the_meshes(
+    left: tuple[str, str, str], right: tuple[str, str, str], copied: bool, turned: bool
+) -> None:
+    """A copy of the left inertial is right where the meshes are those of the left link; one that is turned by half a
+    turn about x, where they are turned so."""
+    meshes = MESH.format(*left), MESH.format(*right)
+    half_turn = TENSOR.replace('ixy="0.004" ixz="0.002"', 'ixy="-0.004" ixz="-0.002"')
+    for origin, tensor, wrong in (
+        (ORIGIN_IMAGE, IMAGE, False),
+        (ORIGIN, TENSOR, copied),
+        ('<origin xyz="0.1 -0.05 -0.2"/>', half_turn, turned),
+    ):
+        found = codes(with_meshes(*meshes, f'{origin}<mass value="2"/>{tensor}'))
+        assert bool(found) is wrong, (origin, found)
+
+
+def test_the_meshes_that_are_seen_count_first() -> None:
+    mesh = MESH.format("", "{}", "") + MESH.format("", "box", "").replace("visual", "collision")
+    for side, wrong in (("left", False), ("right", True)):
+        text = with_meshes(mesh.format("left"), mesh.format(side), f'{ORIGIN}<mass value="2"/>{TENSOR}')
+        assert bool(codes(text)) is wrong
+
+
+@pytest.mark.parametrize("mass", ["3", "1"])
+def test_a_wrong_mass_alone_is_no_wrong_tensor(mass: str) -> None:
+    assert codes(two_arms(right=f'{ORIGIN_IMAGE}<mass value="{mass}"/>{IMAGE}')) == {"RD401"}
+
+
+def test_both_sides_are_named() -> None:
+    text = two_arms(right=f'{ORIGIN_IMAGE}<mass value="3"/>{IMAGE.replace("0.02", "0.024")}')
+    (one,) = [finding for finding in check_one(text.encode()) if finding.code == "RD401"]
+    line = 1 + text[: text.index('<link name="left_arm"')].count("\n")
+    assert f"link 'right_arm': the mass is 3 kg, that of its mirror twin 'left_arm' (line {line}) 2 kg" in one.message
+    assert one.remedy.startswith("correct the one of the two that is wrong")
