@@ -122,3 +122,20 @@ def two_arms(
   </joint>
 </robot>
 """
+
+
+def two_elbows(right: str = "0.1 -0.05 0.3") -> str:
+    """Return such a robot with a forearm on each arm, and where the right elbow is on the right arm."""
+    sides = (("left", "0.1 0.05 0.3"), ("right", right))
+    more = "".join(
+        a_link(f"{side}_fore", f'<mass value="1"/>{INERTIA}')
+        + a_joint(
+            f"{side}_elbow",
+            f"{side}_arm",
+            f"{side}_fore",
+            f'<origin xyz="{xyz}"/><axis xyz="0 1 0"/>{LIMIT}',
+            "revolute",
+        )
+        for side, xyz in sides
+    )
+    return two_arms().replace("</robot>", f"{more.lstrip()}\n</robot>")

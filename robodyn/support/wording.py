@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from itertools import islice
 
 _LONGEST = 60
@@ -29,6 +29,11 @@ def figure(value: float, digits: int = 3) -> str:
     """Rounded to so many significant digits; without an exponent from 0.001 to a million."""
     rounded = float(f"{value:.{digits}g}")
     return f"{rounded:.15g}" if 1e-3 <= abs(rounded) < 1e6 else f"{rounded:.{digits}g}"
+
+
+def place(point: Iterable[float]) -> str:
+    """Return the coordinates of a point in brackets, to four digits."""
+    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in point) + ")"
 
 
 def listed(names: Collection[str]) -> str:

@@ -55,12 +55,6 @@ class Twins:
         return f"{shown(self.pair.left.name)} (line {self.pair.left.line})"
 
     @property
-    def c_left(self) -> Floats:
-        """The left link's own centre of mass, in its own axes [m]."""
-        left = self.pair.left.inertial
-        return np.zeros(3) if left is None else link_inertia(left)[0]
-
-    @property
     def mass_differs(self) -> bool:
         return abs(self.masses[0] - self.masses[1]) > MASS * max(self.masses)
 
@@ -86,6 +80,13 @@ class Twins:
     def shift(self) -> float:
         """How far the centre of mass is from its mirror image [m]."""
         return length(self.c_right - self.c)
+
+    @property
+    def centre_is_copied(self) -> bool:
+        """Whether the centre of mass is not where it ought to be, but where the left link's is in its own axes."""
+        left = self.pair.left.inertial
+        copy = np.zeros(3) if left is None else link_inertia(left)[0]
+        return self.shift > self.most_shift and length(self.c_right - copy) <= self.most_shift
 
     @property
     def most_shift(self) -> float:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from statistics import median
 
 import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.names import named_pairs
 from robodyn.checks.mirror.parts import Carried, carried
+from robodyn.checks.mirror.plane import Plane, link_poses, near_of, planes
 from robodyn.programs.vectors import length, product
 from robodyn.robot.joints import placement
-from robodyn.robot.urdf.parts import Description, Inertial, Joint, Link
+from robodyn.robot.urdf.parts import Inertial, Joint, Link
 from robodyn.solids.inertia.laws import symmetric
-from robodyn.support.floats import Floats, first_largest
+from robodyn.support.floats import Floats
 
-_NEAR = 2e-3
-"""How far a frame may be from its mirror image, relative to the robot's size."""
+Names = tuple[str, str]
+"""Of a left and a right link."""
 _SQUARE = 0.02
 """How far an axis may be from the mirror image of one [rad]."""
 
@@ -45,72 +45,102 @@ class Pair:
         """What carries the left link's meshes onto the right link's, where both are made of the same."""
         return carried(self.left, self.right)
 
+    def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
+        """Return whether two joints on the links stand where the part on both sides, turned with it, has one."""
+        if self.part is None:
+            return False
+        (R, p), (R_right, p_right) = placement(left.origin), placement(right.origin)
+        turned = float(np.abs(product(self.part.G, R) - R_right).max())
+        return length(self.part.point(p) - p_right) <= near and turned <= _SQUARE
+
 
 @dataclass(frozen=True, eq=False)
-class Plane:
-    """The plane n . x = offset in the root's axes."""
+class Symmetry:
+    """How far a robot is its own mirror image.
 
-    normal: Floats
-    offset: float
+    Attributes:
+        plane: the mirror.
+        R, p: rotation and origin of every link in the root's axes at q = 0 [m].
+        near: how far a frame may be from its mirror image [m].
+        above: the joint that each link hangs on.
+        links: by name.
+        named: the pairs that names propose, left and right.
+        pairs: those that are confirmed, in the order of the right links in the file.
+    """
 
-    @property
-    def H(self) -> Floats:
-        """The reflection 1 - 2 n n^T."""
-        return np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
+    plane: Plane
+    R: Mapping[str, Floats]
+    p: Mapping[str, Floats]
+    near: float
+    above: Mapping[str, Joint]
+    links: Mapping[str, Link]
+    named: tuple[Names, ...]
+    pairs: tuple[Pair, ...]
 
-    def image(self, p: Floats) -> Floats:
-        """Return (..., 3) the mirror images of points."""
-        moved: Floats = product(p, self.H) + 2.0 * self.offset * self.normal
-        return moved
+    @cached_property
+    def by_right(self) -> Mapping[str, Pair]:
+        """The pairs by the names of their right links."""
+        return {pair.right.name: pair for pair in self.pairs}
 
 
 def pairs(context: Context) -> tuple[Pair, ...]:
     """Return the confirmed pairs, in the order of the right links in the file; none where the description cannot be
-    read.
+    read."""
+    found = context.once(symmetry)
+    return () if found is None else found.pairs
 
-    Names propose pairs (`named_pairs`). The plane is, among those across x, y or z of the root or across the line
-    between the two of a pair, the one that confirms most. A pair is confirmed if at q = 0 each frame's origin is at the
-    mirror image of the other's, within 2e-3 of the robot's size, and the axes of one are the images of the other's but
-    for their names and signs. Whatever hangs on a pair that is not confirmed is not confirmed either, since from there
-    on the poses differ.
+
+def symmetry(context: Context) -> Symmetry | None:
+    """Return what is symmetric about a robot; None where the description cannot be read, or nothing is.
+
+    Names propose pairs (`named_pairs`), and the plane is the one of `planes` that suits most of them. A pair is
+    confirmed if at q = 0 each frame's origin is at the mirror image of the other's, within 2e-3 of the robot's size,
+    and the axes of one are the images of the other's but for their names and signs. Whatever hangs on a pair that is
+    not confirmed is not confirmed either, since from there on the poses differ.
     """
     description = None if context.tree_or_none is None else context.description_or_none
     if description is None:
-        return ()
+        return None
     above = {joint.child: joint for joint in description.joints}
     links = {link.name: link for link in description.links}
-    proposed = [names for names in named_pairs(links) if names[0] in above and names[1] in above]
-    if not proposed:
-        return ()
+    named = tuple(names for names in named_pairs(links) if names[0] in above and names[1] in above)
+    if not named:
+        return None
     R, p = link_poses(description)
-    plane = _plane(proposed, p)
+    near = near_of(p)
+    plane = _mirror(named, p, above, near)
     if plane is None:
-        return ()
-    near = _NEAR * _size(p)
-    found = []
-    for left, right in proposed:
+        return None
+    found = {}
+    for left, right in named:
         D = product(R[right].T, plane.H, R[left])
         there = length(plane.image(p[left]) - p[right]) <= near
         apart = length(p[left] - p[right]) > near or abs(product(plane.normal, p[left]) - plane.offset) <= near
-        if there and apart and np.abs(D - np.round(D)).max() <= _SQUARE:
-            found.append(Pair(links[left], links[right], above[left], above[right], D))
-    return tuple(sorted(_rooted(found), key=lambda pair: pair.right.line))
+        if there and apart and is_square(D):
+            found[left, right] = Pair(links[left], links[right], above[left], above[right], D)
+    confirmed = sorted((found[names] for names in _rooted(found, above)), key=lambda pair: pair.right.line)
+    return Symmetry(plane, R, p, near, above, links, named, tuple(confirmed))
 
 
-def link_poses(description: Description) -> tuple[Mapping[str, Floats], Mapping[str, Floats]]:
-    """Return the rotation and origin of every link in the root's axes at q = 0 [m]."""
-    below: dict[str, list[Joint]] = {}
-    for joint in description.joints:
-        below.setdefault(joint.parent, []).append(joint)
-    R, p = {description.root: np.eye(3)}, {description.root: np.zeros(3)}
-    waiting = [description.root]
-    while waiting:
-        link = waiting.pop()
-        for joint in below.get(link, ()):
-            turn, shift = placement(joint.origin)
-            R[joint.child], p[joint.child] = product(R[link], turn), p[link] + product(R[link], shift)
-            waiting.append(joint.child)
-    return R, p
+def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float) -> Plane | None:
+    """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
+
+    A limb that stands on the wrong side is the mirror image of the other in a plane between the two, but not the link
+    that carries both.
+    """
+    best, most = None, (0, 0)
+    for plane, there in planes(named, p):
+        carriers = {above[left].parent for left, right in there if above[left].parent == above[right].parent}
+        within = {link for link in carriers if length(plane.image(p[link]) - p[link]) <= near}
+        count = len(_rooted(there, above, within)), len(there)
+        if count > most:
+            best, most = plane, count
+    return best
+
+
+def is_square(D: Floats) -> bool:
+    """Return whether a reflection carries axes to axes, but for their names and signs."""
+    return bool(np.abs(D - np.round(D)).max() <= _SQUARE)
 
 
 def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
@@ -142,47 +172,18 @@ def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:
     return c, product(R, symmetric(inertial.inertia), R.T)
 
 
-def _size(p: Mapping[str, Floats]) -> float:
-    places = np.array(list(p.values()))
-    return float(np.ptp(places, axis=0).max())
-
-
-def _plane(proposed: Sequence[tuple[str, str]], p: Mapping[str, Floats]) -> Plane | None:
-    """Return the plane that confirms most of the proposed pairs."""
-    left, right = (np.array([p[names[k]] for names in proposed]) for k in (0, 1))
-    near = _NEAR * _size(p)
-    apart = left - right
-    lengths = np.linalg.norm(apart, axis=1)
-    if not (lengths > near).any():
-        return None
-    longest = first_largest(lengths)
-    widest = apart[longest] / lengths[longest]
-    planes = []
-    for normal in (*np.eye(3), widest):
-        offset = median(product(left + right, normal).tolist()) / 2.0
-        planes.append(Plane(normal, offset))
-    counts = [int((np.linalg.norm(one.image(left) - right, axis=1)[lengths > near] <= near).sum()) for one in planes]
-    best = int(np.argmax(counts))
-    return planes[best] if counts[best] else None
-
-
-def _rooted(found: Sequence[Pair]) -> list[Pair]:
-    """Return the pairs whose joints hang on one link, or on the two links of another such pair."""
-    kept: dict[str, Pair] = {}
-    of_left = {pair.left.name: pair for pair in found}
-    verdicts: dict[str, bool] = {}
-    for pair in found:
-        chain, one = [], pair
-        while one.left.name not in verdicts:
+def _rooted(found: Collection[Names], above: Mapping[str, Joint], within: Collection[str] | None = None) -> list[Names]:
+    """Return the pairs whose joints hang on one link, if given one of those within; or on the two of another such
+    pair."""
+    known, verdicts = frozenset(found), dict[Names, bool]()
+    for names in found:
+        chain, one = [], names
+        while one not in verdicts:
             chain.append(one)
-            over_left, over_right = one.left_joint.parent, one.right_joint.parent
-            if over_left == over_right:
-                verdicts[one.left.name] = True
-            elif over_left in of_left and of_left[over_left].right.name == over_right:
-                one = of_left[over_left]
+            over = above[one[0]].parent, above[one[1]].parent
+            if over in known and over[0] != over[1]:
+                one = over
             else:
-                verdicts[one.left.name] = False
-        verdicts.update((link.left.name, verdicts[one.left.name]) for link in chain)
-        if verdicts[pair.left.name]:
-            kept[pair.left.name] = pair
-    return list(kept.values())
+                verdicts[one] = over[0] == over[1] and (within is None or over[0] in within)
+        verdicts.update((link, verdicts[one]) for link in chain)
+    return [names for names in found if verdicts[names]]

@@ -13,10 +13,8 @@ from robodyn.checks.causes.causes import causes
 from robodyn.checks.examples import two_arms
 from robodyn.checks.mirror.loads import MOMENTS, Twins, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.programs.vectors import length
 from robodyn.robot.urdf.numbers import value_span
-from robodyn.support.floats import Floats
-from robodyn.support.wording import figure
+from robodyn.support.wording import figure, place
 
 _REMEDY = "reflect the one of the two that is wrong, or allow it where one part is mounted on both sides"
 
@@ -24,9 +22,11 @@ _REMEDY = "reflect the one of the two that is wrong, or allow it where one part 
 @rule(Severity.WARNING, Stage.MODEL, good=two_arms(), bad=("-0.05", "0.05"))
 def check(context: Context) -> Faults:
     for one in context.once(twins):
-        if one.shift > one.most_shift:
+        cause = context.once(causes).get(one.link.name)
+        reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
+        if one.shift > one.most_shift and not reported:
             yield _centre(one)
-        if one.real and one.moments_apart <= MOMENTS < one.tensors_apart and one.link.name not in context.once(causes):
+        if one.real and one.moments_apart <= MOMENTS < one.tensors_apart and cause is None:
             what = (
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{one.other}, although their principal moments agree"
@@ -36,15 +36,10 @@ def check(context: Context) -> Faults:
 
 def _centre(one: Twins) -> Fault:
     origin = one.inertial.origin.element
-    copied = length(one.c_right - one.c_left) <= one.most_shift
-    cause = "one is a copy of the other that is not reflected" if copied else None
+    cause = "one is a copy of the other that is not reflected" if one.centre_is_copied else None
     what = (
-        f"the centre of mass is at {_listed(one.c_right)} m, the mirror image of that of {one.other} at "
-        f"{_listed(one.c)}, {one.shift:.3g} m away"
+        f"the centre of mass is at {place(one.c_right.tolist())} m, the mirror image of that of {one.other} at "
+        f"{place(one.c.tolist())}, {one.shift:.3g} m away"
     )
     at = one.inertial.element.span if origin is None else value_span(origin, "xyz")
     return Fault(at, what, _REMEDY, one.shift, one.most_shift, cause=cause)
-
-
-def _listed(point: Floats) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in (point + 0.0).tolist()) + ")"

@@ -1,26 +1,35 @@
-"""Axis, limits, effort and velocity of a right joint are the mirror image of the left one's.
+"""Kind, axis, limits, effort and velocity of a right joint are the mirror image of the left one's.
 
 A reflection carries a rotation about an axis into one about the axis's image, the other way
 round. Where the axis of a joint is that image, equal positions of twins are mirror images and so are equal limits;
-where it is the image reversed, lower and upper change places and signs. Copying limits from left to right where the
-axes ask for a change of sign is a common slip: a knee then bends the wrong way. Twins are found as RD401 says.
+where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either
+is right. Copying limits from left to right where the
+axes ask for a change of sign is a common slip: a knee then bends the wrong way. So is a joint that was fixed for a
+test, while its twin still moves. Twins are found as RD401 says. Ranges that RD503, RD504 or RD507 report are not
+compared.
 """
 
 from collections.abc import Iterator
+from math import pi
 
 import numpy as np
 
 from robodyn.checks.examples import ARM_LIMIT, two_arms
-from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.mirror.pairs import Pair, pairs, symmetry
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.programs.vectors import length, product
-from robodyn.robot.urdf.view import JointView
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.parts import WITH_RANGE, Limit
+from robodyn.robot.urdf.view import JointView, View
 from robodyn.support.wording import shown
 
 _AXIS = 0.02
 _LIMIT = 0.02
 """How far limits may differ: in rad or m, or as a part of the range, whichever is more."""
 _MAGNITUDE = 0.02
+_TURNS = 4 * pi
+"""RD507 reports ranges of revolute joints that go farther [rad]."""
+_REMEDY = "correct the one of the two that is wrong, or allow it where the joints differ"
 
 
 @rule(
@@ -32,48 +41,89 @@ _MAGNITUDE = 0.02
 def check(context: Context) -> Faults:
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
-        if left.type != right.type or left.type not in ("revolute", "continuous", "prismatic"):
-            continue
-        view = context.view.joint[right.name]
-        direction = _direction(pair)
-        if direction is None:
-            what = f"the axis is not parallel to the mirror image of that of {shown(left.name)}"
-            remedy = "correct one of the two"
-            yield Fault(view.element.span if view.axis.element is None else view.axis.span, what, remedy)
-        else:
-            yield from _limits(pair, view, direction)
+        view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
+        if left.type != right.type:
+            yield _kind(pair, context.view)
+        elif left.type in ("revolute", "continuous", "prismatic"):
+            directions = set(_directions(pair, context))
+            if not directions:
+                what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
+                yield Fault(view.element.span if view.axis.element is None else view.axis.span, what, _REMEDY)
+            elif len(directions) == 1:
+                yield from _range(pair, view, directions.pop(), twin)
+            yield from _magnitudes(pair, view, twin)
 
 
-def _direction(pair: Pair) -> int | None:
-    """Return 1 where equal positions of both joints are mirror images, -1 where opposite ones are, None if neither.
+def _kind(pair: Pair, view: View) -> Fault:
+    """Return that the joints are of two kinds, at the one that is fixed if only one is."""
+    one, other = pair.right_joint, pair.left_joint
+    if other.type == "fixed":
+        one, other = other, one
+    what = f"it is {one.type}, but its mirror twin {shown(other.name)} (line {other.line}) is {other.type}"
+    return Fault(value_span(view.joint[one.name].element, "type"), what, _REMEDY)
 
-    A reflection D carries a translation a to D a, and a rotation about a to one about -D a.
+
+def _directions(pair: Pair, context: Context) -> Iterator[int]:
+    """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; nothing if neither.
+
+    A reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is mounted
+    on both sides equal positions are alike.
     """
     left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
     left, right = left / length(left), right / length(right)
-    image = product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)
-    along = float(product(image, right))
-    return None if abs(along) < 1.0 - _AXIS**2 else (1 if along > 0 else -1)
+    images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
+    found = context.once(symmetry)
+    over = None if found is None else found.by_right.get(pair.right_joint.parent)
+    if found is not None and over is not None and over.mounts_alike(pair.left_joint, pair.right_joint, found.near):
+        images.append(left)
+    for image in images:
+        along = float(product(image, right))
+        if abs(along) >= 1.0 - _AXIS**2:
+            yield 1 if along > 0 else -1
 
 
-def _limits(pair: Pair, view: JointView, direction: int) -> Iterator[Fault]:
+def _range(pair: Pair, view: JointView, direction: int, twin: str) -> Faults:
+    kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
+    if view.limit is None or kind not in WITH_RANGE or not (_is_plain(left, kind) and _is_plain(right, kind)):
+        return
+    (low, high), here = _ends(left), _ends(right)
+    image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
+    slack = _LIMIT * max(1.0, abs(high - low))
+    off = [abs(value - wanted) for value, wanted in zip(here, image, strict=True)]
+    if max(off) <= slack:
+        return
+    k = off.index(max(off))
+    what = (
+        f"the range is {here[0]:g} to {here[1]:g}, the mirror image of that of its twin {twin} {image[0]:g} to "
+        f"{image[1]:g}"
+    )
+    copied = direction < 0 and max(abs(here[0] - low), abs(here[1] - high)) <= slack
+    cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
+    at = (view.limit.lower, view.limit.upper)[k]
+    yield Fault(at.span, what, _REMEDY, here[k], image[k], cause=cause)
+
+
+def _ends(limit: Limit | None) -> tuple[float, float]:
+    return (0.0, 0.0) if limit is None else (limit.lower or 0.0, limit.upper or 0.0)
+
+
+def _is_plain(limit: Limit | None, kind: str) -> bool:
+    """Return whether there is a range that no other rule reports."""
+    low, high = _ends(limit)
+    return low < high and (kind == "prismatic" or max(-low, high) <= _TURNS)
+
+
+def _magnitudes(pair: Pair, view: JointView, twin: str) -> Faults:
     left, right = pair.left_joint.limit, pair.right_joint.limit
     if left is None or right is None or view.limit is None:
         return
-    twin = shown(pair.left_joint.name)
-    if pair.left_joint.type != "continuous" and None not in (left.lower, left.upper, right.lower, right.upper):
-        low, high = left.lower or 0.0, left.upper or 0.0
-        image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
-        slack = _LIMIT * max(1.0, abs(high - low))
-        ends = (("lower", right.lower or 0.0), ("upper", right.upper or 0.0))
-        for (name, value), wanted in zip(ends, image, strict=True):
-            if abs(value - wanted) > slack:
-                what = f"{name} is {value:g}; the mirror image of the range of {twin} is {image[0]:g} to {image[1]:g}"
-                yield Fault(getattr(view.limit, name).span, what, _REMEDY, value, wanted)
-    for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity)):
-        if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other)):
-            what = f"{name} is {other:g}, that of its mirror twin {twin} is {one:g}"
-            yield Fault(getattr(view.limit, name).span, what, _REMEDY, other, one)
-
-
-_REMEDY = "correct one of the two, or allow it where the joints differ"
+    found = [
+        (name, one, other)
+        for name, one, other in (("effort", left.effort, right.effort), ("velocity", left.velocity, right.velocity))
+        if one is not None and other is not None and abs(one - other) > _MAGNITUDE * max(abs(one), abs(other))
+    ]
+    if found:
+        name, one, other = found[0]
+        here, there = (" and ".join(f"{each[0]} {each[k]:g}" for each in found) for k in (2, 1))
+        what = f"the limit of {here} is not that of its mirror twin {twin}, {there}"
+        yield Fault(getattr(view.limit, name).span, what, _REMEDY, other, one)

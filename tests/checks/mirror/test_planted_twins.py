@@ -1,0 +1,135 @@
+"""Slips planted in one of two twin joints of published robots are found there, and nowhere else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from helpers.example_robots import path_of
+
+from robodyn.checks.context import Context
+from robodyn.checks.mirror.pairs import Pair, pairs
+from robodyn.checks.rule import Finding
+from robodyn.checks.run import Options, check_one
+from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.elements import Span
+from robodyn.robot.urdf.numbers import value_span
+from robodyn.robot.urdf.view import JointView
+
+ROBOTS = ("go2", "g1_29dof_rev_1_0", "talos_full_v2", "anymal", "solo12")
+TWINS = Options(select=("RD404", "RD405"))
+Edits = Iterator[tuple[Span, str]]
+
+
+def written(values: tuple[float, ...]) -> str:
+    return " ".join(map(repr, values))
+
+
+def sign_not_turned(pair: Pair, joint: JointView) -> Edits:
+    x, y, z = pair.right_joint.origin.xyz
+    if joint.origin.xyz.given and abs(y) > 0.01 and pair.D.round().tolist() == [[1, 0, 0], [0, -1, 0], [0, 0, 1]]:
+        yield joint.origin.xyz.span, written((x, -y, z))
+
+
+def point_shifted(pair: Pair, joint: JointView) -> Edits:
+    """A decimal point slipped in the largest coordinate."""
+    xyz = list(pair.right_joint.origin.xyz)
+    k = max(range(3), key=lambda k: abs(xyz[k]))
+    if joint.origin.xyz.given and abs(xyz[k]) > 0.05:
+        xyz[k] /= 10
+        yield joint.origin.xyz.span, written(tuple(xyz))
+
+
+def turned_the_wrong_way(pair: Pair, joint: JointView) -> Edits:
+    rpy = pair.right_joint.origin.rpy
+    askew = [k for k in range(3) if 0.05 < abs(rpy[k]) % 1.5707963267948966 < 1.52]
+    if joint.origin.rpy.given and askew:
+        yield joint.origin.rpy.span, written(tuple(-angle if k == askew[0] else angle for k, angle in enumerate(rpy)))
+
+
+def other_axis(pair: Pair, joint: JointView) -> Edits:
+    if joint.axis.given:
+        x, y, z = pair.right_joint.axis
+        yield joint.axis.span, written((z, x, y))
+
+
+def ends_of_the_other_side(pair: Pair, joint: JointView) -> Edits:
+    """The range with both ends turned, where that is not the same."""
+    limit = pair.right_joint.limit
+    if joint.limit is None or limit is None or limit.lower is None or limit.upper is None:
+        return
+    if abs(limit.lower + limit.upper) > 0.1 and pair.right_joint.type == "revolute":
+        yield joint.limit.lower.span, repr(-limit.upper)
+        yield joint.limit.upper.span, repr(-limit.lower)
+
+
+def weaker(pair: Pair, joint: JointView) -> Edits:
+    if joint.limit is not None and pair.right_joint.limit is not None and pair.right_joint.limit.effort:
+        yield joint.limit.effort.span, repr(pair.right_joint.limit.effort / 10)
+
+
+def fixed(pair: Pair, joint: JointView) -> Edits:
+    if pair.right_joint.type == "revolute":
+        yield value_span(joint.element, "type"), "fixed"
+
+
+KINDS: dict[Callable[[Pair, JointView], Edits], str] = {
+    sign_not_turned: "RD405",
+    point_shifted: "RD405",
+    turned_the_wrong_way: "RD405",
+    other_axis: "RD404",
+    ends_of_the_other_side: "RD404",
+    weaker: "RD404",
+    fixed: "RD404",
+}
+
+
+@cache
+def robot(name: str) -> tuple[bytes, Context]:
+    data = Path(path_of(name)).read_bytes()
+    return data, Context(read(data, name))
+
+
+def planted(name: str, kind: Callable[[Pair, JointView], Edits]) -> Iterator[tuple[str, bytes]]:
+    """Yield up to three right joints, each with the file in which the slip is planted there."""
+    data, context = robot(name)
+    found = 0
+    for pair in context.once(pairs):
+        edits = sorted(kind(pair, context.view.joint[pair.right_joint.name]), key=lambda edit: -edit[0].start)
+        if edits and pair.right_joint.type != "fixed" and found < 3:
+            found += 1
+            text = data
+            for span, new in edits:
+                text = text[: span.start] + new.encode() + text[span.end :]
+            yield pair.right_joint.name, text
+
+
+def twin_findings(data: bytes) -> list[Finding]:
+    return list(check_one(data, TWINS))
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_they_are_clean(name: str) -> None:
+    assert twin_findings(robot(name)[0]) == []
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_found_at_the_joint(kind: Callable[[Pair, JointView], Edits]) -> None:
+    cases = [(name, joint, text) for name in ROBOTS for joint, text in planted(name, kind)]
+    robots = {name for name, _, _ in cases}
+    assert len(robots) >= (1 if kind is turned_the_wrong_way else 3), robots
+    for name, joint, text in cases:
+        (one,) = twin_findings(text)
+        assert one.subject is not None
+        assert (one.code, one.subject.name) == (KINDS[kind], joint), (name, joint)
+        assert "twin" in one.message
+        assert one.remedy.startswith("correct the one of the two")
+
+
+def test_the_sign_that_was_not_turned_is_named() -> None:
+    for name in ROBOTS:
+        for _, text in planted(name, sign_not_turned):
+            (one,) = twin_findings(text)
+            assert one.cause == "the sign of y is not that of a mirror image"
