@@ -20,6 +20,8 @@ from robodyn.support.threads import in_threads
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000
 """Triangles up to which the shells of a closed surface are told from each other."""
+_LARGEST_OPEN = 50_000
+"""Triangles up to which the gaps of an open surface are looked at: a quarter of a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,8 @@ class MeshFacts:
         inverted: shells wound inwards without being a cavity in another.
         overlapping: whether two shells share volume.
         one_sided: faces that no turning makes agree with their neighbours, as on a Moebius strip.
+        mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
+        left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
         doubt: why the file may hold another mesh than was read.
     """
 
@@ -51,6 +55,9 @@ class MeshFacts:
     inverted: int = 0
     overlapping: bool = False
     one_sided: int = 0
+    mended: int | None = None
+    left: int = 0
+    missing: float = 0.0
     doubt: str = ""
 
     def dumps(self) -> bytes:
@@ -68,7 +75,7 @@ class MeshFacts:
 
 def mesh_facts(path: Path) -> MeshFacts:
     """Return the facts of a file, by one pass over its triangles; only where the surface is closed are shells told
-    apart.
+    apart, and only where it is open are its gaps looked at.
 
     Accuracy: box exact; volume of a closed surface within 1e-12 (see `robodyn.solids.mesh.integrate`).
     """
@@ -76,18 +83,22 @@ def mesh_facts(path: Path) -> MeshFacts:
     from robodyn.solids.mesh.indexed import merged
     from robodyn.solids.mesh.integrate.integrals import measure
     from robodyn.solids.mesh.read.load import load_triangles
+    from robodyn.solids.mesh.repair.gaps import gaps
     from robodyn.solids.mesh.repair.shell_faults import shell_faults
     from robodyn.solids.mesh.repair.shells import wound
 
     try:
         triangles = load_triangles(path)
         integrals, edges = measure(triangles)
-        inverted, overlapping, one_sided = 0, False, 0
+        inverted, overlapping, one_sided, open_by = 0, False, 0, None
         if edges.mixed and triangles.count <= _LARGEST:
             one_sided = wound(merged(triangles.array()))[0].twisted
         elif edges.closed and triangles.count <= _LARGEST:
             alone = is_one_shell(triangles)
             inverted, overlapping = (int(integrals.volume < 0), False) if alone else shell_faults(triangles)
+        elif not edges.closed and triangles.count <= _LARGEST_OPEN:
+            open_by = gaps(triangles)
+            one_sided = open_by.one_sided
     except MeshError as error:
         return MeshFacts(error.what, error.remedy or "export it again", error.remedy != _NOT_FINITE)
     scale = triangles.scale
@@ -101,6 +112,9 @@ def mesh_facts(path: Path) -> MeshFacts:
         inverted=inverted,
         overlapping=overlapping,
         one_sided=one_sided,
+        mended=None if open_by is None else open_by.mended,
+        left=0 if open_by is None else open_by.left,
+        missing=0.0 if open_by is None else open_by.missing,
         doubt="; ".join(triangles.warnings),
     )
 

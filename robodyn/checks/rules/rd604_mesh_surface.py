@@ -4,14 +4,16 @@ Mass, signed distance and many collision engines need a surface that encloses a 
 coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
 their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
 boundary chain; and shells that reach into another, as far as a few points of each show. The last is a remark; the
-three before it are one where a mesh is only a <visual>, and a warning in a <collision>. The bad example stands beside a
-file `open.stl`, a box without lid; the good one beside `closed.stl`.
+three before it are one where a mesh is only a <visual>, and a warning in a <collision>. Of an open surface it is said,
+with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled, a remark then, or what
+is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.
 """
 
 from robodyn.checks.examples import a_mesh
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import MeshName, State, all_facts, mesh_names
 from robodyn.checks.rule import Context, Faults, Severity, rule
+from robodyn.support.wording import figure
 
 _REMEDY = "repair it where mass, collision or simulation is computed from it; `robodyn inertia` says what to do"
 
@@ -42,7 +44,17 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
     elif facts.mixed:
         what = "has faces wound against their neighbours"
     elif not facts.closed and facts.problem is None:
-        what = "is not closed: it encloses no definite volume"
+        what, severity = _gaps(facts), severity if facts.left or facts.mended is None else Severity.NOTE
     elif facts.overlapping:
-        what, severity = "has shells that overlap: what they share counts twice", Severity.NOTE
+        what = "has shells that overlap: what they share counts twice where they are not united"
+        severity = Severity.NOTE
     return None if what is None else (what, severity)
+
+
+def _gaps(facts: MeshFacts) -> str:
+    if facts.left:
+        share = figure(100 * facts.missing, 2)
+        return f"is not closed: {share} % of its surface is missing, in gaps that are too large to be filled"
+    if facts.mended:
+        return f"is open by small gaps only ({facts.mended}): filled, it encloses a volume"
+    return "is not closed" if facts.mended is None else "is closed but for faces without area, or given twice"

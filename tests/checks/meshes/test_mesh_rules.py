@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.mesh_files import ascii_stl, dae, obj
 from helpers.mesh_samples import binary_stl, box, flipped, moved
+from helpers.one_sided import klein_bottle
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.context import Asked
@@ -174,7 +175,10 @@ SURFACES = {
     "sound": (PART, None, None),
     "hollow": (HOLLOW, None, None),
     "apart": (APART, None, None),
-    "open": (HOLE, (W, I), "is not closed"),
+    "open": (HOLE, (W, I), "is not closed: 14 % of its surface is missing"),
+    "small hole": (box((0.2, 0.2, 0.2))[1:], (I, I), "is open by small gaps only (1): filled, it encloses a volume"),
+    "given twice": (np.concatenate([PART, PART[:1]]), (I, I), "is closed but for faces without area, or given twice"),
+    "one side": (klein_bottle()[1:], (W, I), "faces in surfaces with one side only"),
     "inside out": (flipped(PART), (W, W), "is inside out"),
     "one inside out": (INVERTED, (W, W), "shells that are inside out"),
     "mixed": (MIXED, (W, I), "wound against"),

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from robodyn.errors import MeshError
 from robodyn.solids.mesh.indexed import Indexed, merged
 from robodyn.solids.mesh.region.quadrature import Quadrature, by_columns, by_winding_numbers
-from robodyn.solids.mesh.repair.clean import welded, without_degenerate, without_duplicates
+from robodyn.solids.mesh.repair.clean import without_degenerate, without_duplicates
+from robodyn.solids.mesh.repair.gaps import one_sided
 from robodyn.solids.mesh.repair.holes import Filling, filled
 from robodyn.solids.mesh.repair.nesting import Nesting, nested
 from robodyn.solids.mesh.repair.shells import Shells, wound
@@ -117,16 +118,11 @@ def repair(triangles: Triangles, cavities: bool = False) -> Repaired:
 
 
 def _check_sides(shells: Shells, name: str) -> None:
-    """Refuse a surface that cannot be wound, whose inside and outside are therefore not told apart.
-
-    Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
-    """
-    if not shells.closed.all():
-        whole = welded(shells.mesh)
-        shells = shells if whole is shells.mesh else wound(whole)[0]
-    if shells.twisted:
+    """Refuse a surface that cannot be wound."""
+    twisted = one_sided(shells)
+    if twisted:
         raise MeshError(
-            f"{shells.twisted} of {many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
+            f"{twisted} of {many(len(shells.mesh.faces), 'face')} form surfaces with one side only, like a "
             "Moebius strip or a Klein bottle: they cannot be wound and enclose no definite volume",
             remedy="--shell THICKNESS takes the surface as a sheet, --no-repair integrates it as it is",
             file=name,
