@@ -41,7 +41,7 @@ def check_sections(checked: Checked) -> Iterator[Section]:
         cause = [f"  cause: {finding.cause}"] if finding.cause is not None else []
         fix = [f"  fix: {finding.fix.what} ({_safety(finding.fix)})"] if finding.fix is not None else []
         lines = [f"{place}: {kind}: {finding.message}", *marked(finding.line, finding.excerpt), *cause]
-        also = [f"  also: {line}" for line in further(finding)]
+        also = [f"{'        ' if k else '  also: '}{line}" for k, line in enumerate(further(finding))]
         yield paragraphs([*lines, *also, f"  do: {finding.remedy}", *fix])
     yield paragraphs(checked_lines(checked))
 

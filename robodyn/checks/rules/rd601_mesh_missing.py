@@ -51,6 +51,8 @@ def _missing(context: Context, name: MeshName) -> Fault:
         better = f"{scheme}://{package[1]}"
         remedy = f"the package has no name: write two slashes, {shown_path(better)}"
         fix = _written(context, name, better)
+    elif name.uri.startswith(("file://", "/")):
+        remedy = "it is a file of one machine: write package://NAME/... or a name relative to this file"
     elif "\\" in name.uri:
         better = name.uri.replace("\\", "/")
         remedy, fix = f"write / between folders: {shown_path(better)}", _written(context, name, better)
