@@ -143,3 +143,15 @@ def test_of_one_link_are_its_places() -> None:
     assert [len(one.places) for one in checked.findings] == [1]
     assert checked.findings[0].subject is not None
     assert checked.findings[0].subject.name == "fore"
+
+
+def test_links_without_mass_are_one_finding_whatever_hangs_on_them() -> None:
+    empty = arm()[: arm().index("<inertial>")] + arm()[arm().index("</inertial>") + 11 :]
+    more = (
+        '<link name="tip"/><joint name="wrist" type="fixed"><parent link="upper"/><child link="tip"/></joint></robot>'
+    )
+    limit = '<limit lower="-2" upper="2" effort="30" velocity="3"/>'
+    hand = f'<joint name="j" type="revolute"><parent link="base"/><child link="k"/>{limit}</joint><link name="k"/>'
+    foot = hand.replace('"j"', '"i"').replace('"k"', '"m"')
+    assert shown(empty.replace("</robot>", more), "RD202") == (("RD202", 1),)
+    assert shown(arm().replace("</robot>", f"{hand}{foot}</robot>"), "RD202") == (("RD202", 2),)

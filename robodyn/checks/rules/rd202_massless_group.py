@@ -31,7 +31,7 @@ def check(context: Context) -> Faults:
         what += f"; MuJoCo {_in_mujoco(context, group)}, Gazebo drops it" + " and what hangs on it" * onward
         remedy = "add an <inertial>" if onward else "add an <inertial>, or make the joint fixed"
         severity = Severity.WARNING if onward else Severity.ERROR
-        yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity)
+        yield Fault(first.name_span, what, remedy, measured=0.0, severity=severity, kind="a joint moves no mass")
 
 
 def _in_mujoco(context: Context, group: Group) -> str:
