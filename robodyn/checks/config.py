@@ -131,9 +131,9 @@ def _config(table: SceneTable, file: str) -> Config:
     thresholds = _thresholds(SceneTable(table.take("thresholds", {}), "[tool.robodyn.check.thresholds]", file))
     roots = tuple(os.path.normpath(os.path.join(folder, path)) for path in _texts(table, "package-path"))
     table.finish()
-    for codes in (select, ignore, *(codes for _, codes in per_file)):
+    for chosen, left_out in ((select, ignore), *(((), codes) for _, codes in per_file)):
         try:
-            rules_for((), codes)
+            rules_for(chosen, left_out)
         except InputError as error:
             raise InputError(error.what, remedy=error.remedy, file=file) from None
     return Config(folder, Options(select, ignore, thresholds, roots), per_file)

@@ -10,7 +10,7 @@ from robodyn.checks.config import Config, find_config, read_config
 from robodyn.checks.fixes import Fixed, fixed
 from robodyn.checks.groups import places
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import EVERYTHING, STDIN, Checked, Options, Source, Task, check_tasks, found_in
+from robodyn.checks.run import STANDARD, STDIN, Checked, Options, Source, Task, check_tasks, found_in
 from robodyn.checks.selection import rules_for
 from robodyn.checks.sources import files_of
 from robodyn.robot.urdf.packages import EXPANDED
@@ -20,7 +20,7 @@ from robodyn.robot.urdf.sources import is_xacro, read_source
 
 def check(
     sources: Source | Sequence[Source],
-    options: Options = EVERYTHING,
+    options: Options = STANDARD,
     *,
     select: Sequence[str] = (),
     ignore: Sequence[str] = (),
@@ -28,7 +28,8 @@ def check(
     xacro_args: Mapping[str, str] | None = None,
     config: str | os.PathLike[str] | None = None,
 ) -> tuple[Finding, ...]:
-    """Return the findings in one or several descriptions, in the order of the files and of their text.
+    """Return the findings in one or several descriptions, in the order of the files and of their text: one for each
+    cause in a file, with its `places`.
 
         for finding in robodyn.check("robot.urdf", ignore=["RD110"]):
             print(finding.line, finding.code, finding.message)
@@ -40,7 +41,8 @@ def check(
         sources: paths of URDF or xacro files, folders (every .urdf below them) or patterns (`robots/*.urdf`), or bytes,
             for which the settings of the current folder hold.
         options: which rules run, and against what; the arguments below are added to them.
-        select, ignore: codes of rules (RD207) or their beginnings (RD2) to run, all if none is given, and not to run.
+        select, ignore: codes of rules (RD207) or their beginnings (RD2), to run and not to run. Without `select` it is
+            DEFAULT: errors, and what is likely a defect; ALL is everything.
         package_paths: packages, or folders of packages, that are looked at first for meshes and what xacro includes.
         xacro_args: values of the arguments of xacro files; defaults hold for the others.
         config: a file whose settings hold for all, in place of robodyn.toml or pyproject.toml above each.
@@ -62,7 +64,7 @@ def check(
     return checked.findings
 
 
-def tasks_for(sources: Sequence[Source], given: Options = EVERYTHING, config: str | None = None) -> tuple[Task, ...]:
+def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str | None = None) -> tuple[Task, ...]:
     """Return the files of the sources, each with its options.
 
     Args:
@@ -80,7 +82,7 @@ def tasks_for(sources: Sequence[Source], given: Options = EVERYTHING, config: st
     return tuple(Task(file, _options(file, given, fixed, known)) for file in files_of(sources))
 
 
-def check_description(description: Description, given: Options = EVERYTHING) -> Checked:
+def check_description(description: Description, given: Options = STANDARD) -> Checked:
     """Return the findings in a description that was read, with the settings of its project."""
     options = _options(description.file.removesuffix(EXPANDED), given, None, {})
     found = found_in(description.data, options, description.file)

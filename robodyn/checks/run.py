@@ -47,7 +47,8 @@ class Options:
     asked: Asked = NOTHING
 
 
-EVERYTHING = Options()
+STANDARD = Options()
+"""What holds where nothing else is asked: the default set, and the thresholds as they are."""
 
 
 @dataclass(frozen=True)
@@ -149,14 +150,14 @@ def _outcome(task: Task) -> Found | InputError:
         return error
 
 
-def read_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Document:
+def read_one(source: Source, options: Options = STANDARD, name: str | None = None) -> Document:
     """Return the reading of one file or its bytes; a xacro file is expanded first."""
     arguments = dict(options.xacro_args) if is_xacro(source) else {}
     file, data = content_of(source, name, options.package_path, arguments)
     return read(data, file)
 
 
-def found_in(source: Source, options: Options = EVERYTHING, name: str | None = None) -> Found:
+def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
     """Return what is found in one file or its bytes: one finding for each cause, shown or hidden as is selected."""
     return sifted(check_one(source, options, name), options)
 
@@ -170,7 +171,7 @@ def sifted(every: Sequence[Finding], options: Options) -> Found:
     )
 
 
-def check_one(source: Source, options: Options = EVERYTHING, name: str | None = None) -> tuple[Finding, ...]:
+def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
     """Return what the rules find in one file or its bytes: every place by itself, in the order of the text."""
     reading = read_one(source, options, name)
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)

@@ -25,12 +25,11 @@ def rules_for(select: Codes, ignore: Codes) -> tuple[Rule, ...]:
     Raises:
         InputError: no rule has such a code.
     """
-    for given in (*select, *ignore):
-        if given not in WORDS and (not given or not any(code.startswith(given) for code in CODES)):
+    for given in (*(code for code in select if code not in WORDS), *ignore):
+        if not given or not any(code.startswith(given) for code in CODES):
             raise InputError(f"there is no rule {shown(given)}", remedy=instead_of(given, RULES))
     wanted = ("",) if not select or {*WORDS} & {*select} else select
-    ignored = ("",) if ALL in ignore else ignore
-    return tuple(rule for rule in RULES if rule.code.startswith(wanted) and not rule.code.startswith(ignored))
+    return tuple(rule for rule in RULES if rule.code.startswith(wanted) and not rule.code.startswith(ignore))
 
 
 def shown_of(select: Codes, asked: Asked) -> Callable[[Finding], bool]:

@@ -24,7 +24,7 @@ from helpers.machine import machine
 from helpers.markdown_tables import main, table
 
 from robodyn.checks.catalogue import RULES
-from robodyn.checks.run import EVERYTHING, Options, check_one
+from robodyn.checks.run import STANDARD, Options, check_one
 
 SHAPES = ("RD301", "RD302", "RD303", "RD304", "RD305", "RD6")
 PLAIN = Options(ignore=SHAPES)
@@ -32,7 +32,7 @@ SIMCHECK = ("simcheck", "check", "--static-only", "--no-cache", "--no-config", "
 OURS = (sys.executable, "-c", "from robodyn.cli.main import main; main()", "check", "--statistics")
 
 
-def times(paths: Sequence[Path], options: Options = EVERYTHING) -> list[float]:
+def times(paths: Sequence[Path], options: Options = STANDARD) -> list[float]:
     """Seconds for each file."""
     spent = []
     for path in paths:
@@ -70,8 +70,8 @@ def in_process(paths: Sequence[Path], turns: int) -> str:
         with cache(folder):
             times(paths)
         ways = (
-            ("all rules, meshes read anew", "0", EVERYTHING),
-            ("all rules, meshes known", folder, EVERYTHING),
+            ("all rules, meshes read anew", "0", STANDARD),
+            ("all rules, meshes known", folder, STANDARD),
             ("without the rules that need shapes", "0", PLAIN),
         )
         found: dict[str, list[list[float]]] = {name: [] for name, *_ in ways}

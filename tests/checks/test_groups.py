@@ -12,7 +12,7 @@ from robodyn.checks.compare.baseline import compared, fingerprints, write_baseli
 from robodyn.checks.finding import Severity
 from robodyn.checks.groups import grouped, kind_of, one_each, places
 from robodyn.checks.project import fix_task
-from robodyn.checks.run import EVERYTHING, Checked, Options, Task, check_one, found_in
+from robodyn.checks.run import STANDARD, Checked, Options, Task, check_one, found_in
 from robodyn.checks.selection import BY_CODE
 
 ONE = arm(shoulder="0 2 0")
@@ -110,7 +110,7 @@ def test_a_waiver_allows_the_place_that_it_is_about() -> None:
 def test_every_place_is_fixed(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(TWO)
-    fixed = fix_task(Task(str(path), EVERYTHING))
+    fixed = fix_task(Task(str(path), STANDARD))
     assert len(fixed.made) == 2
     assert fixed.after.decode() == arm(shoulder="0.0 1.0 0.0", elbow="0.0 1.0 0.0")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from helpers.clean_arm import IDENTITY, arm
 from helpers.planted_defects import HEALTHY
@@ -79,6 +81,22 @@ def test_hidden_and_shown_are_all() -> None:
 def test_an_unknown_word_is_no_rule() -> None:
     with pytest.raises(robodyn.RobodynError, match="there is no rule 'NONE'"):
         found_in(b"<robot/>", Options(("NONE",)))
+
+
+def test_words_are_no_codes_to_ignore() -> None:
+    with pytest.raises(robodyn.RobodynError, match="there is no rule 'ALL'"):
+        robodyn.check(HEALTHY.encode(), ignore=[ALL])
+
+
+def test_settings_may_add_to_the_default_set(tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ODD)
+    settings = tmp_path / "robodyn.toml"
+    for select, found in (('["DEFAULT", "RD110"]', ["RD208", "RD110"]), ('["default"]', ["RD208"])):
+        settings.write_text(f"[tool.robodyn.check]\nselect = {select}\n")
+        assert [one.code for one in robodyn.check(tmp_path / "arm.urdf")] == found
+    settings.write_text('[tool.robodyn.check]\nignore = ["ALL"]\n')
+    with pytest.raises(robodyn.RobodynError, match="there is no rule 'ALL'"):
+        robodyn.check(tmp_path / "arm.urdf")
 
 
 def test_nothing_to_check() -> None:
