@@ -28,7 +28,7 @@ from robodyn.report.check_places import short_sections
 from robodyn.report.json.descriptions import check_json
 from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.report.renderers.sarif import check_sarif
-from robodyn.robot.urdf.packages import EXPANDED
+from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
 
@@ -107,18 +107,15 @@ def fix_files(tasks: Sequence[Task], unsafe: bool, diff: bool) -> bool:
 
 
 def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bool, statistics: bool) -> None:
-    """Show the findings in a form; what lines of expanded files mean is said on standard error."""
-    for name in checked.files:
-        if name.endswith(EXPANDED):
-            click.echo(f"{name}: lines are those that `xacro {name.removesuffix(EXPANDED)}` prints", err=True)
+    """Show the findings in a form."""
     findings, unread = checked.findings, checked.unread
-    readings = {task.name: task.reading for task in tasks}
+    given = {task.name: task.source for task in tasks}
     listed = short_sections if form == "short" else check_sections
     answer(
         (statistics_sections if statistics else listed)(checked),
         form="text" if form == "short" else form,
         json=lambda: check_json(checked),
-        sarif=lambda: check_sarif(findings, RULES, lambda name: readings[name](), unread),
+        sarif=lambda: check_sarif(findings, RULES, lambda name: read(given.get(name, name), name), unread),
         junit=lambda: check_junit(checked, strict),
         github=lambda: check_github(findings, unread),
     )

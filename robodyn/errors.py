@@ -51,6 +51,10 @@ class DescriptionError(InputError):
     """A robot description is malformed or contradicts itself."""
 
 
+class NoRobotError(DescriptionError):
+    """A file defines parts for others, and describes no robot."""
+
+
 class TrajectoryError(InputError):
     """A trajectory cannot be read or does not fit the robot."""
 

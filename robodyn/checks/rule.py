@@ -23,6 +23,7 @@ from enum import IntEnum
 
 from robodyn.checks.context import Context
 from robodyn.checks.finding import Edit, Excerpt, Finding, Fix, Severity, excerpt
+from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import Subject
 
@@ -72,6 +73,7 @@ class Fault:
         fix: where one edit is uniquely right.
         kind: what it has in common with others of the same cause in the file; by default `what` without its names and
             numbers.
+        document: the file that `at` is in, if it is not the description.
     """
 
     at: Span
@@ -84,6 +86,7 @@ class Fault:
     cause: str | None = None
     fix: Fix | None = None
     kind: str | None = None
+    document: Document | None = None
 
 
 Faults = Iterable[Fault]

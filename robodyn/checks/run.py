@@ -6,20 +6,23 @@ import os
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from warnings import warn
 
 from robodyn.checks.catalogue import CODES
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
 from robodyn.checks.groups import grouped, kind_of, one_each, places
+from robodyn.checks.origins import Origins
 from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
 from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
 from robodyn.checks.selection import BY_CODE, rules_for, shown_of
 from robodyn.checks.sources import each_in_a_process, worth_processes
 from robodyn.checks.waivers import waived, waivers
-from robodyn.errors import InputError
+from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
-from robodyn.robot.urdf.sources import content_of, is_xacro
+from robodyn.robot.urdf.sources import is_xacro
 from robodyn.robot.urdf.view import Subject
+from robodyn.robot.urdf.xacro import expanded
 
 Source = str | os.PathLike[str] | bytes
 STDIN = "<stdin>"
@@ -112,18 +115,13 @@ class Task:
     @property
     def name(self) -> str:
         """The file as findings show it."""
-        if isinstance(self.source, bytes):
-            return STDIN
-        return self.source + EXPANDED if is_xacro(self.source) else self.source
-
-    def reading(self) -> Document:
-        return read_one(self.source, self.options)
+        return STDIN if isinstance(self.source, bytes) else self.source
 
 
 def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) -> Checked:
     """Return the findings in all of them; many files are shared out among processes, one for each core.
 
-    One that cannot be read stops no other.
+    One that cannot be read stops no other; one that describes no robot is skipped, with a warning.
 
     Args:
         tasks: the files.
@@ -133,7 +131,9 @@ def check_tasks(tasks: Sequence[Task], done: Callable[[], None] = lambda: None) 
     each = each_in_a_process(_outcome, [(task,) for task in tasks]) if shared_out else map(_outcome, tasks)
     files, found, hidden, unread = list[str](), list[Finding](), list[Finding](), list[Unread]()
     for task, outcome in zip(tasks, each, strict=True):
-        if isinstance(outcome, InputError):
+        if isinstance(outcome, NoRobotError):
+            warn(f"{outcome}: skipped", RobodynWarning, stacklevel=2)
+        elif isinstance(outcome, InputError):
             unread.append(Unread(task.name, outcome))
         else:
             files.append(task.name)
@@ -148,13 +148,6 @@ def _outcome(task: Task) -> Found | InputError:
         return found_in(task.source, task.options)
     except InputError as error:
         return error
-
-
-def read_one(source: Source, options: Options = STANDARD, name: str | None = None) -> Document:
-    """Return the reading of one file or its bytes; a xacro file is expanded first."""
-    arguments = dict(options.xacro_args) if is_xacro(source) else {}
-    file, data = content_of(source, name, options.package_path, arguments)
-    return read(data, file)
 
 
 def found_in(source: Source, options: Options = STANDARD, name: str | None = None) -> Found:
@@ -172,8 +165,20 @@ def sifted(every: Sequence[Finding], options: Options) -> Found:
 
 
 def check_one(source: Source, options: Options = STANDARD, name: str | None = None) -> tuple[Finding, ...]:
-    """Return what the rules find in one file or its bytes: every place by itself, in the order of the text."""
-    reading = read_one(source, options, name)
+    """Return what the rules find in one file or its bytes: every place by itself, in the order of the text; of a xacro
+    file, of its expansion."""
+    if isinstance(source, bytes) or not is_xacro(source):
+        return _found(read(source, name), options)
+    path = os.fspath(source)
+    expansion = expanded(path, options.package_path, dict(options.xacro_args))
+    reading = read(expansion.text, (name or path) + EXPANDED)
+    if reading.robot is not None and not any(part.tag in ("link", "joint") for part in reading.root.children):
+        raise NoRobotError("it defines parts and describes no robot", remedy="name the file that uses them", file=path)
+    return tuple(map(Origins(reading, expansion).located, _found(reading, options)))
+
+
+def _found(reading: Document, options: Options) -> tuple[Finding, ...]:
+    """Return the findings in a file that was read, in the order of the text."""
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
     rules = [rule for rule in rules_for(options.select, options.ignore) if context.reaches(rule.stage)]
     findings = [_finding(context, rule, fault) for rule in rules for fault in rule.check(context)]
@@ -187,7 +192,7 @@ def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Find
     if not given:
         return findings
     ran = {rule.code for rule in rules}
-    left, unused = waived(findings, given)
+    left, unused = waived(context.reading, findings, given)
     if unused_waiver.check.code in ran:
         faults = [unused_waiver.unused(waiver, code) for waiver, code in unused if code in ran]
         left += [_finding(context, unused_waiver.check, fault) for fault in faults]
@@ -195,7 +200,7 @@ def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Find
 
 
 def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
-    reading, subject = context.reading, fault.subject
+    reading, subject = fault.document or context.reading, fault.subject
     if subject is HERE:
         subject = _part_at(context, fault.at.start)
     return Finding(

@@ -7,8 +7,10 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from typing import Any, TypeVar
+from warnings import warn
 
-from robodyn.errors import InputError
+from robodyn.checks.beside import BESIDE, describing
+from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.support.threads import cores, processes
 
 R = TypeVar("R")
@@ -21,32 +23,44 @@ _MESH = 5_000
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
     """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
+    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh or an SRDF the descriptions that
+    name it (see `describing`), with a warning where there is none. Where others are named as well, so is a folder or
+    a pattern without a description.
+
     Raises:
-        InputError: a folder has no .urdf, or nothing matches a pattern.
+        InputError: there is no description in a folder, or nothing matches a pattern.
     """
     found: dict[str | bytes, None] = {}
+    errors: list[InputError] = []
     for source in sources:
-        if isinstance(source, bytes):
-            found[source] = None
-        else:
-            found.update(dict.fromkeys(_expanded(os.fspath(source))))
+        try:
+            found.update(dict.fromkeys([source] if isinstance(source, bytes) else _expanded(os.fspath(source))))
+        except InputError as error:
+            errors.append(error)
+    fatal = [error for error in errors if not isinstance(error, NoRobotError)]
+    if fatal and not found:
+        raise fatal[0]
+    for without in errors:
+        warn(f"{without}: skipped", RobodynWarning, stacklevel=2)
     return list(found)
 
 
 def _expanded(path: str) -> list[str]:
     if os.path.isdir(path):
-        return _some(
-            sorted(glob.iglob("**/*.urdf", root_dir=path, recursive=True)), path, "no .urdf in the folder", path
-        )
+        names = _below(path, ".urdf") or _below(path, ".xacro")
+        if not names:
+            raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
+        return [os.path.join(path, name) for name in names]
     if os.path.exists(path) or not glob.has_magic(path):
-        return [path]
-    return _some(sorted(glob.iglob(path, recursive=True)), "", "nothing matches the pattern", path)
-
-
-def _some(names: list[str], folder: str, what: str, path: str) -> list[str]:
+        return describing(path) if path.lower().endswith(BESIDE) and os.path.isfile(path) else [path]
+    names = sorted(glob.iglob(path, recursive=True))
     if not names:
-        raise InputError(what, remedy="check the name", file=path)
-    return [os.path.join(folder, name) for name in names]
+        raise InputError("nothing matches the pattern", remedy="check the name", file=path)
+    return names
+
+
+def _below(folder: str, suffix: str) -> list[str]:
+    return sorted(glob.iglob(f"**/*{suffix}", root_dir=folder, recursive=True))
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:

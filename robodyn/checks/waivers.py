@@ -54,8 +54,9 @@ class Waiver:
     def in_force(self, known: Collection[str]) -> bool:
         return bool(self.codes and self.reason) and set(self.codes) <= set(known) - set(OWN)
 
-    def allows(self, finding: Finding) -> bool:
-        return finding.code in self.codes and self.start <= finding.start < self.end
+    def allows(self, code: str, start: int) -> bool:
+        """Return whether a finding of a rule at this byte is allowed."""
+        return code in self.codes and self.start <= start < self.end
 
     def problem(self, known: Collection[str]) -> tuple[str, str]:
         """Return what is wrong with a waiver that is not in force, and what to do."""
@@ -74,11 +75,17 @@ def waivers(context: Context) -> tuple[Waiver, ...]:
     return tuple(_waivers(context.reading))
 
 
-def waived(findings: Iterable[Finding], given: Sequence[Waiver]) -> tuple[list[Finding], list[tuple[Waiver, str]]]:
-    """Return the findings that no waiver allows, and the codes of each waiver for which there is nothing to allow."""
+def waived(
+    reading: Document, findings: Iterable[Finding], given: Sequence[Waiver]
+) -> tuple[list[Finding], list[tuple[Waiver, str]]]:
+    """Return the findings that no waiver allows, and the codes of each waiver for which there is nothing to allow.
+
+    A finding in another file is waived as if it were at the robot's start tag.
+    """
     kept, used = [], set()
     for finding in findings:
-        by = {(k, finding.code) for k, waiver in enumerate(given) if waiver.allows(finding)}
+        start = finding.start if finding.file == reading.file else reading.root.start
+        by = {(k, finding.code) for k, waiver in enumerate(given) if waiver.allows(finding.code, start)}
         used |= by
         if not by:
             kept.append(finding)

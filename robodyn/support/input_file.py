@@ -16,6 +16,8 @@ MOST_PIPED = 1 << 34
 """Bytes that are taken from a pipe."""
 
 _PART = 1 << 20
+LFS_POINTER = b"version https://git-lfs.github.com/spec/"
+"""How a file begins that stands for another, which Git LFS has not fetched."""
 
 PATIENCE = 10.0
 """Seconds until somebody has to have begun to write to a pipe."""

@@ -13,7 +13,7 @@ from robodyn.checks import sources
 from robodyn.checks.project import check
 from robodyn.checks.run import Checked, Options, Task, check_one, check_tasks
 from robodyn.checks.selection import rules_for
-from robodyn.errors import InputError
+from robodyn.errors import InputError, RobodynWarning
 
 BAD = '<robot name="r"><link name="a"/><link name="a"/></robot>'
 
@@ -62,6 +62,35 @@ def test_what_is_not_there(folder: Path) -> None:
         (folder / "empty").mkdir(exist_ok=True)
         with pytest.raises(InputError, match=why):
             check(folder / missing)
+
+
+def test_a_folder_without_a_description_among_others_is_passed_over(folder: Path) -> None:
+    (folder / "empty").mkdir()
+    with pytest.warns(RobodynWarning, match=r"empty: no \.urdf and no \.xacro in the folder .*: skipped"):
+        assert check_all(folder / "empty", folder / "a.urdf").files == (str(folder / "a.urdf"),)
+
+
+PACKAGED = '<robot name="arm"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
+
+
+@pytest.mark.parametrize("manifest", [True, False])
+def test_of_a_mesh_or_an_srdf_the_descriptions_that_name_it(tmp_path: Path, manifest: bool) -> None:
+    package = tmp_path / "arm_description"
+    for name in ("urdf", "meshes", "srdf"):
+        (package / name).mkdir(parents=True)
+    if manifest:
+        (package / "package.xml").write_text("<package><name>arm_description</name></package>")
+    (package / "urdf" / "arm.urdf").write_text(PACKAGED.format("../meshes/arm.stl"))
+    (package / "urdf" / "leg.urdf").write_text(PACKAGED.format("../meshes/leg.stl").replace('"arm"', '"leg"'))
+    (package / "srdf" / "arm.srdf").write_text('<robot name="arm"/>')
+    for name in ("arm.stl", "leg.stl", "alone.stl"):
+        (package / "meshes" / name).touch()
+    arm, leg = (str(package / "urdf" / name) for name in ("arm.urdf", "leg.urdf"))
+    assert sources.files_of([package / "meshes" / "arm.stl"]) == [arm]
+    assert sources.files_of([package / "meshes" / "leg.stl"]) == [leg]
+    assert sources.files_of([package / "srdf" / "arm.srdf", arm]) == [arm]
+    with pytest.warns(RobodynWarning, match=r"alone\.stl: no description in its package names it .*: skipped"):
+        assert sources.files_of([package / "meshes" / "alone.stl"]) == []
 
 
 def test_processes_find_what_one_process_finds(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

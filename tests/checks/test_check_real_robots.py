@@ -34,8 +34,9 @@ def subjects(stem: str, code: str) -> set[str]:
 
 @pytest.mark.parametrize("path", sampled(PATHS), ids=name_of)
 def test_every_file_is_read_and_each_finding_has_a_place(path: Path) -> None:
-    lines = path.read_text(encoding="utf-8").split("\n")
     for finding in found(path):
+        assert finding.file == str(path) or finding.file.endswith(".srdf")
+        lines = Path(finding.file).read_text(encoding="utf-8").split("\n")
         line = lines[finding.line - 1]
         assert 1 <= finding.column <= len(line) + 1
         start = line[finding.column - 1 :].replace("\t", " ")

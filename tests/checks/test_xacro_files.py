@@ -10,15 +10,14 @@ from pathlib import Path
 from time import sleep
 
 import pytest
-import xacro
 from helpers.clean_arm import IDENTITY, arm
 
 import robodyn
 from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_tasks
-from robodyn.errors import InputError
-from robodyn.robot.urdf.xacro import expanded
+from robodyn.errors import InputError, RobodynWarning
+from robodyn.robot.urdf.xacro import Expansion, expanded
 
 HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 MACRO = f"""{HEAD}
@@ -64,11 +63,48 @@ def test_the_function_of_the_package_expands_them(robot: Path) -> None:
     assert "RD201" in {finding.code for finding in given}
 
 
-def test_places_are_those_of_the_expanded_text(robot: Path) -> None:
+def test_places_are_those_of_the_file_that_made_it(robot: Path) -> None:
+    """The tensor is written in a macro that another file includes; its mass is an expression there."""
     (finding,) = findings(robot)
-    assert (finding.code, finding.file) == ("RD208", f"{robot} (expanded)")
-    lines = xacro.process_file(str(robot)).toprettyxml(indent="  ").splitlines()
-    assert lines[finding.line - 1][finding.column - 1 :].startswith('1" ixy="0"')
+    macro = robot.parent / "parts" / "part.xacro"
+    assert (finding.code, finding.file) == ("RD208", str(macro))
+    line = macro.read_text().splitlines()[finding.line - 1]
+    assert line[finding.column - 1 :].startswith('1" ixy="0"')
+    assert macro.read_bytes()[finding.start : finding.end] == b"1"
+    assert finding.excerpt.text[finding.excerpt.start :].startswith('1" ixy="0"')
+
+
+def test_places_in_a_block_and_in_an_expression(robot: Path) -> None:
+    """What is given to a macro stands where it is given; an attribute is found though its value is an expression."""
+    text = ROBOT.replace("INCLUDE", "parts/part.xacro").replace(
+        "</robot>",
+        """  <xacro:macro name="hinge" params="child *limit">
+    <joint name="${child}_hinge" type="revolute"><parent link="base"/><child link="${child}"/>
+      <axis xyz="0 ${1 + 1} 0"/><xacro:insert_block name="limit"/></joint>
+  </xacro:macro>
+  <link name="base"/>
+  <xacro:hinge child="upper"><limit lower="1" upper="-1" effort="9" velocity="9"/></xacro:hinge>
+</robot>""",
+    )
+    robot.write_text(text)
+    lines = text.splitlines()
+    places = {one.code: lines[one.line - 1][one.column - 1 :] for one in findings(robot) if one.file == str(robot)}
+    assert places["RD502"].startswith("0 ${1 + 1} 0")
+    assert places["RD503"].startswith('1" upper="-1"')
+
+
+def test_a_file_that_only_defines_parts_is_skipped(robot: Path) -> None:
+    part = str(robot.parent / "parts" / "part.xacro")
+    with pytest.warns(RobodynWarning, match=r"part\.xacro: it defines parts and describes no robot .*: skipped"):
+        checked = check_tasks(tasks_for([part, str(robot)]))
+    assert (checked.files, checked.unread) == ((str(robot),), ())
+
+
+def test_of_a_folder_without_urdf_the_xacro_files_are_checked(robot: Path) -> None:
+    with pytest.warns(RobodynWarning, match="skipped"):
+        assert check_tasks(tasks_for([str(robot.parent)])).files == (str(robot),)
+    (robot.parent / "arm.urdf").write_text(arm())
+    assert check_tasks(tasks_for([str(robot.parent)])).files == (str(robot.parent / "arm.urdf"),)
 
 
 def test_includes_do_not_depend_on_the_current_folder(
@@ -118,7 +154,7 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert str(error.value).startswith(f'{robot}: xacro files need xacrodoc (pip install "robodyn[xacro]"')
 
 
-def _opened(pipe: Path, reader: Future[bytes]) -> int:
+def _opened(pipe: Path, reader: Future[Expansion]) -> int:
     """Return the writing end of a pipe when it is read; raise what ended the reader if it never comes to that."""
     while True:
         try:
@@ -145,10 +181,10 @@ def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) 
             os.write(end, MACRO.encode())
         finally:
             os.close(end)
-        assert b'<mass value="2"/>' in waiting.result()
+        assert b'<mass value="2"/>' in waiting.result().text
     assert meanwhile == streams
-    for k, text in enumerate(found, 1):
-        assert f'<mass value="{2 * k}"/>'.encode() in text
+    for k, expansion in enumerate(found, 1):
+        assert f'<mass value="{2 * k}"/>'.encode() in expansion.text
 
 
 def test_a_process_that_dies_is_one_line(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:

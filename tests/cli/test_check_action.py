@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 import yaml
@@ -82,11 +84,42 @@ def test_inputs_are_data_and_not_commands(runner: Any, tmp_path: Path) -> None:
     assert not (tmp_path / "work" / "pwned").exists()
 
 
+def wheel(folder: Path) -> Path:
+    """A distribution with one program, `robodyn`, that says hello."""
+    path, about = folder / "robodyn-0.0-py3-none-any.whl", "robodyn-0.0.dist-info"
+    files = {
+        "hello.py": "def main():\n    print('hello')\n",
+        f"{about}/METADATA": "Metadata-Version: 2.1\nName: robodyn\nVersion: 0.0\n",
+        f"{about}/WHEEL": "Wheel-Version: 1.0\nGenerator: tests\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+        f"{about}/entry_points.txt": "[console_scripts]\nrobodyn = hello:main\n",
+    }
+    with ZipFile(path, "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+        archive.writestr(f"{about}/RECORD", "".join(f"{name},,\n" for name in (*files, f"{about}/RECORD")))
+    return path
+
+
+@pytest.mark.slow
+def test_it_is_installed_in_an_environment_of_its_own(tmp_path: Path) -> None:
+    """Also where the Python of the system refuses pip."""
+    names = {
+        "RUNNER_TEMP": str(tmp_path),
+        "GITHUB_PATH": str(tmp_path / "path"),
+        "ROBODYN_INSTALL": str(wheel(tmp_path)),
+    }
+    environment = {**os.environ, **names, "PIP_NO_INDEX": "1"}
+    subprocess.run(["bash", str(FOLDER / "install.sh")], env=environment, check=True)
+    folder = (tmp_path / "path").read_text().strip()
+    said = subprocess.run([os.path.join(folder, "robodyn")], capture_output=True, text=True, check=True).stdout
+    assert said == "hello\n"
+
+
 def test_the_action_is_one() -> None:
     action = yaml.safe_load((FOLDER / "action.yml").read_text())
     Draft7Validator(json_schema(ACTION)).validate(action)
     variables = [key for step in action["runs"]["steps"] for key in step["env"]]
-    script = (FOLDER / "check.sh").read_text() + str(action)
+    script = (FOLDER / "check.sh").read_text() + (FOLDER / "install.sh").read_text() + str(action)
     assert all(f"${{{name}" in script for name in variables)
     assert "${{" not in "".join(step["run"] for step in action["runs"]["steps"])
 
@@ -99,3 +132,19 @@ def test_the_hooks_start_commands_that_exist(tmp_path: Path) -> None:
         assert words[0] == "robodyn"
         done = subprocess.run(command(*words[1:], "--help"), capture_output=True, check=False, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize(
+    ("name", "checked"),
+    [
+        ("urdf/arm.urdf", True),
+        ("arm.urdf.xacro", True),
+        ("srdf/arm.srdf", True),
+        ("meshes/a.stl", True),
+        ("a.py", False),
+    ],
+)
+def test_the_hook_fires(name: str, checked: bool) -> None:
+    (hook, _) = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
+    assert bool(re.search(hook["files"], name)) == checked
+    assert f"xacro = {json.dumps(hook['additional_dependencies'])}" in (ROOT / "pyproject.toml").read_text()

@@ -117,6 +117,11 @@ _ROD = '<cylinder radius="0.05" length="0.4"/>'
 _ROD_SEEN = f'<visual><origin xyz="0 0 0.2"/><geometry>{_ROD}</geometry></visual>'
 _SOFT = 'soft_lower_limit="-2.85" soft_upper_limit="2.75"'
 
+_MOUNT = '<joint name="mount" type="fixed">'
+_RED = '<material name="red"><color rgba="1 0 0 1"/></material>'
+_RANGE = '<command_interface name="v">@<param name="min">x</param></command_interface>'
+_CONTROL = '<ros2_control name="s" type="system"><joint name="roll">{}</joint></ros2_control>'
+
 DEFECTS = tuple(
     Defect(code, old, new)
     for code, old, new in (
@@ -312,6 +317,27 @@ DEFECTS = tuple(
         ("RD701", '<gazebo reference="arm">', '<gazebo reference="@amr">'),
         ("RD701", _OPTICS, f'{_OPTICS}<transmission name="t"><type>x</type><joint name="@rol"/></transmission>'),
         ("RD701", _OPTICS, f'{_OPTICS}<ros2_control name="s" type="system"><joint name="@rol"/></ros2_control>'),
+        ("RD007", ' k_velocity="10"', ""),
+        ("RD007", '<dynamics damping="0.4" friction="0.6"/>', "@<dynamics/>"),
+        ("RD010", '<robot name="picker">', '<robot name="picker" version="@1">'),
+        ("RD506", _MOUNT, _MOUNT + '@<limit effort="1"/>'),
+        ("RD608", _LENS, '<link name="lens">@<visual/></link>'),
+        ("RD608", _LENS, '<link name="lens"><collision>@<geometry/></collision></link>'),
+        ("RD621", "</visual>", '<material name="@red"/></visual>'),
+        ("RD621", "</visual>", '@<material><color rgba="1 0 0 1"/></material></visual>'),
+        ("RD621", _LENS, _LENS + _RED + _RED.replace('"red', '"@red')),
+        ("RD622", _LENS, _LENS + _RED.replace('"1 0 0', '"@1 0 -1')),
+        ("RD623", _LENS, _LENS + '<material name="red"><texture filename="@package:///red.png"/></material>'),
+        ("RD702", _LENS, _LENS + _CONTROL.format("@<state_interface/>")),
+        ("RD702", _LENS, _LENS + _CONTROL.format("").replace('"roll', '"@mount')),
+        ("RD703", _LENS, _LENS + '<transmission name="t"><joint name="roll"/><joint name="@roll"/></transmission>'),
+        (
+            "RD704",
+            _LENS,
+            _LENS + _CONTROL.format(_RANGE),
+        ),
+        ("RD705", _LENS, _LENS + _CONTROL.format("").replace('roll"', 'roll" mimic="@true"')),
+        ("RD701", _LENS, _LENS + '<gazebo><plugin name="p">@<jointName>rol</jointName></plugin></gazebo>'),
         ("RD801", 'effort="40"', 'effort="@0.001"'),
         ("RD803", 'effort="120"', 'effort="@95000"'),
         ("RD804", 'damping="0.4"', 'damping="@4000"'),
@@ -320,14 +346,13 @@ DEFECTS = tuple(
 
 _ROLL = '<joint name="roll" type="continuous">'
 _ZERO = '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'
-_MOUNT = '<joint name="mount" type="fixed">'
 _TURNING = '<limit effort="40" velocity="3"/>'
 SOUND = tuple(
     Defect("", old, new)
     for old, new in (
         (_LENS, _LENS + "<sensor_suite><Link/></sensor_suite><calibration_of_the_factory_as_of_last_year/>"),
         ('robot name="picker"', 'robot name="picker" version="1.0" xmlns="http://ros.org" xmlns:d="u" d:a="1"'),
-        (_LENS, '<link name="lens"><visual/><visual/><collision/><collision/></link>'),
+        ("</visual>", f"</visual>{_ROD_SEEN}{2 * _ROD_SEEN.replace('visual', 'collision')}"),
         (_LENS, '<link name="lens"><contact><lateral_friction value="1"/></contact></link>'),
         (_LENS, f'<link name="lens"><inertial><mass value="0"/>{_ZERO}</inertial></link>'),
         (_MOUNT, _MOUNT + '<axis xyz="0 0 0"/><limit effort="0" velocity="0"/>'),
@@ -335,7 +360,11 @@ SOUND = tuple(
         (_TURNING, '<limit lower="3" upper="-3" effort="40" velocity="3"/>'),
         (_TURNING, '<limit lower="1e17" upper="1e17" effort="40" velocity="3"/>'),
         (_TURNING, ""),
-        (_TURNING, '<limit lower="-4" upper="4" effort="40" velocity="3"/><safety_controller soft_upper_limit="5"/>'),
+        (
+            _TURNING,
+            '<limit lower="-4" upper="4" effort="40" velocity="3"/>'
+            '<safety_controller soft_upper_limit="5" k_velocity="1"/>',
+        ),
         (_TURNING, '<limit lower="-3.14" upper="3.14" effort="40" velocity="3"/>'),
         (_ROLL, '<joint name="roll" type="continuous" dont_collapse="true">'),
         ('upper="0.05"', 'upper="7"'),
@@ -363,6 +392,26 @@ SOUND = tuple(
 MESSAGES = tuple(
     (Defect(code, old, new), words)
     for code, old, new, words in (
+        ("RD001", '<mass value="3.5"', '<mass\u00a0value="3.5"', "a non-breaking space (U+00A0) inside <inertial>"),
+        ("RD003", "<gazebo ref", "<drake:x/><gazebo ref", 'add xmlns:drake="http://drake.mit.edu" to <robot>'),
+        (
+            "RD005",
+            _MOUNT,
+            _MOUNT + "<controller_gains/>",
+            "Drake reads it as <drake:controller_gains> in the <actuator>",
+        ),
+        (
+            "RD007",
+            'value="3.5"',
+            'value="3.5\u00a0"',
+            "has a no-break space (U+00A0): '3.5\u00a0' (write a plain blank in",
+        ),
+        (
+            "RD007",
+            'lower="-2.9"',
+            'lower="\u22122.9"',
+            "has a minus sign (U+2212): '\u22122.9' (write a hyphen for minus",
+        ),
         ("RD006", _WRIST, _WRIST.replace("iyy", 'iyx="0.5" iyy'), "iyx = 0.5 is ignored, and differs from ixy = 0"),
         ("RD006", _WRIST, _WRIST.replace("iyy", 'iyx="0" iyy'), "iyx = 0 is ignored: "),
         ("RD101", '<child link="wrist"/>', '<child link="wirst"/>', "did you mean 'wrist'?"),

@@ -100,7 +100,8 @@ def mesh_facts(path: Path) -> MeshFacts:
             open_by = gaps(triangles)
             one_sided = open_by.one_sided
     except MeshError as error:
-        return MeshFacts(error.what, error.remedy or "export it again", error.remedy != _NOT_FINITE)
+        remedy = "export it again" if error.remedy is None or "--" in error.remedy else error.remedy
+        return MeshFacts(error.what, remedy, error.remedy != _NOT_FINITE)
     scale = triangles.scale
     return MeshFacts(
         triangles=integrals.count,

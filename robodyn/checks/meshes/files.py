@@ -98,7 +98,7 @@ def mesh_names(context: Context) -> Mapping[str, MeshName]:
     for use in mesh_uses(context):
         if use.uri and not unexpanded(use.uri):
             uses.setdefault(use.uri, []).append(use)
-    look = _Look(context)
+    look = Look(context)
     return {uri: look.up(uri, tuple(found)) for uri, found in uses.items()}
 
 
@@ -109,7 +109,7 @@ def all_facts(context: Context) -> Mapping[str, MeshFacts]:
     return {name.uri: known[name.path] for name in names if name.path is not None}
 
 
-class _Look:
+class Look:
     """How names are looked up; folders are listed once."""
 
     def __init__(self, context: Context) -> None:

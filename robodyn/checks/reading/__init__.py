@@ -1,1 +1,1 @@
-"""What rules ask of a description beyond `robodyn.robot.urdf.view`: URDF's grammar, the tree of links, the SRDF."""
+"""What rules ask of a description beyond `robodyn.robot.urdf.view`: URDF's grammar and the tree of links."""

@@ -19,6 +19,8 @@ class Kind:
     children: tuple[str, ...] = ()
     repeated: tuple[str, ...] = ()
     """Children of which there may be several."""
+    some: tuple[str, ...] = ()
+    """Attributes of which it must have at least one."""
 
 
 _MATERIAL = {"material": Kind({"name": 0}, (), ("color", "texture"))}
@@ -51,10 +53,11 @@ _JOINT_KINDS = {
     "limit": Kind(
         dict.fromkeys(("lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"), 1),
     ),
-    "dynamics": Kind({"damping": 1, "friction": 1}),
+    "dynamics": Kind({"damping": 1, "friction": 1}, some=("damping", "friction")),
     "mimic": Kind({"joint": 0, "multiplier": 1, "offset": 1}),
     "safety_controller": Kind(
         dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), 1),
+        ("k_velocity",),
     ),
     "calibration": Kind({"rising": 1, "falling": 1, "reference_position": 1}),
 }

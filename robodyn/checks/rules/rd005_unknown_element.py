@@ -14,6 +14,14 @@ from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.view import Subject
 from robodyn.support.wording import alternatives, shown
 
+_OF_DRAKE = {
+    "controller_gains": "the <actuator> of a <transmission>",
+    "rotor_inertia": "the <actuator> of a <transmission>",
+    "gear_ratio": "the <actuator> of a <transmission>",
+    "proximity_properties": "a <collision>",
+}
+"""Elements that Drake knows by its prefix, and where."""
+
 
 @rule(Severity.WARNING, good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'), bad=("<origin", "<orgin"))
 def check(context: Context) -> Faults:
@@ -33,6 +41,8 @@ def _children(element: Element, kind: Kind, subject: Subject | None) -> Iterator
         if not known and ":" not in child.tag and (element.tag != "robot" or _is_near(child.tag, kind.children)):
             what = f"<{element.tag}> has no element {shown(child.tag)} in URDF; readers ignore it"
             remedy = alternatives(child.tag, kind.children, "elements") if kind.children else "delete it"
+            if child.tag in _OF_DRAKE:
+                remedy = f"Drake reads it as <drake:{child.tag}> in {_OF_DRAKE[child.tag]}; otherwise delete it"
             yield Fault(child.span, what, remedy, subject=subject)
         elif known and child.tag not in kind.repeated and child.tag in seen:
             first = f"the first is in line {seen[child.tag].line}"

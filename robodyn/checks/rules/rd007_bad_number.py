@@ -1,7 +1,8 @@
 """Numbers are finite, decimal, no larger than 1e30, and as many as the attribute holds.
 
 NaN and infinity, decimal commas, units, and too few or too many numbers. urdfdom then drops the
-whole element, an <inertial> for example, and reports success; other readers take a part of the text.
+whole element, an <inertial> for example, and reports success; other readers take a part of the text. A
+<safety_controller> without k_velocity and a <dynamics> without damping and friction make it refuse the file.
 """
 
 from robodyn.checks.examples import INERTIA, one_link
@@ -17,6 +18,9 @@ _LONGEST = 2000
 @rule(Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
 def check(context: Context) -> Faults:
     for element, kind, subject in own_elements(context.view.root):
+        if kind.some and not any(name in element.values for name in kind.some):
+            what = f"<{element.tag}> has neither {' nor '.join(kind.some)}, and urdfdom refuses the file"
+            yield Fault(element.span, what, f"write one of them, or delete <{element.tag}>", subject=subject)
         for name, count in kind.attributes.items():
             if not count:
                 continue

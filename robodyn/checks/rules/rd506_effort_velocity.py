@@ -1,6 +1,7 @@
 """Effort and velocity limits are positive and those of a machine.
 
-URDF asks for both. A limit of 0 makes a joint that some simulators can never move, and that others
+URDF asks for both wherever there is a <limit>: urdfdom refuses a file in which one of them is missing, also
+that of a joint that is fixed. A limit of 0 makes a joint that some simulators can never move, and that others
 do not limit. 1e9 is a stand-in that nothing can be sized against: a remark.
 """
 
@@ -12,13 +13,13 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 def check(context: Context) -> Faults:
     limits = context.thresholds
     for joint in context.view.joints:
-        if joint.limit is None or not joint.moves:
+        if joint.limit is None:
             continue
         for numbers, most in ((joint.limit.effort, limits.most_effort), (joint.limit.velocity, limits.most_velocity)):
             value = numbers.value
             if not numbers.given:
-                what = f"<limit> has no {numbers.attribute}"
-            elif value is None or 0 < value < most:
+                what = f"<limit> has no {numbers.attribute}, and urdfdom refuses the file"
+            elif not joint.moves or value is None or 0 < value < most:
                 continue
             else:
                 what = f"{numbers.attribute} is {value:g}, " + (
@@ -27,4 +28,6 @@ def check(context: Context) -> Faults:
             endless = value is not None and value > 0
             severity = Severity.NOTE if endless else Severity.WARNING
             remedy = "write what the drive can do"
+            if not numbers.given:
+                severity = Severity.ERROR
             yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity)

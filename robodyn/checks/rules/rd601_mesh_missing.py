@@ -2,8 +2,9 @@
 
 A mesh that is missing, empty or damaged stops some programs, and leaves others without the shape,
 and without a word. `package://` is looked for in --package-path, in ROS_PACKAGE_PATH, in AMENT_PREFIX_PATH, in
-COLCON_PREFIX_PATH, and in the folders above the file, also above the one where a symbolic link leads. Where none of
-them is known, as for a file out of its package, one remark says so for all meshes. Nothing is fetched.
+COLCON_PREFIX_PATH, in CMAKE_PREFIX_PATH, in the folders above the file, also above the one where a symbolic link leads,
+and among the other packages of its workspace or repository. Where none of them is known, as for a file out of its
+package, one remark says so for all meshes. Nothing is fetched.
 """
 
 from collections.abc import Iterator

@@ -8,11 +8,11 @@ of another name, which may belong to a variant of the robot, are warnings. root_
 base, is understood.
 """
 
-import os
 from collections.abc import Collection, Iterator
 
 from robodyn.checks.examples import arm
-from robodyn.checks.reading.srdf import Named, names_in_srdf, srdf_of
+from robodyn.checks.ros.gazebo import named_by_plugins
+from robodyn.checks.ros.srdf import Named, srdf
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import value_span
@@ -52,35 +52,33 @@ def check(context: Context) -> Faults:
 def _uses(owner: Element) -> Iterator[Named]:
     """Yield the names that an element of the robot uses."""
     if owner.tag in ("transmission", "ros2_control"):
-        for joint in owner.findall("joint"):
-            if joint.get("name"):
-                yield Named("joint", joint.values["name"], joint, "name")
+        for inner in (owner, *owner.findall("transmission")):
+            for joint in inner.findall("joint"):
+                if joint.get("name"):
+                    yield Named("joint", joint.values["name"], joint, "name")
     reference = owner.get("reference")
-    if owner.tag == "gazebo" and reference:
-        yield Named("link or joint", reference, owner, "reference")
+    if owner.tag == "gazebo":
+        if reference:
+            yield Named("link or joint", reference, owner, "reference")
+        yield from named_by_plugins(owner)
 
 
 def _in_srdf(context: Context) -> Iterator[Fault]:
-    """Yield one fault for each name at the robot's start tag, since its place is in the other file; of an SRDF of
-    another name, which may be of a variant of the robot, one warning."""
-    file, view = context.reading.file, context.view
-    path = srdf_of(file, view.root.get("name"))
-    missing: dict[tuple[str, str], Named] = {}
-    for used in () if path is None else names_in_srdf(path):
-        if used.name not in (view.link if used.kind == "link" else view.joint):
-            missing.setdefault((used.kind, used.name), used)
-    if path is None or not missing:
+    """Yield one fault for each name; of an SRDF of another name, which may be of a variant of the robot, one warning;
+    none where all of it is another robot's, which RD706 says."""
+    found, view = context.once(srdf), context.view
+    if found is None or found.is_of_another:
         return
-    found = list(missing.values())
-    same = path.stem == os.path.splitext(os.path.basename(file))[0]
-    more = "" if same or len(found) == 1 else f", and {len(found) - 1} more names that are not in the robot"
-    for used in found if same else found[:1]:
+    missing, more = found.missing, ""
+    if not found.is_namesake and missing[1:]:
+        missing, more = missing[:1], f", and {len(missing) - 1} more names that are not in the robot"
+    for used in missing:
         names: Collection[str] = view.link if used.kind == "link" else view.joint
         yield Fault(
-            view.root.span,
-            f"there is no {used.kind} {shown(used.name)} in the robot; <{used.element.tag}> of its line "
-            f"{used.element.line} names it{more}",
+            value_span(used.element, used.attribute),
+            f"there is no {used.kind} {shown(used.name)} in the robot {shown(view.root.get('name') or '')}{more}",
             alternatives(used.name, names, f"{used.kind}s"),
-            subject=Subject("SRDF", path.name),
-            severity=None if same and used.element.tag not in _PAIRS_ONLY else Severity.WARNING,
+            subject=Subject(used.element.tag, used.element.get("name") or ""),
+            severity=None if found.is_namesake and used.element.tag not in _PAIRS_ONLY else Severity.WARNING,
+            document=found.document,
         )

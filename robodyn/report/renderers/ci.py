@@ -15,14 +15,16 @@ from robodyn.report.table import printable
 def check_junit(checked: Checked, strict: bool = False) -> str:
     """Return a suite for each file, in it a test for each finding: failed if it fails the check.
 
-    A file without findings has one test, which passes. The format is that of Jenkins' xUnit plugin (junit-10.xsd).
+    A file without findings has one test, which passes. Findings in files beside a description, as its SRDF, have suites
+    of their own. The format is that of Jenkins' xUnit plugin (junit-10.xsd).
 
     Args:
         checked: what was found.
         strict: warnings fail, too.
     """
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
-    suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in checked.files]
+    files = dict.fromkeys([*checked.files, *(one.file for one in checked.findings)])
+    suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in files]
     suites += map(_unread, checked.unread)
     failures = sum(finding.severity in fatal for finding in checked.findings)
     tests = sum(max(suite.count("<testcase "), 1) for suite in suites)

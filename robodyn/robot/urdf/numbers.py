@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from dataclasses import dataclass
 from math import isfinite
 
@@ -64,9 +65,20 @@ def _settled(number: float, text: str, tag: str) -> float:
 
 
 def _not_numbers(text: str) -> NumbersError:
+    strange = next((character for character in text if not character.isascii()), None)
+    if strange is not None:
+        name = f"{unicodedata.name(strange, 'a character').lower()} (U+{ord(strange):04X})"
+        better = (
+            "a plain blank" if strange.isspace() else "a hyphen for minus" if strange in "\u2212\u2013" else "ASCII"
+        )
+        return NumbersError(f"has {_article(name)}: {shown(text)}", f"write {better} in its place")
     if "," in text:
         return NumbersError(f"has a comma: {shown(text)}", "separate numbers with blanks and write a decimal point")
     return NumbersError(f"is not a number: {shown(text)}", "write a decimal number such as -1.5e-3")
+
+
+def _article(name: str) -> str:
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
 
 
 def _numerals(count: int) -> str:

@@ -13,7 +13,7 @@ from urllib.parse import unquote
 
 EXPANDED = " (expanded)"
 """What stands after the name of a xacro file whose lines are those of its expansion."""
-VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
+VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
 """The environment variables that say where packages are: the first names folders of packages, the others prefixes of
 installations, whose packages are in share/."""
 _PACKAGE, _FILE = ("package", "model"), "file"
@@ -61,9 +61,10 @@ class Search:
         """Return the folders that may be the package of this name, the likeliest first; they need not exist.
 
         Of the package paths, then of ROS_PACKAGE_PATH: the path itself, and what is below it. Then PREFIX/share/NAME
-        and PREFIX/NAME/share/NAME of AMENT_PREFIX_PATH, then of COLCON_PREFIX_PATH. Then the folders above the
-        description, and what is in them. A folder is the package whose name its package.xml says or, without one, which
-        it has itself.
+        and PREFIX/NAME/share/NAME of AMENT_PREFIX_PATH, COLCON_PREFIX_PATH and CMAKE_PREFIX_PATH. Then the folders
+        above the description, and what is in them. Then, by their package.xml, the packages beside its own, and those
+        below the repository or workspace (a folder with .git, or src) that it is in. A folder is the package whose name
+        its package.xml says or, without one, which it has itself.
         """
         self._known[name], again = tee(self._known.get(name) or self._possible(name))
         return again
@@ -103,11 +104,26 @@ class Search:
             yield from (prefix / "share" / name, prefix / name / "share" / name)
         for path in self._above():
             yield from _here(path, name)
+        if self.home is not None:
+            yield from (path for path in _folders_in(self.home.parent) if _manifest(path) == name.encode())
+        workspace = next((path for path in self._above() if path.name == "src" or (path / ".git").exists()), None)
+        if workspace is not None:
+            yield from (path for path in _below(workspace, name) if _manifest(path) is not None)
 
     def _above(self) -> Iterator[Path]:
-        for folder in self.folders:
+        for folder in (*self.folders, *self._entered):
             whole = folder.absolute()
             yield from (whole, *whole.parents)
+
+    @property
+    def _entered(self) -> tuple[Path, ...]:
+        """The folder of the description by way of the symbolic link through which the current folder was entered."""
+        entered = os.environ.get("PWD", "")
+        try:
+            through = os.path.isabs(entered) and entered != os.getcwd() and os.path.samefile(entered, os.curdir)
+        except OSError:
+            return ()
+        return (Path(entered, self.file).parent,) if through and not os.path.isabs(self.file) else ()
 
 
 def package_of(uri: str) -> tuple[str, str] | None:

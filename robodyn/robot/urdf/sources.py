@@ -32,7 +32,7 @@ def content_of(
         from robodyn.robot.urdf.xacro import expanded
 
         path = os.fspath(source)
-        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args)
+        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args).text
     file, data = read_source(source, name)
     if xacro_args:
         what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"

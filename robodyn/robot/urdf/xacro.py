@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout, suppress
 from io import StringIO
-from typing import Any
+from typing import Any, NamedTuple
 
 from robodyn.errors import InputError
 from robodyn.robot.urdf.packages import Search
@@ -34,8 +34,23 @@ print("\x1e" + json.dumps(answer(*question)))
 """
 
 
-def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, str] | None = None) -> bytes:
-    """Return the URDF that a xacro file stands for.
+class Expansion(NamedTuple):
+    """The URDF that a xacro file stands for.
+
+    Attributes:
+        text: what the command `xacro FILE` prints.
+        files: those that its elements were written in.
+        places: of each element of the text, in its order, the number of that file and the byte where it begins there;
+            for an element that no start tag stands for, those of the element around it.
+    """
+
+    text: bytes
+    files: tuple[str, ...]
+    places: tuple[tuple[int, int], ...]
+
+
+def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, str] | None = None) -> Expansion:
+    """Return the URDF that a xacro file stands for, and where each element of it was written.
 
     The text is what the command `xacro FILE` prints, so that lines can be looked up there. Packages that it includes
     from are looked for as those of meshes are. xacro evaluates the file's expressions in Python, with a restricted set
@@ -59,8 +74,14 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
         if name not in found["arguments"]:
             remedy = alternatives(name, found["arguments"], "arguments")
             raise InputError(f"the file has no argument {shown(name)}", remedy=remedy, file=path)
-    text: str = found["text"]
-    return text.encode()
+    files = tuple(_as_named(path, file) for file in found["files"])
+    return Expansion(found["text"].encode(), files, tuple((k, start) for k, start in found["places"]))
+
+
+def _as_named(path: str, file: str) -> str:
+    """Return the name of an included file: relative, as that of the file which includes it, if it is below here."""
+    relative = os.path.relpath(file)
+    return file if os.path.isabs(path) or relative.startswith(os.pardir) else relative
 
 
 def _asked(*question: Any) -> dict[str, Any]:
@@ -81,19 +102,25 @@ def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> 
     """Expand a file in this process, which must have no other work.
 
     Returns:
-        `text` and the names of its `arguments`; or a `problem`.
+        `text`, `files` and `places` (see `Expansion`), and the names of its `arguments`; or a `problem`.
     """
     given = _Arguments(args)
     try:
+        import xacro
         import xacrodoc  # its xacro needs no ROS
-        from xacro import process_file
+
+        from robodyn.robot.urdf.xacro_places import Places
 
         xacrodoc.packages._finder = _Packages(path, package_paths)
+        marks = Places(xacro.parse)
+        xacro.parse = marks.parse
         with redirect_stdout(StringIO()):
-            text = process_file(path, mappings=given).toprettyxml(indent="  ")
+            document = xacro.process_file(path, mappings=given)
+            places = marks.taken(document.documentElement)
+            text = document.toprettyxml(indent="  ")
     except (Exception, SystemExit) as error:
         return {"problem": " ".join(str(error).split()) or type(error).__name__}
-    return {"text": text, "arguments": list(given.known)}
+    return {"text": text, "files": marks.files, "places": places, "arguments": list(given.known)}
 
 
 def bound_memory() -> None:

@@ -12,6 +12,7 @@ from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.elements import BOM, Element, SourcePositions, Span
+from robodyn.support.input_file import LFS_POINTER
 from robodyn.support.wording import shown
 
 MAX_DEPTH = 200
@@ -35,7 +36,9 @@ _HINTS = {
     "not well-formed (invalid token)": "write & as &amp; and < as &lt;, and put values in quotes",
 }
 """Remedies of rules; strict reading says which element is open instead."""
+_NO_BREAK_SPACE = "\u00a0".encode()
 _BINARY = "this is a binary file, not XML", "give a URDF file"
+_NAMESPACES = {"drake": "http://drake.mit.edu"}
 _KINDS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
 
 
@@ -79,6 +82,9 @@ class Reader:
         """Parse, and return the root if it is one that can be checked. Without a root there are faults."""
         if not self.positions.data.removeprefix(BOM).strip():
             self._add("RD001", 0, 0, "the file is empty", "give a URDF file")
+        elif self.positions.data.startswith(LFS_POINTER):
+            what = "this is a pointer of Git LFS, not the description"
+            self._add("RD001", 0, len(LFS_POINTER), what, "git lfs pull fetches the description")
         elif b"\0" in self.positions.data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
             self._add("RD001", 0, 1, *_BINARY)
         elif self._parse() and self._root is not None and self._root.tag != "robot":
@@ -146,6 +152,8 @@ class Reader:
             self.positions.encoding = "utf-8"
         inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
         remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
+        if data.startswith(_NO_BREAK_SPACE, start):
+            text, remedy = "a non-breaking space (U+00A0)", "write a plain blank in its place"
         if b"\0" in data:
             text, remedy = strict = _BINARY
         self._add("RD001", start, end, text + inside, remedy, line=error.lineno, strict=strict)
@@ -213,7 +221,8 @@ class Reader:
             declared = prefix in ("xml", "xmlns") or any(f"xmlns:{prefix}" in outer.values for outer in self._stack)
             if declared or self._in_extension():
                 return
-            what, remedy = f"the prefix of {shown(name)} is not declared", f'add xmlns:{prefix}="..." to <robot>'
+            what = f"the prefix of {shown(name)} is not declared"
+            remedy = f'add xmlns:{prefix}="{_NAMESPACES.get(prefix, "...")}" to <robot>'
             code = "RD003"
         start = element.start + 1 if name == element.tag else element.attributes[name].span.start
         self._add(code, start, start + len(name.encode()), what, remedy, line=element.line)

@@ -285,13 +285,15 @@ def test_formats_of_named_programs(tmp_path: Path) -> None:
 EXAMPLES = {
     "part.stl": binary_stl(PART),
     "part.dae": dae(PART),
+    "y_up.dae": dae(PART, up="Y_UP"),
+    "z_up.dae": dae(PART),
     "open.stl": binary_stl(PART[2:]),
     "closed.stl": binary_stl(PART),
     "millimetres.stl": binary_stl(box((100, 200, 50))),
 }
 
 
-@pytest.mark.parametrize("code", ["RD602", "RD604", "RD605", "RD607"])
+@pytest.mark.parametrize("code", ["RD602", "RD604", "RD605", "RD607", "RD624"])
 def test_examples_beside_their_files(tmp_path: Path, code: str) -> None:
     (rule,) = [rule for rule in RULES if rule.code == code]
     for name, data in EXAMPLES.items():
@@ -302,6 +304,18 @@ def test_examples_beside_their_files(tmp_path: Path, code: str) -> None:
     assert {one.code for one in bad if one.severity is E} <= {code}
     good = check_one(saved(tmp_path, rule.good), options)
     assert not [one for one in good if one.code == code or one.severity is E]
+
+
+@pytest.mark.parametrize("name", ["part.stl", "part.obj", "part.dae"])
+def test_a_pointer_of_git_lfs(tmp_path: Path, name: str) -> None:
+    pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 12345\n"
+    (tmp_path / name).write_text(pointer)
+    (one,) = findings(saved(tmp_path, described(name)), Options(select=("RD601",)))
+    assert one.message.endswith("is a pointer of Git LFS, not the mesh")
+    assert one.remedy == "git lfs pull fetches the mesh"
+    (tmp_path / "arm.urdf").write_text(pointer)
+    (one,) = check_one(str(tmp_path / "arm.urdf"))
+    assert (one.code, one.remedy) == ("RD001", "git lfs pull fetches the description")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")

@@ -133,3 +133,33 @@ def test_a_search_goes_to_other_processes(tmp_path: Path) -> None:
     mesh = package(tmp_path / "arm")
     search = Search("/far/r.urdf", (str(tmp_path),))
     assert search.find(URI) == pickle.loads(pickle.dumps(search)).find(URI) == mesh
+
+
+def test_packages_beside_that_of_the_description(tmp_path: Path) -> None:
+    """By their names, whatever their folders are called."""
+    own = package(tmp_path / "ws" / "robot_description", "robot")
+    mesh = package(tmp_path / "ws" / "arm-main")
+    assert Search(str(own.parent / "urdf" / "r.urdf")).find(URI) == mesh
+
+
+@pytest.mark.parametrize("root", ["ws/src", "repository"])
+def test_packages_of_the_same_workspace_or_repository(tmp_path: Path, root: str) -> None:
+    own = package(tmp_path / root / "robots" / "robot_description", "robot")
+    mesh = package(tmp_path / root / "parts" / "arms" / "arm-main")
+    (tmp_path / "repository" / ".git").mkdir(parents=True, exist_ok=True)
+    assert Search(str(own.parent / "r.urdf")).find(URI) == mesh
+
+
+def test_the_folder_entered_through_a_symbolic_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The name of the package is that of the link."""
+    real = package(tmp_path / "checkout" / "arm-main", None)
+    (tmp_path / "ws").mkdir()
+    (tmp_path / "ws" / "arm").symlink_to(real.parent)
+    (real.parent / "urdf").mkdir()
+    monkeypatch.chdir(tmp_path / "ws" / "arm")
+    monkeypatch.setenv("PWD", str(tmp_path / "ws" / "arm"))
+    found = Search("urdf/r.urdf").find(URI)
+    assert found is not None
+    assert found.samefile(real)
+    monkeypatch.setenv("PWD", str(tmp_path))
+    assert Search("urdf/r.urdf").find(URI) is None

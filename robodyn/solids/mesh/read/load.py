@@ -12,6 +12,7 @@ from robodyn.errors import MeshError
 from robodyn.solids.mesh.read.source import Source, open_source, scale_of
 from robodyn.solids.mesh.read.stl_binary import OnProgress, is_complete, open_binary
 from robodyn.solids.mesh.triangles import MemoryTriangles, Triangles, check_finite
+from robodyn.support.input_file import LFS_POINTER
 
 _HEAD = 4096
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
@@ -45,6 +46,8 @@ def load_triangles(
         MeshError: there is no such file, it cannot be read, or it is not a mesh of that type.
     """
     found = open_source(source)
+    if found.data(len(LFS_POINTER)) == LFS_POINTER:
+        raise found.error("is a pointer of Git LFS, not the mesh", remedy="git lfs pull fetches the mesh")
     kind = kind_of(found, file_type)
     if kind in SCENES:
         from robodyn.solids.mesh.read.scenes import read_scene
@@ -118,7 +121,7 @@ def kind_of(source: Source, file_type: str | None) -> str:
     if suffix in KINDS:
         if found and found != suffix and {found, suffix} != {"dae", "xaml"}:
             raise source.error(
-                f"is named .{suffix} but begins as {found.upper()} does", remedy=f"say its type: {found}"
+                f"is named .{suffix} but begins as {found.upper()} does", remedy=f"rename it to .{found}"
             )
         return suffix
     if suffix:

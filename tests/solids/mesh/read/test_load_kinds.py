@@ -54,7 +54,7 @@ def test_as_the_caller_says(tmp_path):
 @pytest.mark.parametrize(
     ("name", "kind", "what"),
     [
-        ("part.obj", "stl", "is named .obj but begins as STL does (say its type: stl)"),
+        ("part.obj", "stl", "is named .obj but begins as STL does (rename it to .stl)"),
         ("part.stl", "ply", "is named .stl but begins as PLY does"),
         ("part.step", "stl", "unknown type of mesh .step (types: stl, obj, ply"),
         ("part", "3mf", "the type of mesh is not known (say which: stl, obj"),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from robodyn.checks.context import Context
 from robodyn.errors import DescriptionError
-from robodyn.robot.urdf.document import read_document
+from robodyn.robot.urdf.document import Document, read_document
 from robodyn.robot.urdf.elements import Element
 
 _BESIDE = ("", "config", "srdf", "../config", "../srdf")
@@ -26,6 +28,8 @@ _JOINTS = {"passive_joint": "name", "joint_property": "joint_name"}
 _FREE_BASE = "root_joint"
 """Pinocchio's name for the joint of a free base."""
 _MOST_READ = 20_000_000
+_FEWEST = 3
+"""Names that an SRDF must use at least for it to be known as another robot's by them."""
 
 
 class Named(NamedTuple):
@@ -56,15 +60,50 @@ def srdf_of(file: str, robot: str | None) -> Path | None:
     return None
 
 
-def names_in_srdf(path: Path) -> tuple[Named, ...]:
-    """Return every use of a link's or a joint's name; none where the file cannot be read, which is no fault of the
-    robot's."""
-    try:
-        root = read_document(path).root
-    except DescriptionError:
-        return ()
+@dataclass(frozen=True, eq=False)
+class Srdf:
+    """The SRDF that goes with a description.
+
+    Attributes:
+        document: as it is written.
+        is_namesake: whether its file has the description's name; one of another name may be of a variant of the robot.
+        used: every use of the name of a link or a joint; missing: the first use of each that the robot does not have.
+    """
+
+    document: Document
+    is_namesake: bool
+    used: tuple[Named, ...]
+    missing: tuple[Named, ...]
+
+    @property
+    def root(self) -> Element:
+        return self.document.root
+
+    @property
+    def is_of_another(self) -> bool:
+        """Whether its file has the description's name, and most of the names in it are not in the robot."""
+        names = {(used.kind, used.name) for used in self.used}
+        return self.is_namesake and len(names) >= _FEWEST and 2 * len(self.missing) > len(names)
+
+
+def srdf(context: Context) -> Srdf | None:
+    """Return the SRDF of a description; None without one, or where it cannot be read, no fault of the robot's."""
+    file, view = context.reading.file, context.view
+    path = srdf_of(file, view.root.get("name"))
+    document = None if path is None else _document(path)
+    if path is None or document is None:
+        return None
+    used = tuple(_used(document.root))
+    missing: dict[tuple[str, str], Named] = {}
+    for each in used:
+        if each.name not in (view.link if each.kind == "link" else view.joint):
+            missing.setdefault((each.kind, each.name), each)
+    return Srdf(document, path.stem == Path(file).stem, used, tuple(missing.values()))
+
+
+def _used(root: Element) -> Iterator[Named]:
     virtual = {_FREE_BASE, *(child.get("name") for child in root.findall("virtual_joint"))}
-    return tuple(named for named in _walk(root) if named.kind == "link" or named.name not in virtual)
+    return (named for named in _walk(root) if named.kind == "link" or named.name not in virtual)
 
 
 def _walk(root: Element) -> Iterator[Named]:
@@ -87,11 +126,16 @@ def _named(kind: str, element: Element, attribute: str) -> Sequence[Named]:
     return () if not name else (Named(kind, name, element, attribute),)
 
 
-def _robot(path: Path) -> str | None:
+def _document(path: Path) -> Document | None:
     try:
-        return read_document(path).root.get("name")
+        return read_document(path)
     except DescriptionError:
         return None
+
+
+def _robot(path: Path) -> str | None:
+    document = _document(path)
+    return None if document is None else document.root.get("name")
 
 
 def _readable(path: Path) -> bool:

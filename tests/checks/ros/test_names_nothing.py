@@ -62,9 +62,9 @@ def test_srdf_of_the_same_name(tmp_path: Path, place: str) -> None:
     good = {"tip": "upper", "joint": "shoulder", "other": "upper"}
     assert not found(robot(tmp_path, SRDF.format(**good), place))
     bad = found(robot(tmp_path, SRDF.format(tip="uper", joint="root_joint", other="tool"), place))
-    assert [(one.severity, "line 2" in one.message or "line 7" in one.message) for one in bad] == [
-        (Severity.ERROR, True),
-        (Severity.WARNING, True),
+    assert [(one.severity, one.line, Path(one.file).name) for one in bad] == [
+        (Severity.ERROR, 2, "arm.srdf"),
+        (Severity.WARNING, 7, "arm.srdf"),
     ]
 
 

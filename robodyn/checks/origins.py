@@ -1,0 +1,84 @@
+"""Findings in expanded text, at the place in the xacro file that made it."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+from robodyn.checks.rule import Finding, excerpt
+from robodyn.robot.urdf.document import Document
+from robodyn.robot.urdf.elements import Element, SourcePositions, Span
+from robodyn.robot.urdf.xacro import Expansion
+from robodyn.support.input_file import read_input
+
+
+class Origins:
+    """Where the elements of an expanded description were written."""
+
+    def __init__(self, reading: Document, expansion: Expansion) -> None:
+        self._reading = reading
+        self._expansion = expansion
+        elements = [] if reading.robot is None else list(_downward(reading.root))
+        self._elements = elements if len(elements) == len(expansion.places) else []
+        self._starts = [element.start for element in self._elements]
+        self._read = cache(_source)
+
+    def located(self, finding: Finding) -> Finding:
+        """Return the finding at the attribute, or the start tag, that it comes from: of a macro, in the macro.
+
+        A fix of the expanded text is none of that. What cannot be traced back is at the beginning of the file, and the
+        message says where in the expanded text it is; what is in another file, as an SRDF, stays there.
+        """
+        if finding.file != self._reading.file:
+            return finding
+        k = bisect_right(self._starts, finding.start) - 1
+        number, start = self._expansion.places[max(k, 0)]
+        source, message = self._read(self._expansion.files[number]), finding.message
+        if k < 0:
+            at = SourcePositions(source.data, source.encoding).span(0, 0)
+            message += f" (line {finding.line} of what `xacro {source.file}` prints)"
+        else:
+            at = _in_source(self._elements[k], finding, source, start)
+        return replace(
+            finding,
+            message=message,
+            file=source.file,
+            line=at.line,
+            column=at.column,
+            start=at.start,
+            end=at.end,
+            fix=None,
+            excerpt=excerpt(source, at),
+        )
+
+
+class _Unread(dict[str, str]):
+    """Values of attributes of which only the places are asked."""
+
+    def __missing__(self, name: str) -> str:
+        return ""
+
+
+def _in_source(element: Element, finding: Finding, source: Document, start: int) -> Span:
+    """Return the place in the source of what a finding is at in an element of the expanded text."""
+    written = Element("", _Unread(), 0, start, SourcePositions(source.data, source.encoding))
+    for name, attribute in element.attributes.items():
+        if attribute.span.start <= finding.start <= attribute.span.end and name in written.attributes:
+            whole = finding.start < attribute.value_span.start
+            return written.attributes[name].span if whole else written.attributes[name].value_span
+    return written.span
+
+
+def _source(file: str) -> Document:
+    return Document(file, read_input(file), "utf-8", (), None)
+
+
+def _downward(root: Element) -> Iterator[Element]:
+    """Yield the elements in the order of the text."""
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        yield element
+        waiting += reversed(element.children)

@@ -1,0 +1,133 @@
+"""The kinds of defects of what ROS reads that are planted, and what looks like one and is none."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from helpers.planted_ros import (
+    Edit,
+    another,
+    bare,
+    control,
+    driven,
+    end,
+    ending,
+    fixed,
+    follower,
+    gpio,
+    in_srdf,
+    joint,
+    limited,
+    material,
+    moving,
+    params,
+    plugin,
+    replacing,
+    seen,
+    shape,
+    state,
+    transmission,
+    without_neighbours,
+)
+
+ARMS, FOLLOWERS = ("z1", "a1", "ur5_robot", "panda"), ("panda", "panda_collision", "romeo")
+WITH_SRDF = ("panda", "a1", "xarm7")
+GREEN = '<color rgba="0 1 0 1"/>'
+
+
+class Planted(NamedTuple):
+    kind: str
+    code: str
+    edit: Edit
+    robots: tuple[str, ...] = ARMS[:3]
+
+
+HEALTHY = (
+    ending(lambda u: control(driven(moving(u)[0], params(min=-0.1, max=0.1)), gpio("io", params(min=0, max=1)))),
+    ending(lambda u: control(seen(moving(u)[0])) + control(driven(moving(u)[1]), name="more")),
+    lambda u, s: (end(bare(u), *(transmission(f"t{k}", joint) for k, joint in enumerate(moving(u)))), s),
+    ending(lambda u: plugin("joint", moving(u)[0]) + plugin("jointName", f" r::{moving(u)[1]} ")),
+    ending(lambda u: plugin("bodyName", "world") + plugin("frameName", "map")),
+    ending(lambda u: material('<color rgba="0 1 0.5 0"/>')),
+)
+"""What may look like a defect and is none; of joints that follow others, `FOLLOWING`."""
+FOLLOWING = (
+    ending(lambda u: control(driven(follower(u)[1]), seen(follower(u)[0]))),
+    ending(lambda u: control(driven(follower(u)[1]), driven(follower(u)[0], said=' mimic="false"'))),
+)
+
+
+def _first(params: str = "", said: str = "") -> Edit:
+    """Control the first joint that moves."""
+    return ending(lambda u: control(driven(moving(u)[0], params, said=said)))
+
+
+def _following(more: str) -> Edit:
+    """Control a joint and its follower, and say something of that."""
+    return ending(lambda u: control(driven(follower(u)[1]), seen(follower(u)[0], more.format(follower(u)[1]))))
+
+
+def _geared(*reductions: object) -> Edit:
+    """Drive the first joint that moves by transmissions."""
+    return lambda u, s: (end(bare(u), *(transmission(f"t{k}", moving(u)[0], r) for k, r in enumerate(reductions))), s)
+
+
+def _effector(urdf: str, srdf: str) -> str:
+    found = re.search(r'<link\s+name="([^"]+)"', urdf)
+    assert found
+    return f'<end_effector name="planted" parent_link="{found[1]}" group="nobody"/>'
+
+
+CONTROLLED = (
+    Planted("joint twice", "RD702", ending(lambda u: control(driven(moving(u)[0]), driven(moving(u)[0])))),
+    Planted("joint in two", "RD702", ending(lambda u: control(driven(moving(u)[0])) + control(driven(moving(u)[0])))),
+    Planted("fixed joint controlled", "RD702", ending(lambda u: control(driven(fixed(u))))),
+    Planted("interface without name", "RD702", ending(lambda u: control(seen(moving(u)[0], "<state_interface/>")))),
+    Planted("gpio twice", "RD702", ending(lambda u: control(gpio("io"), gpio("io")))),
+    Planted("joint absent", "RD701", ending(lambda u: control(driven(moving(u)[0] + "_2")))),
+    Planted("min above max", "RD704", _first(params(min=1, max=-1))),
+    Planted("gpio min above max", "RD704", ending(lambda u: control(gpio("io", params(min=5, max=0))))),
+    Planted("min no number", "RD704", _first(params(min="-1,5", max=1))),
+    Planted("initial value outside", "RD704", _first(params(min=-1, max=1, initial_value=1.5))),
+    Planted("mimic of none", "RD705", ending(lambda u: control(seen(moving(u)[0], said=' mimic="true"')))),
+    Planted("follower commanded", "RD705", ending(lambda u: control(*map(driven, reversed(follower(u))))), FOLLOWERS),
+    Planted("leader elsewhere", "RD705", ending(lambda u: control(seen(follower(u)[0]))), FOLLOWERS),
+    Planted("mimic parameter absent", "RD705", ending(lambda u: control(seen(moving(u)[0], params(mimic="nobody"))))),
+    Planted("multiplier differs", "RD705", _following(params(mimic="{}", multiplier=-7)), FOLLOWERS),
+    Planted("driven twice", "RD703", _geared(50, 50)),
+    Planted("reduction 0", "RD703", _geared(0)),
+    Planted("reduction no number", "RD703", _geared("1:50")),
+    Planted("plugin's joint absent", "RD701", ending(lambda u: plugin("mimicJoint", moving(u)[0] + "x"))),
+    Planted("plugin's link absent", "RD701", ending(lambda u: plugin("bodyName", "no_link"))),
+)
+PLANNED = (
+    Planted("SRDF of another robot", "RD706", another),
+    Planted("SRDF of another name", "RD706", lambda u, s: (u, re.sub('(<robot[^>]*name)="[^"]*"', r'\1="emu"', s))),
+    Planted("state of no group", "RD707", in_srdf('<group_state name="planted" group="legs_and_arms"/>')),
+    Planted("subgroup absent", "RD707", in_srdf('<group name="both"><group name="nobody"/></group>')),
+    Planted("effector of no group", "RD707", in_srdf(_effector)),
+    Planted("state beyond a limit", "RD708", state("99")),
+    Planted("state no number", "RD708", state("half")),
+    Planted("state of two numbers", "RD708", state("0.1 0.2")),
+)
+SHOWN = (
+    Planted("material undefined", "RD621", shape(material("", ' name="plaid"'))),
+    Planted("material twice", "RD621", ending(lambda u: 2 * material(GREEN))),
+    Planted("material without name", "RD621", shape(material(GREEN, ""))),
+    Planted("colour of 255", "RD622", ending(lambda u: material('<color rgba="255 128 0 1"/>'))),
+    Planted("colour below 0", "RD622", ending(lambda u: material('<color rgba="-0.5 0.1 0 1"/>'))),
+    Planted("texture absent", "RD623", ending(lambda u: material('<texture filename="nowhere.png"/>'))),
+    Planted("visual without shape", "RD608", replacing(r"</link>", "<visual/></link>", 1)),
+    Planted("collision without shape", "RD608", replacing(r"</link>", "<collision><geometry/></collision></link>", 1)),
+)
+REFUSED = (
+    Planted("version", "RD010", replacing(r"<robot\b", '<robot version="2"')),
+    Planted("no effort", "RD506", limited("effort")),
+    Planted("no velocity", "RD506", limited("velocity")),
+    Planted("fixed with half a limit", "RD506", joint("fixed", '<limit effort="1"/>')),
+    Planted("safety without gain", "RD007", joint("revolute", '<safety_controller k_position="1"/>')),
+    Planted("nothing in dynamics", "RD007", joint("fixed", "<dynamics/>")),
+)
+PLANTED = (*CONTROLLED, *(each._replace(robots=WITH_SRDF) for each in PLANNED), *SHOWN, *REFUSED)
+NEIGHBOURS = Planted("neighbours collide", "RD709", without_neighbours, ("panda", "xarm7", "b1"))
