@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from robodyn.checks.bodies.masses import POINT, principal_moments
-from robodyn.checks.context import Context
+from robodyn.checks.context import Context, Thresholds
 from robodyn.checks.mirror.pairs import Pair, link_inertia, pairs, reflected
 from robodyn.programs.linear import eigen
 from robodyn.programs.vectors import length
@@ -36,7 +37,7 @@ class Twins:
         c, I: centre of mass [m] and inertia by mass [m^2] of the left link's mirror image, in the right link's axes;
             see `reflected`.
         c_right, I_right: those of the right link.
-        real: whether bodies can have both of the tensors; where they cannot, other rules say so.
+        limits: thresholds of the check.
     """
 
     pair: Pair
@@ -47,7 +48,7 @@ class Twins:
     I: Floats
     c_right: Floats
     I_right: Floats
-    real: bool
+    limits: Thresholds
 
     @property
     def other(self) -> str:
@@ -64,11 +65,19 @@ class Twins:
         return _ascending(self.I), _ascending(self.I_right)
 
     @property
-    def moments_apart(self) -> float:
-        """By mass or as they stand, so that a wrong mass alone sets no moments apart."""
-        return self._apart(*self.moments)
+    def real(self) -> bool:
+        """Whether bodies can have both of the tensors; where they cannot, other rules say so."""
+        both = self.pair.left.inertial, self.pair.right.inertial
+        return all(one is not None and _is_real(one, self.limits) for one in both)
 
-    @property
+    @cached_property
+    def moments_apart(self) -> float:
+        """By mass or as they stand, so that a wrong mass alone sets no moments apart; at most three times what the
+        tensors are, so that they are not computed where that is no more than they may be."""
+        bound = 3.0 * self.tensors_apart
+        return bound if bound <= MOMENTS else self._apart(*self.moments)
+
+    @cached_property
     def tensors_apart(self) -> float:
         return self._apart(self.I, self.I_right)
 
@@ -107,13 +116,12 @@ def _twins(context: Context) -> Iterator[Twins]:
             continue
         (c, I), (c_right, I_right) = reflected(pair, left), link_inertia(right)
         masses = left.mass, right.mass
-        real = all(_is_real(context, one) for one in (left, right))
-        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass, real)
+        limits = context.thresholds
+        yield Twins(pair, link, link.inertial, masses, c, I / left.mass, c_right, I_right / right.mass, limits)
 
 
-def _is_real(context: Context, inertial: Inertial) -> bool:
+def _is_real(inertial: Inertial, limits: Thresholds) -> bool:
     """Return whether a body of more than a point's size can have the tensor, as RD204, RD206 and RD207 have it."""
-    limits = context.thresholds
     small, middle, large = principal_moments(inertial.inertia)
     real = small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
     return real and large > POINT * POINT * inertial.mass

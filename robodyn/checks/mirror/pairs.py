@@ -20,6 +20,8 @@ from robodyn.support.floats import Floats
 
 Names = tuple[str, str]
 """Of a left and a right link."""
+_EQUAL = 1e-12
+"""Inertias by mass that differ by no more are the same [m^2]."""
 _SQUARE = 0.02
 """How far an axis may be from the mirror image of one [rad]."""
 
@@ -151,11 +153,9 @@ def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
     goes with them is returned if the right link is nearer to that.
     """
     c, I = link_inertia(inertial)
-    image = product(pair.D, c), product(pair.D, I, pair.D.T)
-    right, part = pair.right.inertial, pair.part
-    if part is None or right is None or not (right.mass > 0 and inertial.mass > 0):
+    image, right = (product(pair.D, c), product(pair.D, I, pair.D.T)), pair.right.inertial
+    if right is None or not (right.mass > 0 and inertial.mass > 0):
         return image
-    mounted = part.point(c), product(part.G, I, part.G.T)
     c_right, I_right = link_inertia(right)
 
     def apart(one: tuple[Floats, Floats]) -> float:
@@ -163,7 +163,8 @@ def reflected(pair: Pair, inertial: Inertial) -> tuple[Floats, Floats]:
         shift = length(one[0] - c_right)
         return max(shift * shift, float(np.abs(one[1] / inertial.mass - I_right / right.mass).max()))
 
-    return min(image, mounted, key=apart)
+    part = pair.part if apart(image) > _EQUAL else None
+    return image if part is None else min(image, (part.point(c), product(part.G, I, part.G.T)), key=apart)
 
 
 def link_inertia(inertial: Inertial) -> tuple[Floats, Floats]:

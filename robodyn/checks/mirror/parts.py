@@ -55,8 +55,11 @@ def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:
 
 def _move(one: Geometry, other: Geometry) -> Carried | None:
     """Return G = R' diag(s' / s) R^T and p = x' - G x; None where the scales differ in more than signs."""
-    if not all(one.scale) or not np.allclose(np.abs(one.scale), np.abs(other.scale), rtol=1e-6, atol=0.0):
+    scales = zip(one.scale, other.scale, strict=True)
+    if not all(s and abs(abs(s) - abs(s_other)) <= 1e-6 * abs(s) for s, s_other in scales):
         return None
+    if (one.origin, one.scale) == (other.origin, other.scale):
+        return Carried(np.eye(3), np.zeros(3))
     (R, x), (R_other, x_other) = placement(one.origin), placement(other.origin)
     G = product(R_other, np.diag(np.sign(other.scale) * np.sign(one.scale)), R.T)
     return Carried(G, x_other - product(G, x))

@@ -19,7 +19,7 @@ of the tensors, RD204, RD206 or RD207 do.""",
 )
 def check(context: Context) -> Faults:
     for one in context.once(twins):
-        if not one.real or one.moments_apart <= MOMENTS or one.link.name in context.once(causes):
+        if one.moments_apart <= MOMENTS or not one.real or one.link.name in context.once(causes):
             continue
         left, right = ((mass * moments).tolist() for mass, moments in zip(one.masses, one.moments, strict=True))
         what = (

@@ -26,7 +26,7 @@ def check(context: Context) -> Faults:
         reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
         if one.shift > one.most_shift and not reported:
             yield _centre(one)
-        if one.real and one.moments_apart <= MOMENTS < one.tensors_apart and cause is None:
+        if cause is None and one.tensors_apart > MOMENTS >= one.moments_apart and one.real:
             what = (
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{one.other}, although their principal moments agree"

@@ -47,4 +47,4 @@ def test_a_link_that_uses_one_is_refused_and_check_says_why(tmp_path):
     assert outcome.status == 2
     assert REASON in outcome.err
     assert REASON in run("inertia", str(path), "--compare").out
-    assert "1920 faces in surfaces with one side only" in run("check", str(path)).out
+    assert "1920 faces in surfaces with one side only" in run("check", str(path), "--select", "ALL").out
