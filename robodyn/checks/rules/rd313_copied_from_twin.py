@@ -26,4 +26,4 @@ def check(context: Context) -> Faults:
             f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
             f"{'are copies' if centre else 'is a copy'} of that of its twin {one.other}"
         )
-        yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart)
+        yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, kind="a copy of its twin")
