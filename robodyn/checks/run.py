@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from warnings import warn
 
 from robodyn.checks.catalogue import CODES
 from robodyn.checks.context import DEFAULT, NOTHING, Asked, Context, Thresholds
-from robodyn.checks.groups import grouped, kind_of, one_each, places
+from robodyn.checks.every_place import every_place
+from robodyn.checks.groups import grouped, one_each, places
 from robodyn.checks.origins import Origins
-from robodyn.checks.rule import HERE, Fault, Finding, Rule, Severity, excerpt
-from robodyn.checks.rules import rd009_unused_waiver as unused_waiver
+from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.selection import BY_CODE, rules_for, shown_of
 from robodyn.checks.sources import each_in_a_process, worth_processes
-from robodyn.checks.waivers import waived, waivers
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
@@ -178,54 +176,5 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
 
 
 def _found(reading: Document, options: Options) -> tuple[Finding, ...]:
-    """Return the findings in a file that was read, in the order of the text."""
     context = Context(reading, options.thresholds, options.package_path, options.asked, CODES)
-    rules = [rule for rule in rules_for(options.select, options.ignore) if context.reaches(rule.stage)]
-    findings = [_finding(context, rule, fault) for rule in rules for fault in rule.check(context)]
-    left = _without_waived(context, rules, findings)
-    return tuple(sorted(left, key=lambda finding: (finding.start, finding.code)))
-
-
-def _without_waived(context: Context, rules: Sequence[Rule], findings: list[Finding]) -> list[Finding]:
-    """Return the findings that no waiver of the file allows, and those about waivers that had nothing to allow."""
-    given = [waiver for waiver in context.once(waivers) if waiver.in_force(context.codes)]
-    if not given:
-        return findings
-    ran = {rule.code for rule in rules}
-    left, unused = waived(context.reading, findings, given)
-    if unused_waiver.check.code in ran:
-        faults = [unused_waiver.unused(waiver, code) for waiver, code in unused if code in ran]
-        left += [_finding(context, unused_waiver.check, fault) for fault in faults]
-    return left
-
-
-def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
-    reading, subject = fault.document or context.reading, fault.subject
-    if subject is HERE:
-        subject = _part_at(context, fault.at.start)
-    return Finding(
-        code=rule.code,
-        name=rule.name,
-        severity=fault.severity or rule.severity,
-        file=reading.file,
-        line=fault.at.line,
-        column=fault.at.column,
-        start=fault.at.start,
-        end=fault.at.end,
-        subject=subject,
-        message=fault.what if subject is None else f"{subject.words}: {fault.what}",
-        remedy=fault.remedy,
-        measured=fault.measured,
-        bound=fault.bound,
-        cause=fault.cause,
-        fix=fault.fix,
-        excerpt=excerpt(reading, fault.at),
-        kind=fault.kind or kind_of(fault.what),
-    )
-
-
-def _part_at(context: Context, start: int) -> Subject | None:
-    """Return the link or joint that this byte of the text is in."""
-    parts = context.reading.root.children
-    k = bisect_right(parts, start, key=lambda part: part.start) - 1
-    return Subject(parts[k].tag, parts[k].get("name") or "") if k >= 0 and parts[k].tag in ("link", "joint") else None
+    return every_place(context, rules_for(options.select, options.ignore))
