@@ -27,6 +27,25 @@ _SWAPS = tuple(
 )
 
 
+_ROWS = tuple(
+    (re.compile(pattern), replacement)
+    for pattern, replacement in (
+        (r"(?i)front|hind|rear|middle|back", "*"),
+        (_ALONE.format(f"[{_ENDS}]L"), "*L"),
+        (_ALONE.format(f"[{_ENDS.lower()}]l"), "*l"),
+        (_ALONE.format(f"L[{_ENDS}]"), "L*"),
+        (_ALONE.format(f"l[{_ENDS.lower()}]"), "l*"),
+    )
+)
+
+
+def row_of(name: str) -> str:
+    """Return the name of something on the left with `*` for front, hind and so on: FL_hip is of the row *L_hip."""
+    for pattern, replacement in _ROWS:
+        name = pattern.sub(replacement, name, count=1)
+    return name
+
+
 def named_pairs(names: Collection[str]) -> Iterator[tuple[str, str]]:
     """Yield (left, right) of the names that are each other's but for left and right.
 

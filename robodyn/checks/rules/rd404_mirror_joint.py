@@ -3,27 +3,24 @@
 A reflection carries a rotation about an axis into one about the axis's image, the other way
 round. Where the axis of a joint is that image, equal positions of twins are mirror images and so are equal limits;
 where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either
-is right. Copying limits from left to right where the
-axes ask for a change of sign is a common slip: a knee then bends the wrong way. So is a joint that was fixed for a
-test, while its twin still moves. Twins are found as RD401 says. Ranges that RD503, RD504 or RD507 report are not
-compared.
+is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a knee then bends
+the wrong way. So is a joint that was fixed for a test, while its twin still moves; and an axis that is reversed, which
+also shows where front and hind legs are not turned alike. Twins are found as RD401 says. Ranges that RD503, RD504 or
+RD507 report are not compared.
 """
 
-from collections.abc import Iterator
 from math import pi
 
-import numpy as np
-
 from robodyn.checks.examples import ARM_LIMIT, two_arms
-from robodyn.checks.mirror.pairs import Pair, pairs, symmetry
+from robodyn.checks.mirror.directions import directions, unlike_the_other_legs
+from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
-from robodyn.programs.vectors import length, product
+from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
 from robodyn.robot.urdf.parts import WITH_RANGE, Limit
 from robodyn.robot.urdf.view import JointView, View
 from robodyn.support.wording import shown
 
-_AXIS = 0.02
 _LIMIT = 0.02
 """How far limits may differ: in rad or m, or as a part of the range, whichever is more."""
 _MAGNITUDE = 0.02
@@ -39,19 +36,33 @@ _REMEDY = "correct the one of the two that is wrong, or allow it where the joint
     bad=('"0 -1 0"', '"0 1 0"'),
 )
 def check(context: Context) -> Faults:
+    unlike = context.once(unlike_the_other_legs)
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
         if left.type != right.type:
             yield _kind(pair, context.view)
         elif left.type in ("revolute", "continuous", "prismatic"):
-            directions = set(_directions(pair, context))
-            if not directions:
+            ranges, other = list(_range(pair, context, twin)), unlike.get(right.name)
+            yield from ranges
+            if not any(directions(pair, context)):
                 what = f"the axis is not parallel to the mirror image of that of its twin {twin}"
-                yield Fault(view.element.span if view.axis.element is None else view.axis.span, what, _REMEDY)
-            elif len(directions) == 1:
-                yield from _range(pair, view, directions.pop(), twin)
+                yield Fault(_axis(view), what, _REMEDY)
+            elif other is not None and not ranges and not list(_range(other, context, "")):
+                yield _unlike(view, twin, other)
             yield from _magnitudes(pair, view, twin)
+
+
+def _axis(view: JointView) -> Span:
+    return view.element.span if view.axis.element is None else view.axis.span
+
+
+def _unlike(view: JointView, twin: str, other: Pair) -> Fault:
+    others = f"{shown(other.left_joint.name)} and {shown(other.right_joint.name)} (line {other.right_joint.line})"
+    what = (
+        f"it and its mirror twin {twin} are turned to each other as {others} are not: one of the four axes is reversed"
+    )
+    return Fault(_axis(view), what, "correct the one of the four that is wrong, or allow it where the legs differ")
 
 
 def _kind(pair: Pair, view: View) -> Fault:
@@ -63,29 +74,13 @@ def _kind(pair: Pair, view: View) -> Fault:
     return Fault(value_span(view.joint[one.name].element, "type"), what, _REMEDY)
 
 
-def _directions(pair: Pair, context: Context) -> Iterator[int]:
-    """Yield 1 where equal positions of both joints are mirror images, -1 where opposite ones are; nothing if neither.
-
-    A reflection D carries a translation a to D a, and a rotation about a to one about -D a. On a part that is mounted
-    on both sides equal positions are alike.
-    """
-    left, right = (np.array(joint.axis) for joint in (pair.left_joint, pair.right_joint))
-    left, right = left / length(left), right / length(right)
-    images = [product(pair.D, left) * (1.0 if pair.left_joint.type == "prismatic" else -1.0)]
-    found = context.once(symmetry)
-    over = None if found is None else found.by_right.get(pair.right_joint.parent)
-    if found is not None and over is not None and over.mounts_alike(pair.left_joint, pair.right_joint, found.near):
-        images.append(left)
-    for image in images:
-        along = float(product(image, right))
-        if abs(along) >= 1.0 - _AXIS**2:
-            yield 1 if along > 0 else -1
-
-
-def _range(pair: Pair, view: JointView, direction: int, twin: str) -> Faults:
+def _range(pair: Pair, context: Context, twin: str) -> Faults:
     kind, left, right = pair.left_joint.type, pair.left_joint.limit, pair.right_joint.limit
-    if view.limit is None or kind not in WITH_RANGE or not (_is_plain(left, kind) and _is_plain(right, kind)):
+    limit, ways = context.view.joint[pair.right_joint.name].limit, set(directions(pair, context))
+    plain = kind in WITH_RANGE and _is_plain(left, kind) and _is_plain(right, kind)
+    if limit is None or not plain or len(ways) != 1:
         return
+    direction = ways.pop()
     (low, high), here = _ends(left), _ends(right)
     image = (low, high) if direction > 0 else (0.0 - high, 0.0 - low)
     slack = _LIMIT * max(1.0, abs(high - low))
@@ -99,7 +94,7 @@ def _range(pair: Pair, view: JointView, direction: int, twin: str) -> Faults:
     )
     copied = direction < 0 and max(abs(here[0] - low), abs(here[1] - high)) <= slack
     cause = "the ranges are equal, but the axes ask for a change of sign" if copied else None
-    at = (view.limit.lower, view.limit.upper)[k]
+    at = (limit.lower, limit.upper)[k]
     yield Fault(at.span, what, _REMEDY, here[k], image[k], cause=cause)
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms
-from robodyn.checks.mirror.names import named_pairs
+from robodyn.checks.mirror.names import named_pairs, row_of
 from robodyn.checks.mirror.pairs import link_inertia, pairs, reflected
 from robodyn.checks.mirror.plane import Plane
 from robodyn.checks.run import check_one
@@ -56,6 +56,24 @@ def test_names_of_left_and_right(left: str, right: str) -> None:
 )
 def test_letters_inside_words_are_not_sides(name: str, other: str) -> None:
     assert not list(named_pairs([name, other]))
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("FL_hip", "*L_hip"),
+        ("RL_calf", "*L_calf"),
+        ("LH_KFE", "L*_KFE"),
+        ("lf_haa", "l*_haa"),
+        ("front_left_hip", "*_left_hip"),
+        ("left_rear_foot", "left_*_foot"),
+        ("left_hip_pitch", "left_hip_pitch"),
+        ("LHipYaw", "LHipYaw"),
+        ("l_hand", "l_hand"),
+    ],
+)
+def test_rows_of_legs(name: str, row: str) -> None:
+    assert row_of(name) == row
 
 
 def test_pairs_need_their_mirrored_place() -> None:

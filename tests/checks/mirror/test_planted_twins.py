@@ -55,6 +55,11 @@ def other_axis(pair: Pair, joint: JointView) -> Edits:
         yield joint.axis.span, written((z, x, y))
 
 
+def reversed_axis(pair: Pair, joint: JointView) -> Edits:
+    if joint.axis.given and pair.right_joint.type == "revolute":
+        yield joint.axis.span, written(tuple(0.0 - x for x in pair.right_joint.axis))
+
+
 def ends_of_the_other_side(pair: Pair, joint: JointView) -> Edits:
     """The range with both ends turned, where that is not the same."""
     limit = pair.right_joint.limit
@@ -126,6 +131,19 @@ def test_found_at_the_joint(kind: Callable[[Pair, JointView], Edits]) -> None:
         assert (one.code, one.subject.name) == (KINDS[kind], joint), (name, joint)
         assert "twin" in one.message
         assert one.remedy.startswith("correct the one of the two")
+
+
+@pytest.mark.parametrize("name", ["go2", "a1", "solo12", "hyq_no_sensors"])
+def test_a_reversed_axis_shows_beside_the_other_legs(name: str) -> None:
+    """Where the range is no mirror image any more it tells; where it is the same both ways, one of the four is named
+    with the other three."""
+    cases = list(planted(name, reversed_axis))
+    assert cases
+    for joint, text in cases:
+        (one,) = twin_findings(text)
+        assert one.code == "RD404"
+        assert joint in one.message
+        assert "the range is" in one.message or "one of the four axes is reversed" in one.message
 
 
 def test_the_sign_that_was_not_turned_is_named() -> None:
