@@ -31,6 +31,7 @@ from robodyn.report.renderers.sarif import check_sarif
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.support.files import write_whole
+from robodyn.support.wording import count
 
 
 def _codes(text: str) -> tuple[str, ...]:
@@ -161,8 +162,8 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     if shown:
         return 2 if checked.unread else 1
     if flags["write_baseline"]:
-        count = write_baseline(checked.findings, flags["baseline"])
-        click.echo(f"written: {flags['baseline']}, {count} places", err=True)
+        places = write_baseline(checked.findings, flags["baseline"])
+        click.echo(f"written: {flags['baseline']}, {count(places, 'place')}", err=True)
         return 2 if checked.unread else 0
     if flags["baseline"]:
         checked = _new(checked, flags["baseline"])
@@ -178,5 +179,5 @@ def _new(checked: Checked, baseline: str) -> Checked:
     """Return what the baseline does not have."""
     found = compared(checked.findings, baseline)
     gone = f"; {found.gone} of it no longer found, --write-baseline drops them" if found.gone else ""
-    click.echo(f"{baseline}: {found.known} places passed over{gone}", err=True)
+    click.echo(f"{baseline}: {count(found.known, 'place')} passed over{gone}", err=True)
     return replace(checked, findings=found.new)
