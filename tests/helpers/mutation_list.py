@@ -16,6 +16,16 @@ MUTATIONS = {
             "(finding.file, finding.code, finding.severity, cause)",
         ),
     ],
+    "checks/consumers/test_refusals.py": [
+        ("checks/consumers/water.py", "WATER / 6", "WATER / 3"),
+        ("checks/consumers/mujoco.py", "small < _LEAST_MOMENT", "small <= 0.0"),
+        ("checks/consumers/mujoco.py", "weight.mass >= LEAST", "True"),
+        ("checks/consumers/drake.py", "lower > upper", "lower < upper"),
+        ("checks/consumers/drake.py", "colour != known[name]", "False"),
+        ("checks/consumers/gazebo.py", "abs(mass[link.name] or 0.0) > _LEAST", "True"),
+        ("checks/consumers/gazebo.py", "whole == 0.0 or other.name in nowhere", "other.name in nowhere"),
+        ("checks/consumers/gazebo.py", "small + middle >= (1.0 - _ROUNDING) * large", "True"),
+    ],
     "checks/test_selection.py": [
         ("checks/selection.py", "not select or DEFAULT in select", "not select"),
     ],

@@ -45,11 +45,6 @@ def mimic_leader(context: Context) -> Iterator[Found]:
             yield part(joint, joint.mimic.element)
 
 
-def nameless(context: Context) -> list[Found]:
-    """Return the robot, where it has no name."""
-    return [] if context.view.root.get("name") else [Found(context.view.root.span, "the robot")]
-
-
 def sizeless(context: Context) -> Iterator[Found]:
     """Yield primitives with a size that is not positive, but for spheres of no radius, and meshes scaled to nothing."""
     for link in context.view.links:

@@ -43,3 +43,8 @@ def root(holds: Callable[[LinkView], object]) -> Find:
 def when_asked(target: str, find: Find) -> Find:
     """Return what is found only for programs that are asked for: nearly every robot has meshes that cannot be read."""
     return lambda context: find(context) if target in context.asked.targets else ()
+
+
+def nameless(context: Context) -> list[Found]:
+    """Return the robot, where it has no name."""
+    return [] if context.view.root.get("name") else [Found(context.view.root.span, "the robot")]

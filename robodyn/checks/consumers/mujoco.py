@@ -49,12 +49,12 @@ def massless(context: Context) -> Iterator[Found]:
     refused for a tensor."""
     if min(_number(context, "boundmass"), _number(context, "boundinertia")) >= LEAST:
         return
-    impossible = context.once(_impossible)
+    refused = context.once(impossible)
     for group in context.tree.groups[1:]:
         first = group.links[0]
         if (first.mass or 0.0) >= LEAST and any(first.tensor or ()):
             continue
-        weights = None if impossible.intersection(link.name for link in group.links) else _weights(context, group)
+        weights = None if refused.intersection(link.name for link in group.links) else _weights(context, group)
         if weights is not None and not _stands(weights):
             yield part(first)
 
@@ -72,13 +72,17 @@ def _weights(context: Context, group: Group) -> list[Weight] | None:
 
 
 def _stands(weights: list[Weight]) -> bool:
-    """Return whether a body comes of them: others are joined to the first in turn, those without mass not at all."""
+    """Return whether a body comes of them: others are joined to the first in turn, those without mass not at all.
+
+    Once it has moments in all directions, more mass adds to them.
+    """
     whole = weights[0]
+    if whole.mass >= LEAST and _least_moment(whole) >= _LEAST_MOMENT:
+        return True
     for weight in weights[1:]:
         if weight.mass >= LEAST:
             whole = joined((whole, weight))
-            if _least_moment(whole) < _LEAST_MOMENT:
-                return False
+            return _least_moment(whole) >= _LEAST_MOMENT
     return whole.mass >= LEAST and _least_moment(whole) >= LEAST
 
 
@@ -94,7 +98,7 @@ def _number(context: Context, name: str) -> float:
         return 0.0
 
 
-def _impossible(context: Context) -> frozenset[str]:
+def impossible(context: Context) -> frozenset[str]:
     """Return the links whose tensor no body has, also the root and links without mass; one of zeros counts as none."""
     balanced = compiler(context).get("balanceinertia") == "true"
     found = set()
@@ -113,7 +117,7 @@ def _impossible(context: Context) -> frozenset[str]:
 def unphysical(context: Context) -> Iterator[Found]:
     """Yield what is refused for its tensor."""
     for link in context.tree.links:
-        if link.name in context.once(_impossible) and link.inertial is not None:
+        if link.name in context.once(impossible) and link.inertial is not None:
             yield part(link, link.inertial.element)
 
 

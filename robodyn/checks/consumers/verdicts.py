@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from robodyn.checks.consumers import drake, mujoco, mujoco_shapes, others, written
-from robodyn.checks.consumers.found import Find, Found, joints, root, when_asked
+from robodyn.checks.consumers import drake, gazebo, mujoco, mujoco_shapes, others, written
+from robodyn.checks.consumers.found import Find, Found, joints, nameless, root, when_asked
 from robodyn.checks.consumers.meshes import missing_meshes, unread_meshes
 from robodyn.checks.context import Context
 
@@ -39,7 +39,7 @@ class Fact:
 
 _MUJOCO = "MuJoCo 4.0, run; its XML reference, compiler"
 _DRAKE = "Drake 1.51, run"
-_SDFORMAT = "sdformat issues 199 and 1007, pull request 1238"
+_SDFORMAT = "sdformat 12.3 with urdfdom 3.0, run"
 _GZ = "gz-common 6, MeshManager"
 _KDL = "kdl_parser.cpp"
 _ISAAC = "Isaac Sim 5, URDF importer and its ImportConfig"
@@ -109,7 +109,7 @@ FACTS = (
         ("collides with meshes in .obj, .vtk and .gltf only", when_asked("drake", unread_meshes("drake"))),
         ("wants meshes to be there", when_asked("drake", missing_meshes("visual", "collision"))),
         ("wants textures to be there", when_asked("drake", drake.missing_textures)),
-        ("wants a name of the robot", drake.nameless),
+        ("wants a name of the robot", nameless),
     ),
     *_facts(
         "drake",
@@ -119,7 +119,21 @@ FACTS = (
         ("lets the root float unless it is called world", _FREE_ROOT),
         ("leaves the child of a floating joint free of its parent", _FLOATING),
     ),
-    Fact("gz", _ALTERS, "drops links without mass that a joint moves, and all below", _SDFORMAT, others.no_mass),
+    *_facts(
+        "gz",
+        _REJECTS,
+        _SDFORMAT,
+        ("keeps nothing, since it drops links without mass and all behind them", gazebo.nothing_left),
+        ("wants inertia that a body can have, of links with what is fixed to them", gazebo.bad_bodies),
+        ("finds no centre of mass of <inertial>s without mass that are fixed to each other", gazebo.nowhere),
+        ("knows no floating and no planar joints", gazebo.unknown_joints),
+        ("wants an axis of 1e-6 or more", gazebo.no_axis),
+        ("wants numbers, and <limit> with effort and velocity, in revolute and prismatic joints", gazebo.malformed),
+        ("wants names of joints that are no links', and none like __this__", gazebo.taken_names),
+        ("wants a name of the robot", nameless),
+    ),
+    Fact("gz", _ALTERS, "drops links without mass, and all joints and links behind them", _SDFORMAT, gazebo.dropped),
+    Fact("gz", _ALTERS, "exchanges limits where lower > upper", _SDFORMAT, gazebo.turned),
     Fact(
         "gz", _ALTERS, "leaves out meshes in formats that it does not read", _GZ, when_asked("gz", unread_meshes("gz"))
     ),
@@ -142,8 +156,13 @@ class Opinion:
     found: tuple[tuple[Fact, tuple[Found, ...]], ...]
 
 
-def opinion(context: Context, target: str) -> Opinion:
-    """Return the opinion of a program, its facts with the worst verdict first. From stage TREE on."""
-    found = [(fact, tuple(fact.find(context))) for fact in FACTS if fact.target == target]
+def opinion(context: Context, target: str, least: Verdict = Verdict.ALTERS) -> Opinion:
+    """Return the opinion of a program, its facts with the worst verdict first. From stage TREE on.
+
+    Args:
+        least: facts of better verdicts do not count.
+    """
+    asked = (fact for fact in FACTS if fact.target == target and fact.verdict >= least)
+    found = [(fact, tuple(fact.find(context))) for fact in asked]
     counted = sorted((one for one in found if one[1]), key=lambda one: -one[0].verdict)
     return Opinion(target, counted[0][0].verdict if counted else Verdict.LOADS, tuple(counted))

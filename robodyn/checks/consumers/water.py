@@ -85,10 +85,10 @@ def weight_of(context: Context, link: LinkView) -> Weight | None:
     """Return what a link weighs: by shapes or <inertial>, nothing without either; None where that is not known."""
     if is_weighed(context, link):
         return by_shapes(context, link)
-    return _declared(link) if link.inertial is not None else NOTHING
+    return declared(link) if link.inertial is not None else NOTHING
 
 
-def _declared(link: LinkView) -> Weight | None:
+def declared(link: LinkView) -> Weight | None:
     """Return what an <inertial> says, without mass where that is not positive; None where it cannot be read."""
     where = None if link.inertial is None else pose(link.inertial.origin)
     if where is None or link.mass is None or link.tensor is None:

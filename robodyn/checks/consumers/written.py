@@ -84,15 +84,26 @@ def _geometry(element: Element) -> list[Element]:
 
 def _all_numbers(text: str, count: int, _: str) -> bool:
     words = text.split()
-    return len(words) == count and all(map(_NUMBER.fullmatch, words))
+    return len(words) == count and (_plain(words) or all(map(_NUMBER.fullmatch, words)))
 
 
 def _finite(text: str, count: int, name: str) -> bool:
     """Return whether they are finite; a single one may have something behind it, and a scale may be one number."""
     words = text.split()
+    if len(words) != count and not (name == "scale" and len(words) == 1):
+        return False
+    if _plain(words):
+        return True
     found = [_NUMBER.match(word) if count == 1 else _NUMBER.fullmatch(word) for word in words]
-    as_many = len(words) == count or (name == "scale" and len(words) == 1)
-    return as_many and all(match is not None and isfinite(float(match[0])) for match in found)
+    return all(match is not None and isfinite(float(match[0])) for match in found)
+
+
+def _plain(words: list[str]) -> bool:
+    """Return whether these are numbers by the quickest test, which is nearly always true."""
+    try:
+        return all(map(isfinite, map(float, words))) and "_" not in "".join(words)
+    except ValueError:
+        return False
 
 
 _SHAPE_SIZES = {**SIZES, "mesh": ("filename",)}

@@ -6,6 +6,8 @@ from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
 _MOST = 3
+_UNASKED = ("mujoco", "drake")
+"""Programs that the tests run."""
 _SAYS = {Verdict.LOADS: "loads it as it is", Verdict.ALTERS: "loads it with changes", Verdict.REJECTS: "rejects it"}
 
 _TOOL = a_link("tool") + a_joint("yaw", "cross", "tool")
@@ -17,18 +19,18 @@ _KNOWN = "\n".join(f"{fact.target} {fact.verdict.name.lower()}: it {fact.does} [
     Severity.NOTE,
     Stage.TREE,
     explanation=f"""For each program asked for ({", ".join(TARGETS)}) its verdict: loads, alters, or rejects and why. A
-rejection by a program that is asked for is an error, all else a remark. Without being asked, only rejections are
-reported. What is known, and from where (KG is a mass):
+rejection by a program that is asked for is an error, all else a remark. Without being asked, only rejections by
+{" and ".join(_UNASKED)} are reported. What is known, and from where (KG is a mass):
 {_KNOWN}""",
     good=arm(more=a_link("cross") + a_joint("pitch", "upper", "cross") + _TOOL),
     bad=arm(more=a_link("cross", "") + a_joint("pitch", "upper", "cross") + _TOOL),
 )
 def check(context: Context) -> Faults:
-    """The verdict of every program that is asked for; without being asked, only that one rejects the file."""
+    """Yield the verdict of every program that is asked for; without being asked, of those that reject the file."""
     targets = context.asked.targets
-    for target in targets or TARGETS:
-        one = opinion(context, target)
-        if targets or one.verdict is Verdict.REJECTS:
+    for target in targets or _UNASKED:
+        one = opinion(context, target, Verdict.ALTERS if targets else Verdict.REJECTS)
+        if targets or one.found:
             yield _fault(context, one)
 
 

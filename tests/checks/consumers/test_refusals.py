@@ -190,3 +190,53 @@ def test_invented_masses(files: dict[str, Path]) -> None:
                 assert mass == pytest.approx(one.masses[link], rel=1e-6), name
                 compared += 1
     assert compared >= 6
+
+
+FLOAT = moved(joint="", kind="floating")
+GAZEBO = {
+    "healthy": (moved().replace('<link name="base"/>', a_link("base")), ""),
+    "a root without mass": (moved(), "rejects it: it keeps nothing"),
+    "a root called world": (moved().replace('"base"', '"world"'), "loads it"),
+    "a root with mass fixed to it": (
+        moved().replace("</robot>", a_link("body") + a_joint("f", "base", "body", "", "fixed") + "</robot>"),
+        "loads it",
+    ),
+    "a leaf without mass": (moved(""), "drops links without mass, and all joints and links behind them (link 'tip')"),
+    "a leaf with mass fixed to it": (fixed(HEALTHY), "loads it"),
+    "a frame that carries": (
+        fixed("")
+        .replace('"tip"', '"frame"')
+        .replace('"j" type="revolute"', '"j" type="fixed"')
+        .replace("</robot>", a_link("hand") + a_joint("k", "frame", "hand") + "</robot>"),
+        "drops links without mass, and all joints and links behind them (link 'frame')",
+    ),
+    "nothing joined to nothing": (
+        fixed('<mass value="0"/>' + inertia("0 0 0 0 0 0"), HEALTHY),
+        "finds no centre of mass of <inertial>s without mass that are fixed to each other (link 'tip')",
+    ),
+    "negative mass": (weighed("-1", "0.1 0 0 0.1 0 0.1"), "wants inertia that a body can have"),
+    "a plate": (weighed("1", "0.1 0 0 0.2 0 0.3"), "loads it"),
+    "moments of 1e-22": (weighed("1", "1e-22 0 0 1e-22 0 1e-22"), "loads it"),
+    "triangle by 1e-13": (weighed("1", "0.1 0 0 0.1 0 0.20000000000002"), "wants inertia that a body can have"),
+    "floating": (FLOAT, "knows no floating and no planar joints"),
+    "short axis": (moved(joint='<axis xyz="0 5e-7 0"/>' + LIMIT), "wants an axis"),
+    "axis without xyz": (moved(joint="<axis/>" + LIMIT), "wants an axis"),
+    "no limit": (moved(joint=AXIS), "wants numbers, and <limit>"),
+    "no effort": (moved(joint=AXIS + LIMIT.replace('effort="3"', "")), "wants numbers, and <limit>"),
+    "continuous": (moved(joint=AXIS, kind="continuous"), "loads it"),
+    "upside down": (moved(joint=AXIS + LIMIT.replace('"-1"', '"2"')), "exchanges limits"),
+    "a joint called as a link": (moved().replace('name="j"', 'name="tip"'), "wants names of joints"),
+    "reserved": (moved().replace('"tip"', '"__tip__"'), "none like __this__"),
+}
+
+
+@pytest.mark.parametrize("case", GAZEBO)
+def test_gazebo(case: str) -> None:
+    """What sdformat 12.3 was seen to do; all but the second case have a base with mass."""
+    text, words = GAZEBO[case]
+    if case not in ("a root without mass", "a root called world", "a root with mass fixed to it"):
+        text = text.replace('<link name="base"/>', a_link("base"))
+    (one,) = check_one(text.encode(), Options(select=("RD901",), asked=Asked(targets=("gz",))))
+    assert words in one.message
+    if words == "loads it":
+        assert not {"drops", "exchanges"} & set(one.message.split())
