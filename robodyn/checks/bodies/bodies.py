@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
 
-import numpy as np
-
 from robodyn.checks.bodies.masses import link_poses, pose, widest
-from robodyn.checks.bodies.shapes import box_of, group_boxes, real_shapes, solids
+from robodyn.checks.bodies.shapes import group_boxes, link_boxes
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
@@ -20,7 +18,6 @@ from robodyn.solids.inertia.validity import Box
 from robodyn.support.floats import Floats
 
 _LEAST = 0.01
-_STILL = Pose(np.eye(3), np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +65,7 @@ class Body:
 
 def bodies(context: Context) -> Mapping[str, Body]:
     """Return the body of every link whose inertial has a positive mass and can be read, by name. From stage TREE on."""
-    known, poses, boxes = context.once(solids), context.once(link_poses), context.once(group_boxes)
+    own, poses, boxes = context.once(link_boxes), context.once(link_poses), context.once(group_boxes)
     found = {}
     for link in context.view.links:
         where = None if link.inertial is None else pose(link.inertial.origin)
@@ -83,7 +80,7 @@ def bodies(context: Context) -> Mapping[str, Body]:
             mass=mass,
             c=where.p,
             S=_second(link, where),
-            own=box_of(real_shapes(link), known, _STILL),
+            own=own.get(link.name),
             group=boxes.get(context.tree.group[link.name]),
             pose=poses[link.name],
         )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -47,11 +48,15 @@ def misfits(context: Context) -> tuple[Misfit, ...]:
 
 def _misfits(context: Context) -> Iterator[Misfit]:
     known = context.once(solids)
-    seen = {link.name: box_of(_of_kind(link, "visual"), known, STILL) for link in context.view.links}
+    visual = cache(lambda link: box_of(_of_kind(link, "visual"), known, STILL))
     for link in context.view.links:
         felt = _of_kind(link, "collision")
-        found = _foreign(link, felt, seen, context) or _aside(link, felt, context)
-        found = found or _scaled(link, felt, context) or _away(link, felt, seen, context)
+        box = box_of(felt, known, STILL)
+        own = visual(link) if felt else None
+        if not felt or (len(felt) == 1 and own and box and _corner(own, box) <= max(_ASIDE * size_of(own), _LEAST)):
+            continue
+        found = _foreign(link, felt, visual, context) if own and box and _shared(own, box) <= _OWN else None
+        found = found or _aside(link, felt, context) or _scaled(link, felt, context) or _away(felt, own, context)
         if found is not None:
             yield found
 
@@ -61,16 +66,14 @@ def _of_kind(link: LinkView, kind: str) -> list[GeometryView]:
 
 
 def _foreign(
-    link: LinkView, felt: Sequence[GeometryView], seen: dict[str, Box | None], context: Context
+    link: LinkView, felt: Sequence[GeometryView], visual: Callable[[LinkView], Box | None], context: Context
 ) -> Misfit | None:
-    """Find a collision mesh that fits what is seen of another link, and not its own."""
-    own, box = seen[link.name], box_of(felt, context.once(solids), STILL)
+    """Find a collision mesh that fits what is seen of another link; it does not fit its own."""
+    own, box = visual(link), box_of(felt, context.once(solids), STILL)
     if own is None or box is None or not all(map(_is_mesh, felt)):
         return None
     fit = _shared(own, box)
-    if fit > _OWN:
-        return None
-    others = [(name, _shared(other, box)) for name, other in seen.items() if other is not None]
+    others = [(other.name, _shared(seen, box)) for other in context.view.links if (seen := visual(other)) is not None]
     name, best = max(others, key=lambda each: each[1])
     if best < _OTHER:
         return None
@@ -112,9 +115,9 @@ def _scaled(link: LinkView, felt: Sequence[GeometryView], context: Context) -> M
     return None
 
 
-def _away(link: LinkView, felt: Sequence[GeometryView], seen: dict[str, Box | None], context: Context) -> Misfit | None:
+def _away(felt: Sequence[GeometryView], own: Box | None, context: Context) -> Misfit | None:
     """Find a shape that has a wide gap to all that is seen."""
-    own, known = seen[link.name], context.once(solids)
+    known = context.once(solids)
     for shape in felt:
         if own is None or shape not in known:
             continue

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.checks.bodies.rest import behind, joint_pose, relative, rest_poses
-from robodyn.checks.bodies.shapes import STILL, box_of, real_shapes, size_of, solids
+from robodyn.checks.bodies.shapes import STILL, link_boxes, size_of
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length
 from robodyn.robot.kinematics import Pose
@@ -51,7 +51,7 @@ def contacts(context: Context) -> Mapping[str, Contact]:
     """Return by joint the gap between what is fixed to its child and what is fixed to its parent, or to the next body
     that has shapes. Joints with a shape of unknown size on a side are left out. From stage TREE on."""
     sides = context.once(Sides)
-    found = {joint.name: sides.contact(joint, joint_pose(joint)) for joint in context.view.joints}
+    found = {joint.name: sides.contact(joint, sides.poses.get(joint.child)) for joint in context.view.joints}
     return {name: contact for name, contact in found.items() if contact is not None}
 
 
@@ -72,13 +72,13 @@ def in_millimetres(context: Context, joint: JointView) -> str | None:
     """Return which entry of a joint's origin, x, y or z, or all of it, makes the parts meet when it is divided by 1000;
     None if none does."""
     xyz, sides, placed = joint.origin.xyz.values, context.once(Sides), joint_pose(joint)
-    if xyz is None or placed is None:
+    if xyz is None or placed is None or joint.parent not in sides.poses:
         return None
     large = [k for k in range(3) if abs(xyz[k]) >= _MILLIMETRES]
     tried = [(f"entry {'xyz'[k]}", {k}) for k in large] + [("all", set(range(3)))] * (len(large) > 1)
     for which, changed in tried:
         shift = np.array([xyz[k] * (1e-3 - 1.0) if k in changed else 0.0 for k in range(3)])
-        contact = sides.contact(joint, Pose(placed.R, placed.p + shift))
+        contact = sides.contact(joint, behind(sides.poses[joint.parent], Pose(placed.R, placed.p + shift)))
         if contact is not None and contact.touches:
             return which
     return None
@@ -89,27 +89,22 @@ class Sides:
 
     def __init__(self, context: Context) -> None:
         self._tree = context.tree
-        known = context.once(solids)
-        shaped = {link.name: real_shapes(link) for link in context.tree.links}
-        self.shaped = {name for name, shapes in shaped.items() if shapes}
-        boxes = {name: box_of(shapes, known, STILL) for name, shapes in shaped.items() if shapes}
-        self.boxes = {name: box for name, box in boxes.items() if box is not None}
+        self.shaped = context.once(link_boxes)
+        self.boxes = {name: box for name, box in self.shaped.items() if box is not None}
         self.poses = context.once(rest_poses)
         self._fixed: dict[str, list[str]] = {}
         for joint in context.view.joints:
             if not joint.moves:
                 self._fixed.setdefault(joint.parent, []).append(joint.child)
 
-    def contact(self, joint: JointView, placed: Pose | None) -> Contact | None:
-        """Return the contact of a joint, where it gives the child this pose in the parent's frame; None where that is
-        not known."""
+    def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
+        """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
+        shape is not known."""
         below = [name for name in self._branch(joint) if name in self.shaped]
         above = self._above(joint)
-        if placed is None or joint.parent not in self.poses or joint.child not in self.poses:
+        if child is None or not all(name in self.boxes and name in self.poses for name in (*below, *above)):
             return None
-        if not all(name in self.boxes and name in self.poses for name in (*below, *above)):
-            return None
-        return self._nearest(joint, below, above, behind(self.poses[joint.parent], placed))
+        return self._nearest(joint, below, above, child)
 
     def _branch(self, joint: JointView) -> list[str]:
         names = [joint.child]

@@ -38,7 +38,7 @@ def relative(outer: Pose, inner: Pose) -> Pose:
 
 def joint_pose(joint: JointView) -> Pose | None:
     """Return the pose of the child in the parent's frame at rest; None where it cannot be read."""
-    fixed, q = pose(joint.origin), _rest(joint)
+    fixed, q = pose(joint.origin), rest(joint)
     axis = joint.axis.or_default(1.0, 0.0, 0.0)
     if fixed is None or axis is None or not q or not any(axis):
         return fixed
@@ -48,7 +48,7 @@ def joint_pose(joint: JointView) -> Pose | None:
     return Pose(product(fixed.R, rotation_about(unit, q).astype(float)), fixed.p)
 
 
-def _rest(joint: JointView) -> float:
+def rest(joint: JointView) -> float:
     reach = None if joint.limit is None else joint.limit.range
     if joint.type not in ("revolute", "prismatic") or reach is None or reach[0] > reach[1]:
         return 0.0

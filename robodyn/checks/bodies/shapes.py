@@ -31,6 +31,8 @@ class Solid(NamedTuple):
 
     def placed(self, outer: Pose) -> Box:
         """Return the box along outer axes, in which the link's frame stands at a pose."""
+        if outer is STILL:
+            return self.box.placed(*self.pose)
         return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
 
 
@@ -68,6 +70,13 @@ def _primitive(geometry: GeometryView) -> Box | None:
 def box_of(shapes: Iterable[GeometryView], known: Solids, outer: Pose) -> Box | None:
     """Return the box around shapes of a link whose frame has this pose in its axes; None if one is unknown, or none."""
     return around_known([known[shape].placed(outer) if shape in known else None for shape in shapes])
+
+
+def link_boxes(context: Context) -> Mapping[str, Box | None]:
+    """Return the box around the shapes of each link that has some, along its axes; None where one is unknown."""
+    known = context.once(solids)
+    shaped = ((link.name, real_shapes(link)) for link in context.view.links)
+    return {name: box_of(shapes, known, STILL) for name, shapes in shaped if shapes}
 
 
 def around_known(boxes: Sequence[Box | None]) -> Box | None:

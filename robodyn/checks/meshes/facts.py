@@ -9,7 +9,7 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from robodyn.errors import MeshError
@@ -146,13 +146,24 @@ def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
     return dict(zip(wanted, in_threads(lambda path: _kept(path, folder), wanted), strict=True))
 
 
-def _kept(path: Path, folder: Path | None) -> MeshFacts:
-    if folder is None or path.suffix.lower() in _ELSEWHERE:
-        return mesh_facts(path)
+def digest_of(path: Path) -> str | None:
+    """Return the digest of a file's content, computed once for a file that does not change; None if it cannot be
+    read."""
     try:
-        with open(path, "rb") as stream:
-            digest = hashlib.sha256(stream.read()).hexdigest()
+        status = path.stat()
+        return _digest(path, status.st_mtime_ns, status.st_size)
     except OSError:
+        return None
+
+
+@lru_cache(maxsize=4096)
+def _digest(path: Path, changed: int, size: int) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _kept(path: Path, folder: Path | None) -> MeshFacts:
+    digest = None if folder is None or path.suffix.lower() in _ELSEWHERE else digest_of(path)
+    if folder is None or digest is None:
         return mesh_facts(path)
     key = Key(f"{digest} {path.suffix.lower()}", maker())
     store = ObjectCache(folder / "meshes" / digest[:2], _SHARD)

@@ -88,11 +88,18 @@ MASSES = (
     Plant("RD213", "kinova", "link j2s6s200_end_effector", _INERTIAL, _WRIST, "to which it is fixed, again"),
     Plant("RD213", "xarm7", "link link_eef", "/>", f">{_FLANGE}</link>", "its mass of 0.17 kg"),
 )
-PLANTS = (*LIMITS, *FITS, *TREE, *MASSES)
+_AT = r"(<origin[^>]*?)xyz=\"[^\"]*\""
+OVERLAPS = (
+    Plant("RD610", "ur5_robot", "joint elbow_joint", _AT, r'\1xyz="0 -0.1197 0"', "into link", "forearm_link"),
+    Plant("RD610", "kinova", "joint j2s6s200_joint_3", _AT, r'\1xyz="0 0 0"', "j2s6s200_link_1'", "j2s6s200_link_3"),
+    Plant("RD610", "so101", "joint elbow_flex", _AT, r'\1xyz="0 0 0"', "no neighbour of it", "lower_arm_link"),
+    Plant("RD610", "panda", "joint panda_joint6", _AT, r'\1xyz="-0.0825 0 0"', "so do", "panda_rightfinger"),
+)  # fmt: skip
+PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *OVERLAPS)
 
 
 @pytest.mark.parametrize("plant", PLANTS, ids=[f"{plant.code}-{plant.robot}-{plant.part}" for plant in PLANTS])
 def test_named_and_nothing_else(plant: Plant) -> None:
-    found = [(one.code, one.subject and one.subject.name) for one in fresh(plant)]
-    assert found == [(plant.code, plant.name)]
-    assert plant.words in fresh(plant)[0].message
+    found = fresh(plant)
+    assert [(one.code, one.subject and one.subject.name) for one in found] == [(plant.code, plant.name)]
+    assert plant.words in found[0].message

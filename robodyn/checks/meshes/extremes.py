@@ -1,0 +1,66 @@
+"""The outermost points of a mesh: what of it counts where programs take its convex hull."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from robodyn.checks.meshes.facts import digest_of, maker
+from robodyn.errors import MeshError
+from robodyn.support.cache import Key, ObjectCache, cache_folder
+from robodyn.support.floats import Floats
+
+
+def spread_out(count: int) -> Floats:
+    """Return (count, 3) directions that are spread evenly: points of a spiral around the sphere (Fibonacci)."""
+    k = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
+    across = np.sqrt(1.0 - z * z)
+    return np.stack((across * np.cos(turn), across * np.sin(turn), z), axis=1)
+
+
+_DIRECTIONS = spread_out(240)
+_SHARD = 1 << 20
+
+
+def extremes(path: Path) -> Floats | None:
+    """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
+    None where it cannot be read.
+
+    Accuracy: their hull lies in the mesh's; of a smooth body of size d it falls short of that by about d / 240.
+    """
+    folder = cache_folder() if maker() else None
+    digest = None if folder is None else digest_of(path)
+    if folder is None or digest is None:
+        return _found(path)
+    store, key = (
+        ObjectCache(folder / "meshes" / digest[:2], _SHARD),
+        Key(f"{digest} {path.suffix.lower()}", f"extremes {maker()}"),
+    )
+    data = store.get(key)
+    if data is not None:
+        return np.frombuffer(data).reshape(-1, 3)
+    points = _found(path)
+    if points is not None:
+        store.put(key, points.tobytes())
+    return points
+
+
+def _found(path: Path) -> Floats | None:
+    from robodyn.solids.mesh.read.load import load_triangles
+
+    try:
+        triangles = load_triangles(path)
+        best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
+        for block in triangles.blocks():
+            corners = np.asarray(block, float).reshape(-1, 3)
+            # BLAS will do: its last digit decides only between points that are equally far.
+            reach = corners @ _DIRECTIONS.T
+            which = reach.argmax(axis=0)
+            most = reach[which, np.arange(len(which))]
+            better = most > farthest
+            best[better], farthest[better] = corners[which[better]], most[better]
+    except MeshError:
+        return None
+    return np.unique(best * triangles.scale, axis=0)
