@@ -20,7 +20,7 @@ from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.robot.urdf.view import Subject
-from robodyn.robot.urdf.xacro import expanded
+from robodyn.robot.urdf.xacro import expanded, no_robot
 
 Source = str | os.PathLike[str] | bytes
 STDIN = "<stdin>"
@@ -171,7 +171,7 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
     expansion = expanded(path, options.package_path, dict(options.xacro_args))
     reading = read(expansion.text, (name or path) + EXPANDED)
     if reading.robot is not None and not any(part.tag in ("link", "joint") for part in reading.root.children):
-        raise NoRobotError("it defines parts and describes no robot", remedy="name the file that uses them", file=path)
+        raise no_robot(path)
     return tuple(map(Origins(reading, expansion).located, _found(reading, options)))
 
 

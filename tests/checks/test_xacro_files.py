@@ -93,9 +93,12 @@ def test_places_in_a_block_and_in_an_expression(robot: Path) -> None:
     assert places["RD503"].startswith('1" upper="-1"')
 
 
-def test_a_file_that_only_defines_parts_is_skipped(robot: Path) -> None:
-    part = str(robot.parent / "parts" / "part.xacro")
-    with pytest.warns(RobodynWarning, match=r"part\.xacro: it defines parts and describes no robot .*: skipped"):
+@pytest.mark.parametrize("needs", ["", '<xacro:include filename="$(arg folder)/none.xacro"/>'])
+def test_a_file_that_only_defines_parts_is_skipped(robot: Path, needs: str) -> None:
+    """Also one that cannot be expanded by itself."""
+    part = str(robot.parent / "parts" / "lid.xacro")
+    Path(part).write_text(MACRO.replace(HEAD, HEAD + needs))
+    with pytest.warns(RobodynWarning, match=r"lid\.xacro: it defines parts and describes no robot .*: skipped"):
         checked = check_tasks(tasks_for([part, str(robot)]))
     assert (checked.files, checked.unread) == ((str(robot),), ())
 

@@ -14,7 +14,7 @@ from contextlib import redirect_stdout, suppress
 from io import StringIO
 from typing import Any, NamedTuple
 
-from robodyn.errors import InputError
+from robodyn.errors import InputError, NoRobotError
 from robodyn.robot.urdf.packages import Search
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, shown
@@ -69,6 +69,8 @@ def expanded(path: str, package_paths: Sequence[str] = (), args: Mapping[str, st
     found = _asked(path, package_paths, given)
     if "problem" in found:
         what = found["problem"]
+        if found["parts"]:
+            raise no_robot(path)
         raise InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path)
     for name in given:
         if name not in found["arguments"]:
@@ -91,9 +93,9 @@ def _asked(*question: Any) -> dict[str, Any]:
     try:
         done = subprocess.run(call, input=asked, capture_output=True, check=False, timeout=PATIENCE)
     except subprocess.TimeoutExpired:
-        return {"problem": f"it is not done after {PATIENCE:g} s"}
+        return {"problem": f"it is not done after {PATIENCE:g} s", "parts": False}
     if done.returncode:
-        return {"problem": f"its process ended with status {done.returncode}"}
+        return {"problem": f"its process ended with status {done.returncode}", "parts": False}
     found: dict[str, Any] = json.loads(done.stdout.rpartition(_MARK.encode())[2])
     return found
 
@@ -102,7 +104,8 @@ def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> 
     """Expand a file in this process, which must have no other work.
 
     Returns:
-        `text`, `files` and `places` (see `Expansion`), and the names of its `arguments`; or a `problem`.
+        `text`, `files` and `places` (see `Expansion`), and the names of its `arguments`; or a `problem`, and whether
+        the file has nothing but `parts` of robots, which may need what those that include it define.
     """
     given = _Arguments(args)
     try:
@@ -119,8 +122,29 @@ def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> 
             places = marks.taken(document.documentElement)
             text = document.toprettyxml(indent="  ")
     except (Exception, SystemExit) as error:
-        return {"problem": " ".join(str(error).split()) or type(error).__name__}
+        problem = " ".join(str(error).split()) or type(error).__name__
+        return {"problem": problem, "parts": _only_defines(path)}
     return {"text": text, "files": marks.files, "places": places, "arguments": list(given.known)}
+
+
+def no_robot(path: str) -> NoRobotError:
+    """Return what to raise of a file that describes no robot."""
+    return NoRobotError("it defines parts and describes no robot", remedy="name the file that uses them", file=path)
+
+
+_DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
+
+
+def _only_defines(path: str) -> bool:
+    """Return whether a file has a macro, and beside definitions nothing else."""
+    from xml.dom.minidom import parse
+
+    try:
+        root: Any = parse(path).documentElement
+    except Exception:  # whatever is wrong with it is said by xacro
+        return False
+    names = {child.tagName for child in root.childNodes if child.nodeType == child.ELEMENT_NODE}
+    return "xacro:macro" in names and names <= _DEFINITIONS
 
 
 def bound_memory() -> None:
