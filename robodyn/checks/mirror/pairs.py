@@ -44,8 +44,8 @@ class Pair:
 
     @cached_property
     def part(self) -> Carried | None:
-        """What carries the left link's meshes onto the right link's, where both are made of the same."""
-        return carried(self.left, self.right)
+        """What carries the left link's shapes onto the right link's, where both are made of the same."""
+        return carried(self.left, self.right, self.D)
 
     def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
         """Return whether two joints on the links stand where the part on both sides, turned with it, has one."""

@@ -28,21 +28,35 @@ class Carried:
         return moved
 
 
-def carried(left: Link, right: Link) -> Carried | None:
+def carried(left: Link, right: Link, D: Floats) -> Carried | None:
     """Return what carries the meshes of one link onto those of the other; None unless they are the same files, placed
     alike to each other.
 
     The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision> ones
-    where there are no others.
+    where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
+    are not each other's images.
+
+    Args:
+        D: (3, 3) the reflection from the axes of the left link to those of the right.
     """
     for kind in ("visual", "collision"):
-        one, other = (
-            [shape for shape in link.geometries if (shape.kind, shape.shape) == (kind, "mesh")]
-            for link in (left, right)
-        )
+        one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
+        meshes = [[shape for shape in shapes if shape.shape == "mesh"] for shapes in (one, other)]
+        if any(meshes):
+            return _common(*meshes)
         if one or other:
-            return _common(one, other)
+            return _in_place(one, other, D)
     return None
+
+
+def _in_place(one: list[Geometry], other: list[Geometry], D: Floats) -> Carried | None:
+    if [(shape.shape, shape.size, shape.origin) for shape in one] != [
+        (shape.shape, shape.size, shape.origin) for shape in other
+    ]:
+        return None
+    places = [np.array(shape.origin.xyz) for shape in one]
+    still = all(length(product(D, place) - place) <= _SAME for place in places)
+    return None if still else Carried(np.eye(3), np.zeros(3))
 
 
 def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:

@@ -24,6 +24,6 @@ def check(context: Context) -> Faults:
         centre = f"the centre of mass, {one.shift:.3g} m away, and " if one.centre_is_copied else ""
         what = (
             f"{centre}the inertia tensor, {figure(100 * one.tensors_apart, 2)} % from its mirror image, "
-            f"{'are copies' if centre else 'is a copy'} of that of its twin {one.other}"
+            f"{'are copies of those' if centre else 'is a copy of that'} of its twin {one.other}"
         )
         yield Fault(one.inertial.entries[0].span, what, _REMEDY, one.tensors_apart, kind="a copy of its twin")

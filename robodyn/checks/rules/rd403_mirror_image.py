@@ -4,7 +4,7 @@ A reflection turns the sign of one coordinate of the centre of mass and of two p
 inertia. Copying a limb's numbers to the other side without it shifts the robot's centre of mass to one side, by
 twice the offset of the link's. The centre may be a tenth of the radius of gyration and 1 mm from the mirror image.
 Where the very same part, an actuator say, is mounted on both sides, it is no mirror image of itself: where both links
-have the same <visual> meshes (or, without any, the same <collision> meshes), what goes with these is as good. Twins are
+have the same <visual> shapes (or, without any, the same <collision> shapes), what goes with these is as good. Twins are
 found as RD401 says; where one cause explains the tensor, RD306 to RD313 name it instead, and where no body can have one
 of the two, RD204, RD206 or RD207 do.
 """

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robodyn.checks.context import Context
-from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms
+from robodyn.checks.examples import ARM_LIMIT, IMAGE, ORIGIN, ORIGIN_IMAGE, TENSOR, two_arms, two_elbows
 from robodyn.checks.mirror.names import named_pairs, row_of
 from robodyn.checks.mirror.pairs import link_inertia, pairs, reflected
 from robodyn.checks.mirror.plane import Plane
@@ -249,6 +249,25 @@ def test_the_meshes_that_are_seen_count_first() -> None:
     for side, wrong in (("left", False), ("right", True)):
         text = with_meshes(mesh.format("left"), mesh.format(side), f'{ORIGIN}<mass value="2"/>{TENSOR}')
         assert bool(codes(text)) is wrong
+
+
+def dual_arm(shape: str) -> str:
+    """One arm on both sides of a column, elbow and all; on each upper arm there is a shape."""
+    text = two_elbows("0.1 0.05 0.3")
+    text = text.replace(f'{ORIGIN_IMAGE}<mass value="2"/>{IMAGE}', f'{ORIGIN}<mass value="2"/>{TENSOR}')
+    for side in ("left", "right"):
+        text = text.replace(f'<link name="{side}_arm">', f'<link name="{side}_arm"><visual>{shape}</visual>')
+    return text
+
+
+@pytest.mark.parametrize(
+    ("place", "found"),
+    [("0 0.05 0.1", set()), ("0 0 0.1", {"RD313", "RD405"})],
+    ids=["beside the plane", "in the plane, which tells nothing"],
+)
+def test_one_arm_of_primitives_on_both_sides(place: str, found: set[str]) -> None:
+    shape = f'<origin xyz="{place}"/><geometry><cylinder radius="0.04" length="0.3"/></geometry>'
+    assert codes(dual_arm(shape)) & {"RD313", "RD403", "RD404", "RD405"} == found
 
 
 @pytest.mark.parametrize("mass", ["3", "1"])
