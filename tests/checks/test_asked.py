@@ -226,6 +226,15 @@ def test_the_command_passes_on_what_is_asked(versions: Path) -> None:
     assert (missing.status, missing.err.count("\n")) == (2, 1)
 
 
+def test_what_a_program_refuses_is_an_error_where_it_is_asked_for(tmp_path: Path) -> None:
+    file = tmp_path / "robot.urdf"
+    file.write_text(CASES["lost root"], encoding="utf-8")
+    asked = run("check", str(file), "--target", "mujoco", "--select", "RD901")
+    assert (asked.status, "error RD901" in asked.out) == (1, True)
+    unasked = run("check", str(file), "--select", "RD901")
+    assert (unasked.status, "note RD901" in unasked.out) == (0, True)
+
+
 def test_without_being_asked_only_rejections_are_told() -> None:
     assert not found(arm().encode(), "RD901", Asked())
     assert [one.message.split()[0] for one in found(CASES["massless tip"].encode(), "RD901", Asked())] == ["mujoco"]

@@ -19,5 +19,6 @@ def check(context: Context) -> Faults:
         severity = Severity.ERROR if link.mass < 0 else severity_of_zero(context, link)
         if severity is not None:
             what = f"the mass is {link.mass:g} kg, not positive"
+            what += "; MuJoCo refuses it, Gazebo drops it and what hangs on it" * (link.mass == 0)
             remedy = "write the mass of the part, or fix the link to one that has mass"
             yield Fault(link.inertial.mass.span, what, remedy, link.mass, 0.0, severity=severity)
