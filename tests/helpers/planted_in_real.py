@@ -50,13 +50,16 @@ def planted_text(text: str, part: str, old: str, new: str) -> str:
 
 
 def fresh(plant: Plant) -> list[Finding]:
-    """The findings that are there with the defect and not without it, by their code and what they are about."""
+    """The findings that are there with the defect and not without it, by their code and what they are about.
+
+    Left out is what programs make of it (RD901), which is a consequence and no other finding.
+    """
     before = Counter(map(_key, _known(plant.path)))
     found = []
     for finding in check_one(plant.text.encode(), name=str(plant.path)):
         if before[_key(finding)]:
             before[_key(finding)] -= 1
-        else:
+        elif finding.code != "RD901":
             found.append(finding)
     return found
 
