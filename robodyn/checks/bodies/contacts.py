@@ -43,6 +43,8 @@ _FIXED, _LEAST_FIXED = 0.5, 0.05
 _OTHERS, _MOST = 2, 0.9
 """Least number of other joints, which show how this robot is drawn, and the share of those that have parts which touch.
 Of 86 published robots, iCub's two oldest descriptions have less."""
+_LARGE = 60
+"""Links that fixed joints join: more than any of 86 published robots has."""
 _MILLIMETRES = 1.0
 """Entries of an origin [m] from which on they may be in mm."""
 
@@ -100,11 +102,18 @@ class Sides:
     def contact(self, joint: JointView, child: Pose | None) -> Contact | None:
         """Return the contact of a joint, the child standing at this pose in the root's frame; None where a pose or a
         shape is not known."""
-        below = [name for name in self._branch(joint) if name in self.shaped]
-        above = self._above(joint)
+        below, above = self._sides(joint)
         if child is None or not all(name in self.boxes and name in self.poses for name in (*below, *above)):
             return None
         return self._nearest(joint, below, above, child)
+
+    def _sides(self, joint: JointView) -> tuple[list[str], list[str]]:
+        """Return the links with shapes below and above; of large groups those that the joint joins, if they have any,
+        so that time grows with the links and not with their square."""
+        if max(len(self._tree.group[name].links) for name in (joint.parent, joint.child)) > _LARGE:
+            below, above = [joint.child], [joint.parent]
+            return [name for name in below if name in self.shaped], [name for name in above if name in self.shaped]
+        return [name for name in self._branch(joint) if name in self.shaped], self._above(joint)
 
     def _branch(self, joint: JointView) -> list[str]:
         names = [joint.child]
