@@ -1,9 +1,9 @@
 """DAE files have the axes that their shapes are drawn with.
 
-A COLLADA file says which of its axes points up, and programs differ: RViz, Gazebo, Pinocchio and robodyn
-keep the axes as they are in the file; others, that read it by way of Assimp or Blender, turn what is Y_UP by 90
-degrees.
-So a link that stands upright in one program lies down in another.
+A COLLADA file says which of its axes points up. Pinocchio 4.1, trimesh 4, yourdfpy (all run on one box)
+and robodyn keep the axes as they are in the file, as RViz and Gazebo do; Blender and other editors turn what is Y_UP by
+90 degrees. So a link that stands upright in the editor lies down in the simulator. The examples stand beside the meshes
+that they name.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ def check(context: Context) -> Faults:
     if turned:
         first = turned[0]
         more = f" (and {count(len(turned) - 1, 'more mesh', 'more meshes')})" if turned[1:] else ""
-        what = f"the mesh {shown_path(first.uri)} says that its {_up(first)} points up{more}: some programs turn it"
-        yield Fault(first.uses[0].at, what, "export it with Z up", subject=None)
+        what = f"the mesh {shown_path(first.uri)} says that its {_up(first)} points up{more}: editors turn it"
+        remedy = "programs for robots do not: export it with Z up"
+        yield Fault(first.uses[0].at, what, remedy, subject=None)
 
 
 def _up(name: MeshName) -> str | None:
