@@ -93,8 +93,8 @@ BAD: dict[str, tuple[str | bytes, int, tuple[str, ...]]] = {
     "a unit": (inertial("<mass value='2kg'/>" + INERTIA), 4, ("not a number", "2kg")),
     "underscore": (inertial("<mass value='1_000'/>" + INERTIA), 4, ("not a number", "1_000")),
     "hexadecimal": (inertial("<mass value='0x10'/>" + INERTIA), 4, ("not a number", "0x10")),
-    "other digits": (inertial("<mass value='\u0661'/>" + INERTIA), 4, ("not a number",)),
-    "hard blank": (arm(joint("<axis xyz='0 0\u00a01'/>")), 3, ("not a number",)),
+    "other digits": (inertial("<mass value='\u0661'/>" + INERTIA), 4, ("U+0661", "write ASCII")),
+    "hard blank": (arm(joint("<axis xyz='0 0\u00a01'/>")), 3, ("no-break space", "U+00A0")),
     "number in a later line of the tag": (arm(joint("<limit\nlower='0'\nupper='x'/>")), 5, ("'upper'", "'x'")),
     # links
     "no mass": (inertial(INERTIA), 3, ("<inertial> of link 'a'", "no <mass>")),
