@@ -114,19 +114,12 @@ def outside(box: Box, point: Floats) -> float:
     return length(np.maximum(np.maximum(box.lo - point, point - box.hi), 0.0))
 
 
-def own_box(link: LinkView, R: Floats) -> Box | None:
+def own_box(context: Context, link: LinkView, R: Floats) -> Box | None:
     """Return the box around a link's shapes along the axes R (3, 3) of its frame, about its origin [m].
 
-    None where a mesh or nothing is there. A primitive is bounded by the box around it in its own axes, which is exact
-    for boxes.
+    None where one is not known, or there is none.
     """
-    boxes: list[Box | None] = []
-    for geometry in link.geometries:
-        where, half = pose(geometry.origin), _half_size(geometry)
-        if where is None or half is None:
-            return None
-        boxes.append(Solid(Box(-half, half), where).placed(Pose(R.T, np.zeros(3))))
-    return around_known(boxes)
+    return box_of(real_shapes(link), context.once(solids), Pose(R.T, np.zeros(3)))
 
 
 def _half_size(geometry: GeometryView) -> Floats | None:

@@ -4,17 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import Tensor, nearest, pose
-from robodyn.checks.causes.evidence import SAME, UPPER, Evidence, Symptom, apart, evidence_of
-from robodyn.checks.causes.forms import FORMS, Given, Proposal
+from robodyn.checks.bodies.masses import Tensor, nearest
+from robodyn.checks.bodies.weighed import given, weighed
+from robodyn.checks.causes.evidence import SAME, Evidence, Symptom, apart, evidence_of
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import length
+from robodyn.robot.masses.slips import (
+    COPIED,
+    NINE,
+    UPPER,
+    Given,
+    Slip,
+    copied,
+    corrections,
+    nine_as_six,
+    tensors,
+)
+from robodyn.robot.masses.weighing import Weighed, one_of
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.floats import Floats
@@ -22,12 +33,11 @@ from robodyn.support.wording import figure
 
 _DIGITS = 12
 
-TELLS = {
-    Symptom.IMPOSSIBLE: frozenset({"RD306", "RD308", "RD310", "RD311", "RD312"}),
-    Symptom.TOO_LARGE: frozenset({"RD307", "RD308", "RD309", "RD312"}),
-    Symptom.NO_IMAGE: frozenset(FORMS),
-}
-"""The causes that a symptom tells from each other; with a twin to believe, every symptom tells all."""
+_HIDDEN = frozenset({"RD307", "RD309", "RD313"})
+"""The causes that leave a tensor possible."""
+_MOST_LISTED = 4
+_ALONE = 0.8
+"""Of the probability of a cause: the share of one correction that is the only one."""
 
 ONE_SIDED = frozenset({"RD307", "RD308", "RD309"})
 """The causes of which it is plain which one of two twins is wrong."""
@@ -55,11 +65,11 @@ class Cause:
 def causes(context: Context) -> Mapping[str, Cause]:
     """Return by link the cause of its wrong tensor where there is exactly one. From stage DOCUMENT on.
 
-    A tensor is wrong if no body can have it, if it is too large for the link's shapes (where all are primitives), or if
-    it is more than 10 % from the mirror image of its twin's. A cause explains it if its correction alone is physical,
-    within the shapes, and within 2 % of the twin's mirror image; the twin counts only where it is physical itself. Two
-    causes or two corrections that explain it explain nothing, but that a copy of the twin also has wrong signs, and
-    that several orders of the entries are one cause without a correction.
+    The link's own shapes name it (see `robodyn.robot.masses.weighing`), or else its mirror twin: the tensor is more
+    than 10 % from the mirror image of the twin's, and one correction alone is possible, within the link's shapes, and
+    within 2 % of that image. The twin counts only where it is possible itself, and its shapes blame nothing on it. Two
+    corrections that explain it explain nothing, but that a copy of the twin also has wrong signs, and that several
+    orders of the entries are one cause without a correction.
     """
     twins = {pair.right.name: pair for pair in context.once(pairs)}
     found = {}
@@ -73,18 +83,32 @@ def causes(context: Context) -> Mapping[str, Cause]:
 def explained(context: Context, fault: Fault, link: LinkView) -> Fault:
     """Return the fault of a link's tensor that no body has, with its cause and the fix for it.
 
-    Where nothing explains it, the fix is the nearest that a body can have.
+    Where nothing explains it alone, it is said what may, and the fix is the nearest that a body can have, unless that
+    goes beyond the link's shapes.
     """
     cause = context.once(causes).get(link.name)
     if cause is not None:
         return replace(fault, cause=f"{cause.what} ({cause.code})", fix=cause.fix)
-    given = _given(link)
-    near = None if given is None else nearest(given.tensor)
-    if given is None or near is None:
+    said = given(link)
+    if said is None:
         return fault
-    change = float(length(near - given.tensor) / length(given.tensor))
+    evidence, said = evidence_of(context, link, said, None)
+    fault = replace(fault, cause=_may_be(context, link, said, evidence))
+    near = nearest(said.tensor)
+    if near is None or not evidence.allows(near, said.tensor):
+        return fault
+    change = float(length(near - said.tensor) / length(said.tensor))
     what = f"the nearest one that a body can have, {figure(100 * change, 2)} % away"
-    return replace(fault, fix=_fix(link, _entries(near, given), what))
+    return replace(fault, fix=_fix(link, _entries(near, said), what))
+
+
+def _may_be(context: Context, link: LinkView, said: Given, evidence: Evidence) -> str | None:
+    """Return what may explain a tensor that no body has: by its shapes, or else whatever makes it possible."""
+    verdict = _weighed(context).get(link.name)
+    if verdict is not None:
+        return one_of([one.what for one in verdict.causes])
+    found = [slip for slip, _ in _explained(said, evidence) if slip.code not in _HIDDEN]
+    return one_of([slip.what for slip in found]) if len(found) <= _MOST_LISTED else None
 
 
 def faults(context: Context, code: str) -> Iterator[Fault]:
@@ -100,10 +124,10 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
 
 
 def _remedy(cause: Cause) -> str:
-    if cause.code == "RD310" and cause.tensor is None:
-        return "write the entries in URDF's order, ixx ixy ixz iyy iyz izz"
-    if cause.tensor is None:
+    if cause.code == "RD313":
         return "write its mirror image, or allow it where the same part is mounted on both sides"
+    if cause.tensor is None:
+        return "write the entries in URDF's order, ixx ixy ixz iyy iyz izz, about the centre of mass"
     return ("write " if cause.fix else "correct its twin or write ") + " ".join(
         f'{name}="{value:.6g}"' for name, value in zip(INERTIA, cause.tensor, strict=True)
     )
@@ -115,61 +139,85 @@ def _first_changed(link: LinkView, cause: Cause) -> int:
     return next((k for k in range(6) if cause.tensor[k] != link.tensor[k]), 0)
 
 
+def _weighed(context: Context) -> Mapping[str, Weighed]:
+    return {} if context.tree_or_none is None else context.once(weighed)
+
+
 def _cause(context: Context, link: LinkView, twin: Pair | None) -> Cause | None:
-    given = _given(link)
-    if given is None:
+    said = given(link)
+    if said is None:
         return None
-    evidence, given = evidence_of(context, link, given, twin)
-    symptom = evidence.symptom(given.tensor)
-    if symptom is None:
+    verdicts = _weighed(context)
+    verdict = verdicts.get(link.name)
+    if verdict is not None and verdict.units:
         return None
-    explained = _explained(given, evidence, symptom)
-    if len(explained) > 1 and {code for code, _ in explained} == {"RD310"}:
-        explained = [("RD310", Proposal(" or ".join(proposal.what for _, proposal in explained), None))]
+    if twin is not None and twin.left.name in verdicts and verdicts[twin.left.name].named:
+        twin = None
+    evidence, said = evidence_of(context, link, said, twin)
+    if verdict is not None and verdict.named:
+        return _by_shapes(link, said, evidence, verdict)
+    symptom = evidence.symptom(said.tensor)
+    if symptom is Symptom.IMPOSSIBLE and nine_as_six(said):
+        return Cause("RD310", NINE, None, None, physical=False)
+    if symptom is None or evidence.image is None:
+        return None
+    return _by_twin(link, said, evidence, symptom)
+
+
+def _by_shapes(link: LinkView, said: Given, evidence: Evidence, verdict: Weighed) -> Cause:
+    """Return the cause that the shapes name, with its correction if there is one only."""
+    first = verdict.named[0]
+    alike = [one for one in verdict.named if _same(one.I, first.I)]
+    share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
+    physical = evidence.possible(said.tensor)
+    shown = (
+        f"corrected, it is {figure(100 * first.apart, 2)} % from the inertia of the link's shapes, as it stands "
+        f"{figure(100 * verdict.apart, 2)} %"
+    )
+    if share < _ALONE:
+        return Cause(first.code, f"{' or '.join(one.what for one in verdict.named)}: {shown}", None, None, physical)
+    tensor, what = _entries(first.I, said), f"{first.what}: {shown}"
+    allowed = evidence.possible(first.I) and evidence.allows(first.I, said.tensor)
+    return Cause(first.code, what, tensor, _fix(link, tensor, first.what) if allowed else None, physical)
+
+
+def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) -> Cause | None:
+    """Return the cause that the mirror twin names."""
+    physical = symptom is not Symptom.IMPOSSIBLE
+    if physical and copied(said):
+        return Cause("RD313", COPIED, None, None, physical)
+    explained = _explained(said, evidence)
+    if len(explained) > 1 and {slip.code for slip, _ in explained} == {"RD310"}:
+        return Cause("RD310", " or ".join(slip.what for slip, _ in explained), None, None, physical)
     if len(explained) != 1:
         return None
-    code, proposal = explained[0]
-    tensor = None if proposal.I is None else _entries(proposal.I, given)
-    what = proposal.what if tensor is None else f"{proposal.what}: {symptom.value}"
-    either = symptom is Symptom.NO_IMAGE and code not in ONE_SIDED
-    fix = None if either else _fix(link, tensor, proposal.what)
-    return Cause(code, what, tensor, fix, symptom is not Symptom.IMPOSSIBLE)
+    ((slip, I),) = explained
+    tensor = _entries(I, said)
+    either = physical and slip.code not in ONE_SIDED
+    fix = None if either else _fix(link, tensor, slip.what)
+    return Cause(slip.code, f"{slip.what}: {symptom.value}", tensor, fix, physical)
 
 
-def _explained(given: Given, evidence: Evidence, symptom: Symptom) -> list[tuple[str, Proposal]]:
-    """Return the causes that explain the tensor, each with its correction."""
-    possible = TELLS[symptom if evidence.image is None else Symptom.NO_IMAGE]
-    explained: list[tuple[str, Proposal]] = []
-    for code in sorted(possible, reverse=True):
-        kept: list[Proposal] = []
-        for proposal in FORMS[code](given):
-            if proposal.I is None:
-                if symptom is (Symptom.NO_IMAGE if code == "RD313" else Symptom.IMPOSSIBLE):
-                    return [(code, proposal)]
-            elif evidence.explains(proposal.I) and not any(_same(proposal, other) for other in kept):
-                kept.append(proposal)
-        explained += [(code, proposal) for proposal in kept]
-    return explained
+def _explained(said: Given, evidence: Evidence) -> list[tuple[Slip, Floats]]:
+    """Return the slips that explain the tensor, each with its correction; of one kind and correction the first."""
+    kept: list[tuple[Slip, Floats]] = []
+    slips, entries = corrections(said)
+    for slip, I in zip(slips, tensors(entries), strict=True):
+        asked = slip.common or evidence.image is not None
+        if asked and evidence.explains(I) and not any(slip.code == other.code and _same(I, J) for other, J in kept):
+            kept.append((slip, I))
+    return kept
 
 
-def _given(link: LinkView) -> Given | None:
-    if link.inertial is None or link.tensor is None or not link.mass or link.mass < 0 or not any(link.tensor):
-        return None
-    placed = pose(link.inertial.origin)
-    if placed is None or not all(map(isfinite, link.tensor)):
-        return None
-    return Given(link.mass, product(placed.R.T, placed.p), placed.R, link.tensor)
+def _same(one: Floats, other: Floats) -> bool:
+    return apart(one, other) <= SAME
 
 
-def _same(one: Proposal, other: Proposal) -> bool:
-    return one.I is not None and other.I is not None and apart(one.I, other.I) <= SAME
-
-
-def _entries(I: Floats, given: Given) -> Tensor:
+def _entries(I: Floats, said: Given) -> Tensor:
     """Return the six entries to the digits that are known, and as they stand where they do not change."""
     size = float(np.abs(I).max())
     values = []
-    for value, old in zip(I[UPPER].tolist(), given.entries, strict=True):
+    for value, old in zip(I[UPPER].tolist(), said.entries, strict=True):
         rounded = 0.0 if abs(value) < 1e-15 * size else float(f"{value:.{_DIGITS}g}")
         values.append(old if abs(value - old) <= 1e-15 * size else rounded)
     return tuple(values)

@@ -10,10 +10,10 @@ import numpy as np
 
 from robodyn.checks.bodies.masses import principal_moments
 from robodyn.checks.bodies.shapes import own_box
-from robodyn.checks.causes.forms import Given
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, reflected
 from robodyn.programs.vectors import product
+from robodyn.robot.masses.slips import UPPER, Given
 from robodyn.robot.urdf.view import LinkView
 from robodyn.solids.inertia.laws import second_moments
 from robodyn.support.floats import Floats
@@ -22,18 +22,15 @@ DIFFERENT = 0.10
 """How far a tensor may be from its twin's mirror image before something is wrong, relative to its largest entry."""
 SAME = 0.02
 """How near a correction must come to the twin's mirror image."""
-BEYOND = 1.05
-"""A second moment this many times the most that the link's shapes allow is wrong."""
+_BEYOND = 1.05
+"""A second moment this many times the most that the link's shapes allow is beyond them."""
 _MARGIN = 1e-9
-UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
-"""Where ixx, ixy, ixz, iyy, iyz, izz are in the matrix."""
 
 
 class Symptom(Enum):
     """How a wrong tensor shows, and what shows that a correction is right."""
 
     IMPOSSIBLE = "no body can have this tensor, but one can have the corrected one"
-    TOO_LARGE = "the tensor is too large for the link's shapes; corrected, it fits"
     NO_IMAGE = "corrected, it is the mirror image of its twin's"
 
 
@@ -44,7 +41,8 @@ class Evidence:
     Attributes:
         possible: whether a body can have a tensor, by the thresholds of RD206 and RD207.
         image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
-        most: (3,) the most that the second moments can be inside the link's shapes; None where it is not known.
+        most: (3,) the most that the second moments can be in the box around the link's shapes; None where a shape of
+            it is not known.
     """
 
     possible: Callable[[Floats], bool]
@@ -55,8 +53,6 @@ class Evidence:
         """Return what is wrong with the tensor; None if nothing is seen."""
         if not self.possible(I):
             return Symptom.IMPOSSIBLE
-        if self.most is not None and (_second(I) > BEYOND * self.most).any():
-            return Symptom.TOO_LARGE
         if self.image is not None and apart(I, self.image) > DIFFERENT:
             return Symptom.NO_IMAGE
         return None
@@ -65,7 +61,15 @@ class Evidence:
         """Return whether nothing is left to explain about a corrected tensor."""
         if self.image is not None and apart(I, self.image) > SAME:
             return False
-        return self.possible(I) and (self.most is None or bool((_second(I) <= self.most).all()))
+        return self.possible(I) and self.allows(I)
+
+    def allows(self, I: Floats, now: Floats | None = None) -> bool:
+        """Return whether mass inside the link's shapes may have a tensor; or one that goes no farther beyond them than
+        it does now."""
+        if self.most is None:
+            return True
+        most = _BEYOND * self.most if now is None else np.maximum(_BEYOND * self.most, _second(now))
+        return bool((_second(I) <= most).all())
 
 
 def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | None) -> tuple[Evidence, Given]:
@@ -78,7 +82,7 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
         small, middle, large = principal_moments(tuple(I[UPPER].tolist()))
         return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
 
-    evidence = Evidence(possible, most=_most(link, given))
+    evidence = Evidence(possible, most=_most(context, link, given))
     if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
         return evidence, given
     _, I = reflected(twin, twin.left.inertial)
@@ -89,13 +93,13 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
     return replace(evidence, image=scale * image), replace(given, copy=copy)
 
 
-def _most(link: LinkView, given: Given) -> Floats | None:
-    """Return m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis of the inertial."""
-    box = own_box(link, given.R)
+def _most(context: Context, link: LinkView, given: Given) -> Floats | None:
+    """Return m (hi - c)(c - lo), the bound of Bhatia and Davis along each axis; 0 of a centre that is outside."""
+    box = own_box(context, link, given.R)
     if box is None:
         return None
-    reach = (box.hi - given.c) * (given.c - box.lo)
-    return given.mass * reach if (reach > 0).all() else None
+    most: Floats = given.mass * np.maximum(box.hi - given.c, 0.0) * np.maximum(given.c - box.lo, 0.0)
+    return most
 
 
 def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:

@@ -11,11 +11,18 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from robodyn.errors import MeshError
 from robodyn.support.cache import Key, ObjectCache, cache_folder
+from robodyn.support.floats import Floats
 from robodyn.support.libraries import code_digest
 from robodyn.support.threads import in_threads
+
+if TYPE_CHECKING:
+    from robodyn.solids.mesh.integrate.integrals import Integrals
 
 _NOT_FINITE = "coordinates must be finite"
 _LARGEST = 400_000
@@ -34,6 +41,8 @@ class MeshFacts:
         triangles: how many.
         lo, hi: corners of its box [m].
         volume: signed integral [m^3]; meaningless unless closed.
+        centre: of that volume [m]; second: xx, xy, xz, yy, yz, zz of its second moments about the centre, by the volume
+            [m^2]; zeros where there is no volume.
         closed: whether the surface has no boundary; mixed: whether it has one by the winding of its faces alone.
         inverted: shells wound inwards without being a cavity in another.
         overlapping: whether two shells share volume.
@@ -50,6 +59,8 @@ class MeshFacts:
     lo: tuple[float, ...] = (0.0, 0.0, 0.0)
     hi: tuple[float, ...] = (0.0, 0.0, 0.0)
     volume: float = 0.0
+    centre: tuple[float, ...] = (0.0,) * 3
+    second: tuple[float, ...] = (0.0,) * 6
     closed: bool = False
     mixed: bool = False
     inverted: int = 0
@@ -67,8 +78,8 @@ class MeshFacts:
     def loads(cls, data: bytes) -> MeshFacts | None:
         """Return what `dumps` wrote; None of anything else."""
         try:
-            values = json.loads(data)
-            return cls(**{**values, "lo": tuple(values["lo"]), "hi": tuple(values["hi"])})
+            values: dict[str, Any] = json.loads(data)
+            return cls(**{**values, **{name: tuple(values[name]) for name in ("lo", "hi", "centre", "second")}})
         except (ValueError, TypeError, KeyError):
             return None
 
@@ -103,11 +114,14 @@ def mesh_facts(path: Path) -> MeshFacts:
         remedy = "export it again" if error.remedy is None or "--" in error.remedy else error.remedy
         return MeshFacts(error.what, remedy, error.remedy != _NOT_FINITE)
     scale = triangles.scale
+    centre, second = _spread(integrals)
     return MeshFacts(
         triangles=integrals.count,
         lo=tuple((integrals.lo * scale).tolist()),
         hi=tuple((integrals.hi * scale).tolist()),
         volume=integrals.volume * scale**3,
+        centre=tuple((centre * scale).tolist()),
+        second=tuple((second * scale**2).tolist()),
         closed=edges.closed,
         mixed=edges.mixed,
         inverted=inverted,
@@ -118,6 +132,19 @@ def mesh_facts(path: Path) -> MeshFacts:
         missing=0.0 if open_by is None else open_by.missing,
         doubt="; ".join(triangles.warnings),
     )
+
+
+def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
+    """Return the centre and the six second moments about it, by the volume."""
+    if not integrals.volume:
+        return np.zeros(3), np.zeros(6)
+    with np.errstate(all="ignore"):
+        offset = integrals.first / integrals.volume
+        second = integrals.S / integrals.volume - np.outer(offset, offset)
+        centre = integrals.reference + offset
+    if not (np.isfinite(centre).all() and np.isfinite(second).all()):
+        return np.zeros(3), np.zeros(6)
+    return centre, second[np.triu_indices(3)]
 
 
 _SHARD = 1 << 20

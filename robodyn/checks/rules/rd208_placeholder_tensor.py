@@ -1,18 +1,24 @@
 """The inertia is that of the part, not a stand-in.
 
 The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of
-another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m.
+another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m. Numbers
+within 5 % of the inertia of the link's own shapes, as those of a solid ball may be, are no stand-in.
 """
 
 from math import isclose, log10
 
 from robodyn.checks.bodies.masses import tensors
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.bodies.weighed import given
 from robodyn.checks.examples import INERTIA, inertia, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
+from robodyn.robot.masses.weighing import apart
 from robodyn.robot.urdf.view import LinkView
 
 _FRACTION = 0.01
 """Of the mass of its rigid group; a placeholder on less than this is a remark."""
+
+_NEAR = 0.05
 
 
 @rule(
@@ -32,10 +38,16 @@ def check(context: Context) -> Faults:
             pattern = (
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )
-        if pattern is not None:
+        if pattern is not None and not _is_the_shape_s(context, link):
             what = f"the inertia looks like a placeholder: {pattern}"
             remedy = "write the inertia of the part; robodyn inertia computes it from its mesh"
             yield Fault(inertial.entries[0].span, what, remedy, measured=tensor[0], severity=_severity(context, link))
+
+
+def _is_the_shape_s(context: Context, link: LinkView) -> bool:
+    """Return whether the tensor is that of the uniform solid that the link's shapes are."""
+    said, shape = given(link), context.once(shaped).get(link.name)
+    return said is not None and shape is not None and apart(said.tensor, said.mass, shape.solid.along(said.R)) <= _NEAR
 
 
 def _pattern(tensor: tuple[float, ...]) -> str | None:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.checks.bodies.bodies import Body
-from robodyn.checks.bodies.unit_slips import judged
+from robodyn.checks.bodies.weighed import judged, suspected
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.solids.inertia.validity import Box
@@ -33,7 +33,7 @@ def check(context: Context) -> Faults:
     for body in judged(context):
         fault = _beyond_reach(body) or _beyond_box(body)
         if fault is not None:
-            yield fault
+            yield replace(fault, cause=suspected(context, body))
 
 
 def _beyond_reach(body: Body) -> Fault | None:

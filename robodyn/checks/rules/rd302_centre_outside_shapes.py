@@ -8,7 +8,7 @@ fixed. Where the mesh of a shape is not known the group is not judged.
 """
 
 from robodyn.checks.bodies.shapes import outside, size_of
-from robodyn.checks.bodies.unit_slips import judged
+from robodyn.checks.bodies.weighed import judged, suspected
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
@@ -18,7 +18,7 @@ _OFF = 0.05
 
 @rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=('"0 0 0.12"', '"0 0 0.5"'))
 def check(context: Context) -> Faults:
-    for body in judged(context):
+    for body in judged(context, tensors=False):
         if body.group is None:
             continue
         away, size = outside(body.group, body.in_group[0]), size_of(body.group)
@@ -30,4 +30,5 @@ def check(context: Context) -> Faults:
         remedy = "check the unit (m), the signs, and that it is in the link's frame, not the mesh's or the world's"
         at = body.inertial.element.span if origin.element is None else origin.xyz.span
         severity = Severity.ERROR if away > size and moves else Severity.WARNING
-        yield Fault(at, what, remedy, away, size, severity=severity)
+        cause = suspected(context, body, centre=True)
+        yield Fault(at, what, remedy, away, size, severity=severity, cause=cause)

@@ -8,7 +8,7 @@ steel that fills it has 7850. Links of published robots have 390 to 1200. The ba
 
 from robodyn.checks.bodies.masses import link_poses
 from robodyn.checks.bodies.shapes import around_known, box_of, real_shapes, solids
-from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.bodies.weighed import weighed
 from robodyn.checks.examples import a_shaped_link, inertia
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
@@ -18,7 +18,7 @@ from robodyn.support.wording import figure
 
 @rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=a_shaped_link("90", inertia("0.3 0 0 0.32 0 0.1")))
 def check(context: Context) -> Faults:
-    limits, explained = context.thresholds, context.once(slips)
+    limits, explained = context.thresholds, {name for name, one in context.once(weighed).items() if one.units}
     for group in context.tree.groups:
         if not group.mass or group.mass < limits.least_mass or any(link.name in explained for link in group.links):
             continue

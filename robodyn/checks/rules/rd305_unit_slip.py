@@ -1,27 +1,57 @@
 """Mass, inertia and centre of mass are in kg, kg m^2 and m.
 
-One factor between units explains what does not fit the shapes: a mass that is 1000 or 1e6 times that
-of a usual density, beyond any solid, with an inertia that fits one of the two; an inertia that is 1e3, 1e6 or 1e9 times
-larger or smaller than that of the solid box around the shapes, in all three axes, where the density is usual (near
-multiples of the identity are made up, not in other units); a centre of mass beyond one size of the shapes that lies in
-them when it is divided by 1000 or 25.4. RD301 to RD304 are silent about such a link.
+One unit, or one system of units, explains what does not fit the shapes: g, mg, lb or t for kg, mm, cm or in for m,
+and all their products for kg m^2, in one of the three quantities or in several. The link is weighed by the uniform
+solid that its own shapes are (visual ones, or else collision shapes): by density, centre, size and form. A unit is
+named where it is nine times as probable as everything else together, among which is any factor that belongs to no unit;
+otherwise the candidates are listed in a warning. Tensors near a multiple of the identity and round numbers are made up,
+not in other units. RD301 to RD304 are silent about such a link.
 """
 
 from robodyn.checks.bodies.bodies import Body, bodies
-from robodyn.checks.bodies.unit_slips import slips
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.bodies.weighed import weighed
+from robodyn.checks.context import Context
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
-from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
+from robodyn.checks.rule import Fault, Faults, Severity, Stage, rule
+from robodyn.robot.masses.units import QUANTITIES
+from robodyn.robot.masses.weighing import Cause, Weighed, one_of
 from robodyn.robot.urdf.elements import Span
+from robodyn.support.wording import figure
 
 
 @rule(Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200")))
 def check(context: Context) -> Faults:
-    known = context.once(bodies)
-    for name, slip in context.once(slips).items():
-        by = f"divide it by {slip.factor:g}" if slip.factor > 1 else f"multiply it by {1 / slip.factor:g}"
-        what = slip.sentence
-        remedy = f"{by} if that is so"
-        yield Fault(_place(known[name], slip.what), what, remedy, slip.factor, 1.0, subject=known[name].link.subject)
+    for name, verdict in context.once(weighed).items():
+        if verdict.units:
+            yield _fault(context, context.once(bodies)[name], verdict)
+
+
+def _fault(context: Context, body: Body, verdict: Weighed) -> Fault:
+    first = (verdict.named or verdict.either)[0]
+    assert first.units is not None, "it is one of units"
+    which = first.units.wrong[0]
+    factor = first.units.factors[which]
+    at = _place(body, QUANTITIES[which])
+    if not verdict.named:
+        what = one_of([one.what for one in verdict.either]) or ""
+        remedy = "see which it is, and correct it"
+        return Fault(at, what, remedy, factor, 1.0, severity=Severity.WARNING, subject=body.link.subject)
+    what = f"{first.what} {_shown(context, body, first)}"
+    remedy = " and ".join(_undone(QUANTITIES[k], first.units.factors[k]) for k in first.units.wrong)
+    return Fault(at, what, f"{remedy} if that is so", factor, 1.0, subject=body.link.subject)
+
+
+def _shown(context: Context, body: Body, cause: Cause) -> str:
+    """Return how well what was meant fits."""
+    solid = context.once(shaped)[body.link.name].solid
+    apart = 100.0 * cause.apart
+    return f"(then {figure(cause.mass / solid.volume)} kg/m^3, and an inertia {figure(apart, 2)} % from the shapes')"
+
+
+def _undone(what: str, factor: float) -> str:
+    by = f"divide the {what} by {factor:g}" if factor > 1 else f"multiply the {what} by {1 / factor:g}"
+    return by
 
 
 def _place(body: Body, what: str) -> Span:

@@ -2,7 +2,8 @@
 
 URDF wants the tensor about the centre of mass, where the origin of <inertial> is. About the
 link's origin it is larger by m (|c|^2 1 - c c^T), the term of the parallel axis theorem. Such a tensor is physical,
-and so it takes the link's shapes (where all are primitives) or its mirror twin to see it.
+and so it takes the link's shapes or its mirror twin to see it: corrected, it is within 20 % of the inertia of the
+uniform solid that the shapes are, and twice as near as it stands.
 """
 
 from robodyn.checks.causes.causes import faults

@@ -3,7 +3,7 @@
 A tensor that is about the centre of mass already becomes too small, and often impossible, where m
 (|c|^2 1 - c c^T) is subtracted from it, and too large where the term is added twice. RD206 and RD207 name the cause
 of tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin or
-its shapes.
+its shapes. That adding the term makes a tensor possible is no evidence: the shapes or the twin have to agree.
 """
 
 from robodyn.checks.causes.causes import faults

@@ -1,8 +1,8 @@
 """The tensor is in the axes of its <origin>.
 
 Where <origin> in <inertial> has an rpy, the tensor is in the axes turned by it. A tensor in the
-link's axes is right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes (where
-all are primitives) or its mirror twin to see it.
+link's axes is right with rpy 0 only. Its principal moments are right either way: it takes the link's shapes or
+its mirror twin to see it.
 """
 
 from robodyn.checks.causes.causes import faults

@@ -1,7 +1,7 @@
 """No entry is off by a power of ten.
 
 A slip of the exponent in one entry. Without a twin to compare with, only a moment can be told
-from others, and only where one entry and one power of ten make the tensor possible. RD206 and RD207 name the cause
+from others, by the link's shapes. RD206 and RD207 name the cause
 of tensors that no body has; this rule reports those that a body could have, but not this link, by its mirror twin or
 its shapes.
 """

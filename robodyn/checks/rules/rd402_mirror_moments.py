@@ -19,7 +19,8 @@ of the tensors, RD204, RD206 or RD207 do.""",
 )
 def check(context: Context) -> Faults:
     for one in context.once(twins):
-        if one.moments_apart <= MOMENTS or not one.real or one.link.name in context.once(causes):
+        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
+        if one.moments_apart <= MOMENTS or not one.real or explained:
             continue
         left, right = ((mass * moments).tolist() for mass, moments in zip(one.masses, one.moments, strict=True))
         what = (

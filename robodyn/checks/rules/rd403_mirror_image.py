@@ -26,7 +26,8 @@ def check(context: Context) -> Faults:
         reported = cause is not None and cause.code == "RD313" and one.centre_is_copied
         if one.shift > one.most_shift and not reported:
             yield _centre(one)
-        if cause is None and one.tensors_apart > MOMENTS >= one.moments_apart and one.real:
+        explained = {one.link.name, one.pair.left.name} & context.once(causes).keys()
+        if not explained and one.tensors_apart > MOMENTS >= one.moments_apart and one.real:
             what = (
                 f"the inertia tensor is {figure(100 * one.tensors_apart, 2)} % from the mirror image of that of "
                 f"{one.other}, although their principal moments agree"

@@ -9,19 +9,22 @@ from pathlib import Path
 import numpy as np
 
 from robodyn.errors import InputError, MeshError, RobodynError
-from robodyn.programs.vectors import ZERO, length
+from robodyn.programs.vectors import length, product
+from robodyn.robot.joints import placement
 from robodyn.robot.masses.declared import LinkInertia, declared
+from robodyn.robot.masses.likeness import Uniform
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
+from robodyn.robot.masses.slips import Given
+from robodyn.robot.masses.weighing import one_of, weigh
 from robodyn.robot.urdf.geometry import Shape, link_shapes
-from robodyn.robot.urdf.parts import Description, Kind, Link
+from robodyn.robot.urdf.parts import Description, Inertial, Kind, Link
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED, box_bound
-from robodyn.support.floats import Floats, first_largest, ranked
+from robodyn.support.floats import Floats, ranked
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""
-_MUCH, _AGREES = 0.1, 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +123,7 @@ def _compared(
 ) -> LinkComparison:
     given = declared(link)
     difference, reason = None, None
-    if given is None:
+    if given is None or link.inertial is None:
         reason = "no <inertial>"
     elif not shapes:
         reason = f"no <{kind}> shape"
@@ -128,7 +131,7 @@ def _compared(
         reason = f"a mass of {given.body.mass:g} kg"
     else:
         try:
-            difference = _difference(given.body, shapes_inertia(description, shapes, meshes))
+            difference = _difference(given.body, link.inertial, shapes_inertia(description, shapes, meshes))
         except RobodynError as error:
             reason = _reason(error)
     return LinkComparison(link.name, link.line, shapes, given, difference, reason)
@@ -141,7 +144,7 @@ def _reason(error: RobodynError) -> str:
     return error.what
 
 
-def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
+def _difference(given: MassProperties, inertial: Inertial, shapes: ShapesInertia) -> Difference:
     body = shapes.body.scaled_to_mass(given.mass)
     if not (body.principal.moments > 0).all():
         raise InputError("the shapes are too small for floats")
@@ -158,7 +161,7 @@ def _difference(given: MassProperties, shapes: ShapesInertia) -> Difference:
         ratios=ratios,
         inertia=apart,
         room=box_bound(given, *shapes.box).worst,
-        slip=slip(given.inertia, body),
+        slip=slip(inertial, shapes.body),
         shapes=shapes,
     )
 
@@ -168,26 +171,23 @@ def relative(I: Floats, right: Floats) -> float:
     return float(length(I - right) / length(right))
 
 
-def slip(given: Floats, right: MassProperties) -> tuple[str, ...]:
-    """Return the slip that explains a declared inertia matrix [kg m^2], in words, if one does: at most one.
+def slip(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
+    """Return the slip that explains a declared inertial, in words, or those of which one does; at most one remark.
 
-    A slip explains it if it leaves a difference of at most 5 %, and a tenth of that without it. Known are products of
-    inertia with the opposite sign, a matrix about the origin of the link's frame in place of the centre of mass, and a
-    factor of a power of ten, as a wrong unit leaves.
+    See `robodyn.robot.masses.weighing`.
+
+    Args:
+        inertial: of positive mass.
+        shapes: of one density, in the link's frame.
     """
-    own, size = right.inertia, length(given)
-    apart = relative(given, own)
-    if apart <= _AGREES:
+    R, p = placement(inertial.origin)
+    if not any(inertial.inertia) or not shapes.volume:
         return ()
-    mirrored = 2 * np.diag(np.diagonal(own)) - own
-    power = 10.0 ** round(np.log10(size / length(own))) if size else 1.0
-    slips = (
-        ("the products of inertia had the opposite sign", mirrored),
-        ("it were meant about the origin of the link's frame", right.about(ZERO)),
-        (f"it were divided by {power:g}", power * own),
-    )
-    found = [(relative(given, wrong), what) for what, wrong in slips]
-    rest, what = found[first_largest([-rest for rest, _ in found])]
-    if rest > min(_AGREES, _MUCH * apart):
-        return ()
-    return (f"the declared inertia would agree within {max(100 * rest, 0.1):.1f} % if {what}",)
+    given = Given(inertial.mass, product(R.T, p), R, inertial.inertia)
+    found = weigh(given, Uniform(shapes.volume, shapes.com, shapes.S_c / shapes.mass).along(R))
+    if not found.named:
+        either = one_of([one.what for one in found.either])
+        return () if either is None else (either,)
+    first, others = found.named[0], [one.what for one in found.named[1:]]
+    agrees = f"corrected, the inertia agrees within {max(100 * first.apart, 0.1):.1f} %"
+    return (f"{' or '.join(dict.fromkeys((first.what, *others)))}: {agrees}",)

@@ -14,6 +14,7 @@ from robodyn.report.text import text
 from robodyn.robot.masses.compare import compare, relative, slip
 from robodyn.robot.masses.measured import Reading
 from robodyn.robot.urdf.description import load_description
+from robodyn.robot.urdf.parts import Inertial, Origin
 from robodyn.solids.inertia.conversions import inertial_element
 from robodyn.solids.inertia.solids import box
 
@@ -115,7 +116,7 @@ def test_the_links_that_are_right(arm, name):
         ("turret", "turned to agree with neighbours"),
         ("upper_arm", "overlapping bodies united"),
         ("tool_plate", "1 hole filled"),
-        ("hand", "if the products of inertia had the opposite sign"),
+        ("hand", "the products of inertia (ixz) have the wrong sign"),
     ],
 )
 def test_remarks_of_the_arm(arm, name, words):
@@ -183,24 +184,44 @@ def test_the_number_of_threads_changes_nothing(arm, workers):
 OFF = SOLID.rotated(rotation_from_rpy(0.4, 0.5, 0.6)).moved(np.array([0.2, 0.1, -0.3]))
 
 
+def inertial(I, mass=4.0, com=OFF.com):
+    """What a link declares, its tensor in the axes of the link."""
+    return Inertial(mass, Origin(tuple(com), (0.0, 0.0, 0.0)), tuple(I[np.triu_indices(3)]))
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (2 * np.diag(np.diagonal(OFF.inertia)) - OFF.inertia, "products of inertia had the opposite sign"),
-        (OFF.about(np.zeros(3)), "meant about the origin of the link's frame"),
-        (1e6 * OFF.inertia, "divided by 1e+06"),
-        (OFF.inertia / 1000, "divided by 0.001"),
-        (OFF.inertia * 10.2, "divided by 10"),
+        (inertial(2 * np.diag(np.diagonal(OFF.inertia)) - OFF.inertia), "products of inertia (ixy, ixz, iyz) have the"),
+        (inertial(OFF.about(np.zeros(3))), "taken about the link's origin"),
+        (inertial(1e6 * OFF.inertia), "the inertia is 1e+06 times what the shapes suggest: kg mm^2"),
+        (inertial(OFF.inertia / 1000), "the inertia is 1/1000 of what the shapes suggest"),
+        (inertial(OFF.inertia * 10.1), "the inertia is 10 times what the shapes suggest: a slipped exponent"),
+        (inertial(OFF.inertia, 4000.0), "the mass is 1000 times what the shapes suggest: g?"),
+        (inertial(1e3 * OFF.inertia, 4000.0), "the mass is 1000 times, the inertia is 1000 times what the shapes"),
+        (inertial(OFF.inertia, com=1000 * OFF.com), "the centre of mass is 1000 times what the shapes suggest: mm?"),
+        (inertial(3417.17 * OFF.inertia), "the inertia is 3417.17 times what the shapes suggest: lb in^2?"),
     ],
 )
 def test_slips(given, words):
     (found,) = slip(given, OFF)
     assert words in found
+    assert float(found.rpartition("agrees within ")[2].partition(" %")[0]) <= 2
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 0.97, 1.0, 1.5, 3.0, 30.0])
 def test_no_slip(factor):
-    assert slip(factor * OFF.inertia, OFF) == ()
+    assert slip(inertial(factor * OFF.inertia), OFF) == ()
+
+
+@pytest.mark.parametrize("part", [0.2, 1e-2, 1e-3])
+def test_a_product_of_the_wrong_sign_counts_at_any_size(part):
+    """Its magnitude is that of the shapes' to the last bit; beside the tensor it is small."""
+    shapes = SOLID.rotated(rotation_from_rpy(0.0, 0.0, part))
+    wrong = 2 * np.diag(np.diagonal(shapes.inertia)) - shapes.inertia
+    (found,) = slip(inertial(wrong, com=np.zeros(3)), shapes)
+    assert "wrong sign" in found
+    assert slip(inertial(shapes.inertia, com=np.zeros(3)), shapes) == ()
 
 
 def test_relative():

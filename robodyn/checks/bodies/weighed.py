@@ -1,0 +1,73 @@
+"""What the shapes of each link say of its inertial."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isfinite, pi
+
+from robodyn.checks.bodies.bodies import Body, bodies, share
+from robodyn.checks.bodies.masses import pose
+from robodyn.checks.bodies.repeated import repeated
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.context import Context
+from robodyn.programs.vectors import product
+from robodyn.robot.masses.slips import Given
+from robodyn.robot.masses.weighing import DOUBTED, Weighed, one_of, weigh
+from robodyn.robot.urdf.view import LinkView
+
+_EXACT = 0.02
+
+
+def given(link: LinkView) -> Given | None:
+    """Return what a link says; None where a number cannot be read, there is no mass or no inertia, or the rpy of the
+    inertial is in degrees."""
+    mass, tensor = link.mass, link.tensor
+    if link.inertial is None or tensor is None or mass is None or not 0 < mass < float("inf") or not any(tensor):
+        return None
+    placed, turns = pose(link.inertial.origin), link.inertial.origin.rpy.or_default(0.0, 0.0, 0.0) or ()
+    if placed is None or any(abs(turn) > 2.0 * pi for turn in turns) or not all(map(isfinite, (*tensor, *placed.p))):
+        return None
+    return Given(mass, product(placed.R.T, placed.p), placed.R, tensor)
+
+
+def weighed(context: Context) -> Mapping[str, Weighed]:
+    """Return by link the verdict of its shapes. From stage TREE on.
+
+    Of a link that is less than 1 % of its rigid group only where its numbers were made from the very shapes.
+    """
+    shapes, known = context.once(shaped), context.once(bodies)
+    found = {}
+    for name, body in known.items():
+        said = given(body.link)
+        if said is None or name not in shapes:
+            continue
+        verdict = weigh(said, shapes[name].solid.along(said.R))
+        exact = verdict.named and not verdict.units and verdict.named[0].apart <= _EXACT
+        if exact or share(context, body) is not None:
+            found[name] = verdict
+    return found
+
+
+def judged(context: Context, tensors: bool = True) -> Iterator[Body]:
+    """Yield the bodies whose mass matters in their group, where no slip of units is suspected and no mass repeated.
+
+    Args:
+        tensors: leave out those of which a slip of the tensor is named, too.
+    """
+    verdicts, again = context.once(weighed), context.once(repeated)
+    for name, body in context.once(bodies).items():
+        verdict = verdicts.get(name)
+        explained = verdict is not None and (verdict.units or (tensors and verdict.named))
+        if not explained and name not in again and share(context, body) is not None:
+            yield body
+
+
+def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
+    """Return what may explain that an inertia, or else a centre of mass, does not fit the shapes, in words; None if
+    nothing does."""
+    verdict = context.once(weighed).get(body.link.name)
+    if verdict is None or verdict.right > DOUBTED:
+        return None
+    return one_of(
+        [one.what for one in verdict.causes if (one.units is not None and one.units.factors[1] != 1) == centre]
+    )

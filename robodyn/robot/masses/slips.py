@@ -1,0 +1,163 @@
+"""What an inertia tensor was meant to be: one row of a table for each way in which its six numbers go wrong.
+
+Nothing here judges; `robodyn.robot.masses.weighing` does by the shapes, `robodyn.checks.causes` by the mirror twin too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations, permutations
+
+import numpy as np
+
+from robodyn.solids.inertia.laws import parallel_axis, rotation_law, symmetric
+from robodyn.support.floats import Floats
+
+UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
+"""Where ixx, ixy, ixz, iyy, iyz, izz are in the matrix."""
+_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
+_ORDERS = {
+    "ixx iyy izz ixy ixz iyz (MuJoCo's fullinertia)": (0, 3, 4, 1, 5, 2),
+    "ixx iyy izz iyz ixz ixy (Voigt's)": (0, 5, 4, 1, 3, 2),
+    "ixx ixy iyy ixz iyz izz (a triangle by columns)": (0, 1, 3, 2, 4, 5),
+}
+"""Where the entries ixx, ixy, ixz, iyy, iyz, izz stand in each order."""
+_DECADES = tuple(k for k in range(-6, 7) if k)
+_SIGNS = (1.0, 0.15)
+_AXES, _DIAGONAL, _ORDER, _PRODUCT_ORDER, _DECADE = 0.15, 0.1, 0.3, 0.1, 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """What a link says.
+
+    Attributes:
+        mass: kg.
+        c: (3,) centre of mass from the link's origin, in the axes of the inertial [m].
+        R: (3, 3) the inertial's axes in the link's.
+        entries: ixx, ixy, ixz, iyy, iyz, izz [kg m^2].
+        copy: (3, 3) the tensor of the mirror twin as it stands, if it has one, in the axes of the inertial.
+    """
+
+    mass: float
+    c: Floats
+    R: Floats
+    entries: tuple[float, ...]
+    copy: Floats | None = None
+
+    @property
+    def tensor(self) -> Floats:
+        """(3, 3) a new array [kg m^2]."""
+        return symmetric(self.entries)
+
+    @property
+    def steiner(self) -> Floats:
+        """m (|c|^2 1 - c c^T), the term of the parallel axis theorem."""
+        return parallel_axis(np.zeros((3, 3)), self.mass, self.c)
+
+
+@dataclass(frozen=True, eq=False)
+class Slip:
+    """One way in which a tensor goes wrong.
+
+    Attributes:
+        code: of the rule that documents it.
+        what: what went wrong.
+        weight: how often it happens, beside the others.
+        common: whether it is asked of a link without a twin: of the others there is one for nearly every tensor.
+    """
+
+    code: str
+    what: str
+    weight: float
+    common: bool = True
+
+
+Row = tuple[Slip, tuple[int, ...], tuple[float, ...]]
+"""A slip whose correction takes the entries from these places, times these factors."""
+
+
+def _rows() -> Iterator[Row]:
+    """Yield the slips of signs, orders, decades and axes."""
+    kept, ones = tuple(range(6)), (1.0,) * 6
+    for count in (3, 2, 1):
+        for flipped in combinations(_PRODUCTS, count):
+            what = f"the products of inertia ({', '.join(_NAMES[k] for k in flipped)}) have the wrong sign"
+            factors = tuple(-1.0 if k in flipped else 1.0 for k in kept)
+            yield Slip("RD306", what, _SIGNS[count < 3]), kept, factors
+    for name, places in _ORDERS.items():
+        yield Slip("RD310", f"the entries are in the order {name}", _ORDER), places, ones
+    for a, b, c in permutations(_PRODUCTS):
+        if (a, b, c) != _PRODUCTS:
+            what = f"the products of inertia are in another order: {_NAMES[a]} {_NAMES[b]} {_NAMES[c]}"
+            yield Slip("RD310", what, _PRODUCT_ORDER), (0, a, b, 3, c, 5), ones
+    for place in kept:
+        for k in _DECADES:
+            what = f"{_NAMES[place]} is {10.0**-k:g} times what it was meant to be"
+            factors = tuple(10.0**k if place == other else 1.0 for other in kept)
+            yield Slip("RD311", what, _DECADE, place in _MOMENTS), kept, factors
+    for order in permutations(range(3)):
+        if order != (0, 1, 2):
+            names = " ".join("xyz"[i] for i in order)
+            where = np.empty((3, 3), dtype=int)
+            where[UPPER] = where.T[UPPER] = kept
+            turned = tuple(where[np.ix_(order, order)][UPPER].tolist())
+            yield Slip("RD312", f"the axes are permuted: x y z should be {names}", _AXES), turned, ones
+            x, y, z = (_MOMENTS[i] for i in order)
+            what = f"the moments of inertia are permuted: ixx iyy izz belong to {names}"
+            yield Slip("RD312", what, _DIAGONAL), (x, 1, 2, y, 4, z), ones
+
+
+_TABLE = tuple(_rows())
+_PLACES = np.array([places for _, places, _ in _TABLE])
+_FACTORS = np.array([factors for _, _, factors in _TABLE])
+_FLIPPED = _FACTORS[:, list(_PRODUCTS)] < 0.0
+"""Which of the products a row gives the other sign: asked of those that are not zero."""
+
+ORIGIN = Slip("RD307", "the tensor is taken about the link's origin, not the centre of mass", 1.0)
+_AGAIN = "the parallel-axis term is {} a tensor that is about the centre of mass already"
+SUBTRACTED = Slip("RD308", _AGAIN.format("subtracted from"), 0.7)
+TWICE = Slip("RD308", _AGAIN.format("added twice to"), 0.3)
+TURNED = Slip("RD309", "the tensor is in the link's axes: the rpy of the inertial is not applied to it", 1.0)
+NINE = "a matrix of nine entries, row by row, is read as six: iyy holds iyx, iyz holds iyy and izz holds iyz"
+COPIED = "the tensor is a copy of its mirror twin's, which is not reflected"
+_STEINER = (ORIGIN, 1.0), (SUBTRACTED, -1.0), (TWICE, 2.0)
+
+
+def corrections(given: Given) -> tuple[list[Slip], Floats]:
+    """Return the slips that a tensor may have, and (k, 6) the entries that each would have spoiled [kg m^2]."""
+    entries = np.array(given.entries)
+    flips = _FLIPPED & (entries[list(_PRODUCTS)] != 0.0)
+    kept = (flips == _FLIPPED).all(axis=1)
+    whole = _FLIPPED.any(axis=1) & (flips.sum(axis=1) == np.count_nonzero(entries[list(_PRODUCTS)]))
+    slips = [replace(_TABLE[k][0], weight=_SIGNS[0]) if whole[k] else _TABLE[k][0] for k in np.flatnonzero(kept)]
+    rows = [(_FACTORS * entries[_PLACES])[kept]]
+    if given.c.any():
+        term = given.steiner[UPPER]
+        slips += [slip for slip, _ in _STEINER]
+        rows.append(np.array([entries - times * term for _, times in _STEINER]))
+    if np.abs(given.R - np.eye(3)).max() > 1e-6:
+        slips.append(TURNED)
+        rows.append(rotation_law(given.tensor, given.R.T)[UPPER][None])
+    return slips, np.concatenate(rows)
+
+
+def tensors(entries: Floats) -> Floats:
+    """Return (k, 3, 3) the matrices of (k, 6) entries."""
+    xx, xy, xz, yy, yz, zz = entries.T
+    return np.stack((np.stack((xx, xy, xz), -1), np.stack((xy, yy, yz), -1), np.stack((xz, yz, zz), -1)), -2)
+
+
+def nine_as_six(given: Given) -> bool:
+    """Return whether a matrix of nine entries, row by row, is read as six: ixy stands twice, then iyy."""
+    e = given.entries
+    return e[1] == e[3] and e[0] > 0.0 and e[4] > 0.0 and e[3] < e[4]
+
+
+def copied(given: Given) -> bool:
+    """Return whether it is the tensor of the mirror twin, not reflected."""
+    if given.copy is None:
+        return False
+    return bool(np.abs(given.tensor - given.copy).max() <= 1e-6 * np.abs(given.copy).max())

@@ -1,0 +1,148 @@
+"""Slips planted in links of real robots are named by the links' own shapes, and none by another name.
+
+The robots are none of those on which the distributions of `robodyn.robot.masses.likeness` were measured.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from helpers.example_robots import path_of
+
+from robodyn.checks.bodies.bodies import bodies
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.bodies.weighed import given
+from robodyn.checks.context import Context
+from robodyn.robot.masses.likeness import Uniform
+from robodyn.robot.masses.slips import UPPER, Given
+from robodyn.robot.masses.weighing import Weighed, weigh
+from robodyn.robot.urdf.document import read
+
+ROBOTS = ("go2", "laikago", "kinova", "panda", "xarm7", "solo12", "z1", "bolt", "allegro_right_hand", "human")
+LB, INCH = 0.45359237, 0.0254
+
+
+def steiner(g: Given, times: float) -> tuple[float, ...]:
+    return tuple((g.tensor + times * g.steiner)[UPPER].tolist())
+
+
+def put(g: Given, entries: tuple[float, ...]) -> Given:
+    return Given(g.mass, g.c, g.R, tuple(entries))
+
+
+def times(mass: float, centre: float, inertia: float) -> Callable[[Given], Given]:
+    return lambda g: Given(g.mass * mass, g.c * centre, g.R, tuple(inertia * x for x in g.entries))
+
+
+def order(*places: int) -> Callable[[Given], Given]:
+    return lambda g: put(g, tuple(g.entries[k] for k in places))
+
+
+def flipped(g: Given) -> Given:
+    return put(g, tuple(-x if k in (1, 2, 4) else x for k, x in enumerate(g.entries)))
+
+
+PLANTED: dict[str, tuple[Callable[[Given], Given], str | tuple[float, float, float] | None]] = {
+    "nothing": (lambda g: g, None),
+    "signs": (flipped, "RD306"),
+    "about the origin": (lambda g: put(g, steiner(g, 1.0)), "RD307"),
+    "parallel axis subtracted": (lambda g: put(g, steiner(g, -1.0)), "RD308"),
+    "axes": (order(5, 2, 4, 0, 1, 3), "RD312"),
+    "MuJoCo's order": (order(0, 3, 5, 1, 2, 4), "RD310"),
+    "iyy ten times": (lambda g: put(g, (*g.entries[:3], 10 * g.entries[3], *g.entries[4:])), "RD311"),
+    "mass in g": (times(1e3, 1, 1), (1e3, 1, 1)),
+    "mass in t": (times(1e-3, 1, 1), (1e-3, 1, 1)),
+    "mass and inertia in g": (times(1e3, 1, 1e3), (1e3, 1, 1e3)),
+    "mass in g, inertia in g mm^2": (times(1e3, 1, 1e9), (1e3, 1, 1e9)),
+    "centre in mm": (times(1, 1e3, 1), (1, 1e3, 1)),
+    "g mm^2": (times(1, 1, 1e9), (1, 1, 1e9)),
+    "kg mm^2": (times(1, 1, 1e6), (1, 1, 1e6)),
+    "kg cm^2": (times(1, 1, 1e4), (1, 1, 1e4)),
+    "lb in^2": (times(1, 1, 1 / LB / INCH**2), (1, 1, 1 / LB / INCH**2)),
+    "g m^2": (times(1, 1, 1e3), (1, 1, 1e3)),
+    "centre times 16.7": (times(1, 16.7, 1), None),
+    "centre times 60": (times(1, 60, 1), None),
+    "inertia times 50": (times(1, 1, 50), None),
+    "mass times 30": (times(30, 1, 1), None),
+}
+"""What is done to what a link says, and the code or the factors that it is to be named by; None if by nothing."""
+
+LEAST = {
+    "parallel axis subtracted": 0.15,
+    "MuJoCo's order": 0.25,
+    "iyy ten times": 0.25,
+    "mass in g": 0.7,
+    "mass in t": 0.5,
+    "mass and inertia in g": 0.6,
+    "mass in g, inertia in g mm^2": 0.85,
+    "centre in mm": 0.5,
+    "g mm^2": 0.6,
+    "kg mm^2": 0.6,
+    "g m^2": 0.35,
+    "kg cm^2": 0.25,
+}
+"""Shares that are named at least. Of the others few are: within what is usual, or as probable by another slip."""
+
+
+@cache
+def healthy() -> tuple[tuple[Given, Uniform], ...]:
+    """What links say that their shapes do not contradict, and the shapes; up to 8 of each robot."""
+    found = []
+    for stem in ROBOTS:
+        context = Context(read(path_of(stem)))
+        shapes, kept = context.once(shaped), set()
+        for name in context.once(bodies):
+            said = given(context.view.link[name])
+            if said is None or name not in shapes or said.entries in kept or len(kept) == 8 or not said.c.any():
+                continue
+            solid = shapes[name].solid.along(said.R)
+            if weigh(said, solid).right > 0.7:
+                kept.add(said.entries)
+                found.append((said, solid))
+    return tuple(found)
+
+
+def is_it(verdict: Weighed, meant: str | tuple[float, float, float] | None) -> bool:
+    first = verdict.named[0]
+    if isinstance(meant, str):
+        return first.code == meant
+    return meant is not None and first.units is not None and np.allclose(first.units.factors, meant, rtol=1e-4)
+
+
+@cache
+def counted(kind: str) -> Counter[str]:
+    plant, meant = PLANTED[kind]
+    verdicts = [weigh(plant(said), solid) for said, solid in healthy()]
+    return Counter(
+        ("right" if is_it(one, meant) else "wrong") if one.named else "either" if one.either else "none"
+        for one in verdicts
+    )
+
+
+def test_there_are_enough_links() -> None:
+    assert len(healthy()) >= 40
+
+
+@pytest.mark.parametrize("kind", PLANTED)
+def test_at_most_one_in_twenty_has_another_name(kind: str) -> None:
+    found = counted(kind)
+    assert found["wrong"] <= 0.05 * found.total()
+
+
+def test_of_all_that_are_named_one_in_fifty_has_another_name() -> None:
+    found = sum((counted(kind) for kind in PLANTED), Counter[str]())
+    assert found["wrong"] <= 0.02 * (found["right"] + found["wrong"])
+
+
+@pytest.mark.parametrize("kind", LEAST)
+def test_a_share_is_named(kind: str) -> None:
+    found = counted(kind)
+    assert found["right"] >= LEAST[kind] * found.total(), found
+
+
+def test_nothing_is_said_of_healthy_links() -> None:
+    assert set(counted("nothing")) == {"none"}
