@@ -1,10 +1,11 @@
 """Transmissions, ros2_control, Gazebo and SRDF entries name links and joints that exist.
 
 Controllers fail at start, or the entry is dropped without a word, where a joint was renamed in
-one place and not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>,
-and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config or srdf: its
-groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not exist, and an SRDF
-of another name, which may belong to a variant of the robot, are warnings. root_joint, as Pinocchio calls a free
+one place and not in the others. Asked are <joint> in <transmission> and <ros2_control>, the reference of <gazebo>, the
+joints and bodies that its plugins name (jointName, mimicJoint, bodyName and so on; no frames, which others may
+publish), and the SRDF of the same name (or the only one for this robot) beside the file or in a folder config or srdf:
+its groups, chains, states, end effectors, passive and virtual joints. Collisions of links that do not exist, and an
+SRDF of another name, which may belong to a variant of the robot, are warnings. root_joint, as Pinocchio calls a free
 base, is understood.
 """
 
