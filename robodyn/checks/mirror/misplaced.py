@@ -46,7 +46,7 @@ def misplaced(context: Context) -> Iterator[Misplaced]:
     sides, as fingers on a gripper; and axes that lie askew, where no sign explains it: frames are chosen freely.
     """
     found = context.once(symmetry)
-    if found is None or not found.pairs:
+    if found is None:
         return
     confirmed, heavy = found.by_right, _heavy(found)
     for left, right in found.named:

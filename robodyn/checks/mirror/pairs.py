@@ -128,7 +128,8 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
     """Return the plane that has most of the pairs on branches from links in it, and of these the one that has most.
 
     A limb that stands on the wrong side is the mirror image of the other in a plane between the two, but not the link
-    that carries both.
+    that carries both. Where no such link lies in any of them, limbs that are each other's image but for where they
+    begin have the plane through what carries them.
     """
     best, most = None, (0, 0)
     for plane, there in planes(named, p):
@@ -137,7 +138,28 @@ def _mirror(named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str,
         count = len(_rooted(there, above, within)), len(there)
         if count > most:
             best, most = plane, count
-    return best
+    return best if most[0] else _through_carrier(named, p, above, near) or best
+
+
+def _through_carrier(
+    named: Sequence[Names], p: Mapping[str, Floats], above: Mapping[str, Joint], near: float
+) -> Plane | None:
+    """Return the plane through a link that carries both sides, across that axis of the root along which its first pair
+    is most apart, if two pairs farther out and all the others are mirrored in it but for where the limbs begin."""
+    first = next((names for names in named if above[names[0]].parent == above[names[1]].parent), None)
+    over = [(above[left].parent, above[right].parent) for left, right in named]
+    steps = [
+        (p[left] - p[one], p[right] - p[other])
+        for (left, right), (one, other) in zip(named, over, strict=True)
+        if (one, other) in named
+    ]
+    if first is None or len(steps) < 2:
+        return None
+    apart = np.abs(p[first[0]] - p[first[1]])
+    normal = np.eye(3)[int(np.argmax(apart))]
+    plane = Plane(normal, float(product(normal, p[above[first[0]].parent])))
+    alike = all(length(product(left, plane.H) - right) <= near for left, right in steps)
+    return plane if alike and float(apart.max()) > near else None
 
 
 def is_square(D: Floats) -> bool:

@@ -23,6 +23,19 @@ TWINS = Options(select=("RD404", "RD405"))
 Edits = Iterator[tuple[Span, str]]
 
 
+def _leg(side: str, sign: str) -> str:
+    hip, knee, ankle = f"0 {sign}0.118 0", f"0 {sign}0.01 -0.3", "0 0 -0.3"
+    rows = (("hip", "base", "thigh", hip), ("knee", f"{side}_thigh", "shank", knee))
+    return "".join(
+        f'''<link name="{side}_{link}"/><joint name="{side}_{joint}" type="continuous"><parent link="{parent}"/>
+        <child link="{side}_{link}"/><origin xyz="{xyz}"/><axis xyz="0 1 0"/></joint>'''
+        for joint, parent, link, xyz in (*rows, ("ankle", f"{side}_shank", "foot", ankle))
+    )
+
+
+LEGS = f'<robot name="legs"><link name="base"/>{_leg("left", "")}{_leg("right", "-")}</robot>'
+
+
 def written(values: tuple[float, ...]) -> str:
     return " ".join(map(repr, values))
 
@@ -93,7 +106,7 @@ KINDS: dict[Callable[[Pair, JointView], Edits], str] = {
 
 @cache
 def robot(name: str) -> tuple[bytes, Context]:
-    data = Path(path_of(name)).read_bytes()
+    data = LEGS.encode() if name == "LEGS" else Path(path_of(name)).read_bytes()
     return data, Context(read(data, name))
 
 
@@ -144,6 +157,18 @@ def test_a_reversed_axis_shows_beside_the_other_legs(name: str) -> None:
         assert one.code == "RD404"
         assert joint in one.message
         assert "the range is" in one.message or "one of the four axes is reversed" in one.message
+
+
+@pytest.mark.parametrize(("number", "slip"), [("0.118", "0.0118"), ("0.118", "0.128"), ("0.118", "1.18")])
+def test_where_legs_are_all_there_is(number: str, slip: str) -> None:
+    """Two legs and nothing else: they are mirrored in a plane between them, but not the base."""
+    data = robot("LEGS")[0]
+    assert twin_findings(data) == []
+    text = data.replace(f'xyz="0 -{number} 0"'.encode(), f'xyz="0 -{slip} 0"'.encode())
+    assert text != data
+    (one,) = twin_findings(text)
+    assert one.subject is not None
+    assert (one.code, one.subject.name) == ("RD405", "right_hip")
 
 
 def test_the_sign_that_was_not_turned_is_named() -> None:
