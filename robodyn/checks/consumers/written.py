@@ -6,8 +6,9 @@ Each looks at some elements only, so that what another program refuses may pass.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite
 
 from robodyn.checks.consumers.found import Found, named
@@ -44,37 +45,45 @@ class Grammar:
     once: bool
     shapes: Tags
 
-    def refused(self, context: Context) -> Iterator[Found]:
-        """Yield what it refuses, at the attribute or element."""
+    def refused(self, context: Context) -> list[Found]:
+        """Return what it refuses, at the attribute or element."""
+        found: list[Found] = []
         owners: tuple[LinkView | JointView, ...] = (*context.view.links, *context.view.joints)
         for owner in owners:
-            yield from self._within(owner.element, f" in {named(owner)}")
+            self._within(owner.element, named(owner), found)
         for element in context.view.root.findall("material"):
-            yield from self._within(element, " in the robot")
+            self._within(element, "the robot", found)
+        return found
 
-    def _within(self, element: Element, where: str) -> Iterator[Found]:
-        yield from self._attributes(element, where)
+    def _within(self, element: Element, where: str, found: list[Found]) -> None:
+        self._attributes(element, where, found)
         looks = self.children.get(element.tag, ())
         if element.tag == "joint":
             looks += self.motion.get(element.get("type") or "", ())
-        for tag in looks:
-            several = tag in KINDS[element.tag].repeated
-            found = element.findall(tag)
-            if self.once and not several and len(found) > 1:
-                yield Found(found[1].span, f"a second <{tag}>{where}")
-            for child in found if several else found[:1]:
-                yield from self._within(child, where)
+        seen = set()
+        for child in element.children if looks else ():
+            tag = child.tag
+            if tag not in looks:
+                continue
+            if tag in seen and tag not in KINDS[element.tag].repeated:
+                if self.once:
+                    found.append(Found(child.span, f"a second <{tag}> in {where}"))
+                continue
+            seen.add(tag)
+            self._within(child, where, found)
         if element.tag in self.shapes and not any(child.tag in SHAPES for child in _geometry(element)):
-            yield Found(element.span, f"a <{element.tag}> without a shape{where}")
+            found.append(Found(element.span, f"a <{element.tag}> without a shape in {where}"))
 
-    def _attributes(self, element: Element, where: str) -> Iterator[Found]:
-        needed = self.needed.get(element.tag, ())
+    def _attributes(self, element: Element, where: str, found: list[Found]) -> None:
+        needed, values = self.needed.get(element.tag, ()), element.values
+        for name in needed:
+            if name not in values:
+                found.append(Found(element.span, f"<{element.tag}> without {name} in {where}"))
         for name in (*needed, *self.optional.get(element.tag, ())):
-            text, count = element.get(name), KINDS[element.tag].attributes[name]
-            if text is None and name in needed:
-                yield Found(element.span, f"<{element.tag}> without {name}{where}")
-            elif text is not None and count and not self.takes(text, count, name):
-                yield Found(value_span(element, name), f'{name}="{text}"{where}')
+            text = values.get(name)
+            count = 0 if text is None else KINDS[element.tag].attributes[name]
+            if text is not None and count and _plainly(text) != count and not self.takes(text, count, name):
+                found.append(Found(value_span(element, name), f'{name}="{text}" in {where}'))
 
 
 def _geometry(element: Element) -> list[Element]:
@@ -84,7 +93,7 @@ def _geometry(element: Element) -> list[Element]:
 
 def _all_numbers(text: str, count: int, _: str) -> bool:
     words = text.split()
-    return len(words) == count and (_plain(words) or all(map(_NUMBER.fullmatch, words)))
+    return len(words) == count and all(map(_NUMBER.fullmatch, words))
 
 
 def _finite(text: str, count: int, name: str) -> bool:
@@ -92,18 +101,18 @@ def _finite(text: str, count: int, name: str) -> bool:
     words = text.split()
     if len(words) != count and not (name == "scale" and len(words) == 1):
         return False
-    if _plain(words):
-        return True
     found = [_NUMBER.match(word) if count == 1 else _NUMBER.fullmatch(word) for word in words]
     return all(match is not None and isfinite(float(match[0])) for match in found)
 
 
-def _plain(words: list[str]) -> bool:
-    """Return whether these are numbers by the quickest test, which is nearly always true."""
+@lru_cache(maxsize=1 << 14)
+def _plainly(text: str) -> int:
+    """Return how many finite numbers a text holds, by the quickest test; -1 where that has to be looked at closer."""
+    words = text.split()
     try:
-        return all(map(isfinite, map(float, words))) and "_" not in "".join(words)
+        return len(words) if all(map(isfinite, map(float, words))) and "_" not in text else -1
     except ValueError:
-        return False
+        return -1
 
 
 _SHAPE_SIZES = {**SIZES, "mesh": ("filename",)}
