@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import hypot, log, pi
 
 import numpy as np
@@ -19,7 +20,7 @@ from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 
 Truths = NDArray[np.bool_]
-Mixture = Sequence[tuple[float, ...]]
+Mixture = tuple[tuple[float, ...], ...]
 
 FORM = ((0.01, 0.02, 3e-4), (0.02, 0.02, 0.01), (0.37, 0.15, 0.12), (0.45, 0.6, 0.45), (0.15, 1.3, 1.5))
 """Shares, and deviations of the logarithm of the size and of each of five numbers of the form."""
@@ -102,7 +103,7 @@ def _positive(S: Floats) -> Truths:
 
 def formed(size: Floats, form: Floats, mixture: Mixture = FORM) -> Floats:
     """Return the logarithms of the probabilities of sizes and forms."""
-    return log_sum([log(share) + _normal(size**2, s, 1) + _normal(form, f, 5) for share, s, f in mixture])
+    return _mixed(mixture, (1, 5), (size**2, form))
 
 
 def free_size(form: Floats, mixture: Mixture) -> Floats:
@@ -119,7 +120,26 @@ def free_mass(mass: float, size: Floats, form: Floats, shapes: Uniform) -> Float
 
 def spread(squares: Floats, mixture: Mixture, count: int) -> Floats:
     """Return the logarithms of the probabilities of vectors of so many numbers, by the squares of their lengths."""
-    return log_sum([log(share) + _normal(squares, s, count) for share, s in mixture])
+    return _mixed(mixture, (count,), (squares,))
+
+
+def _mixed(mixture: Mixture, counts: tuple[int, ...], squares: tuple[Floats, ...]) -> Floats:
+    """Return the logarithms of sums of normal distributions, by squares (k,) of vectors of so many numbers each."""
+    constants, halves = _terms(mixture, counts)
+    logarithms = constants
+    for half, square in zip(halves, squares, strict=True):
+        logarithms = logarithms - half * square
+    return log_sum(logarithms)
+
+
+@cache
+def _terms(mixture: Mixture, counts: tuple[int, ...]) -> tuple[Floats, list[Floats]]:
+    """Return the logarithms of the shares over the normal distributions' integrals, and 1 / (2 deviation^2); as
+    columns."""
+    shares, *deviations = np.array(mixture).T[:, :, None]
+    roots = (2.0 * pi) ** 0.5
+    widths = sum((n * np.log(one * roots) for n, one in zip(counts, deviations, strict=True)), np.zeros((1, 1)))
+    return np.log(shares) - widths, [0.5 / one**2 for one in deviations]
 
 
 def placed(centre: Floats, shapes: Uniform, mixture: Mixture = PLACE) -> Floats:
