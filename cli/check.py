@@ -129,7 +129,8 @@ def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bo
 @REPORT
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
-    A file named - is standard input; a folder means every .urdf below it; a .xacro file is expanded first.
+    A file named - is standard input; a folder means every .urdf below it, or else every .xacro; a .xacro file is
+    expanded first; a mesh or an SRDF means the descriptions of its package that name it.
     Errors are shown, and what is likely a defect; `--select ALL` shows all.
     The exit status is 1 if an error is found, 2 if a file cannot be read, which stops no other.
     `robodyn rule CODE` explains a finding.
