@@ -103,3 +103,9 @@ def test_named_and_nothing_else(plant: Plant) -> None:
     found = [one for one in fresh(plant) if one.code != "RD901"]  # MuJoCo refuses flat meshes, too
     assert [(one.code, one.subject and one.subject.name) for one in found] == [(plant.code, plant.name)]
     assert plant.words in found[0].message
+
+
+def test_millimetres_in_an_origin_are_named() -> None:
+    causes = {plant.robot: [one.cause for one in fresh(plant)] for plant in TREE[:4]}
+    x, z = "entry x of its origin is in millimetres", "entry z of its origin is in millimetres"
+    assert causes == {"panda": [x], "ur5_robot": [z], "z1": [z], "go2": [z]}
