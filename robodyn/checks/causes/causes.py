@@ -120,7 +120,7 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
             continue
         assert link.inertial is not None, "it has a tensor"
         at = link.inertial.entries[_first_changed(link, cause)].span
-        yield Fault(at, cause.what, _remedy(cause), fix=cause.fix)
+        yield Fault(at, cause.what, _remedy(cause), fix=cause.fix, kind=code)
 
 
 def _remedy(cause: Cause) -> str:
