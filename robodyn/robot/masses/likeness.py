@@ -2,7 +2,7 @@
 
 Compared are the density, the distance of the centres, and the size and form of the second moments. Each is as far off
 as the sum of a few normal distributions says, which was measured on 321 different links of 24 published robots
-(example-robot-data, icub-models): half of them, those that no other half was judged by.
+(example-robot-data, icub-models); the other half of the robots is left to judge by.
 """
 
 from __future__ import annotations

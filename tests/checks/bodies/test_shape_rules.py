@@ -149,3 +149,19 @@ def test_wrists_of_the_ur5() -> None:
 @pytest.mark.parametrize("stem", ["go2", "g1_29dof_rev_1_0", "solo12", "xarm7", "kinova"])
 def test_clean_robots_have_no_warnings(stem: str) -> None:
     assert {severity for _, severity in found(str(path_of(stem)))} <= {I}
+
+
+def test_mass_on_a_line_is_seen() -> None:
+    """A slender femur with 5.17e-6 about one axis, where a solid rod of its shape has 2.9e-4: a slipped exponent."""
+    rod = '<cylinder radius="0.02" length="0.16"/>'
+    right, wrong = tensor(2.9e-4, 2.9e-4, 2.6e-5), tensor(5.17e-6, 2.9e-4, 2.88e-4)
+    assert found(a_shaped_link(mass="0.13", inertia=right, centre="0 0 0.125", shape=rod).encode()) == []
+    codes = {one.code for one in check_one(a_shaped_link("0.13", wrong, "0 0 0.125", rod).encode())}
+    assert codes & {"RD303", "RD311", "RD312"}
+
+
+@pytest.mark.parametrize(("radius", "expected"), [(0.05, []), (0.1, ["RD208"])])
+def test_a_solid_ball_is_no_stand_in(radius: float, expected: list[str]) -> None:
+    """1 kg of 5 cm radius have 0.001 kg m^2 in all directions."""
+    text = a_shaped_link("1", tensor(0.001, 0.001, 0.001), "0 0 0.125", f'<sphere radius="{radius}"/>')
+    assert [one.code for one in check_one(text.encode(), Options(select=("RD208",)))] == expected
