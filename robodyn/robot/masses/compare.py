@@ -25,6 +25,8 @@ from robodyn.support.floats import Floats, ranked
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""
+_OTHER = 0.02
+"""Corrections that are nearer to each other are one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +190,7 @@ def slip(inertial: Inertial, shapes: MassProperties) -> tuple[str, ...]:
     if not found.named:
         either = one_of([one.what for one in found.either])
         return () if either is None else (either,)
-    first, others = found.named[0], [one.what for one in found.named[1:]]
+    first = found.named[0]
+    others = [one.what for one in found.named[1:] if relative(one.I, first.I) > _OTHER]
     agrees = f"corrected, the inertia agrees within {max(100 * first.apart, 0.1):.1f} %"
     return (f"{' or '.join(dict.fromkeys((first.what, *others)))}: {agrees}",)
