@@ -74,6 +74,14 @@ def _area(module):
 LAYER = {area: k for k, areas in enumerate(ORDER) for area in areas}
 
 
+def test_every_folder_is_installed():
+    """The list in pyproject.toml is by hand, as `cli/` is installed as robodyn.cli."""
+    text = (ROOT / "pyproject.toml").read_text()
+    listed = set(ast.literal_eval(text.partition("\npackages = ")[2].partition("]")[0] + "]"))
+    folders = {name for name in FOLDERS if name} | {"robodyn"}
+    assert listed == folders
+
+
 def test_every_module_has_its_layer():
     assert {_area(name) for name in MODULES} - {None} == set(LAYER)
 
