@@ -50,17 +50,27 @@ def extremes(path: Path) -> Floats | None:
 def _found(path: Path) -> Floats | None:
     from robodyn.solids.mesh.read.load import load_triangles
 
+    best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
     try:
         triangles = load_triangles(path)
-        best, farthest = np.zeros((len(_DIRECTIONS), 3)), np.full(len(_DIRECTIONS), -np.inf)
         for block in triangles.blocks():
-            corners = np.asarray(block, float).reshape(-1, 3)
-            # BLAS will do: its last digit decides only between points that are equally far.
-            reach = corners @ _DIRECTIONS.T
-            which = reach.argmax(axis=0)
-            most = reach[which, np.arange(len(which))]
-            better = most > farthest
-            best[better], farthest[better] = corners[which[better]], most[better]
+            _farther(np.asarray(block, float).reshape(-1, 3), best, farthest)
     except MeshError:
         return None
     return np.unique(best * triangles.scale, axis=0)
+
+
+def _farther(points: Floats, best: Floats, farthest: Floats) -> None:
+    """Put the points that lie farther than the best so far in their place.
+
+    Method: d . x in order, one direction after the other over coordinates that stay in the processor's cache.
+    """
+    x, y, z = points.T.copy()
+    reach, term = np.empty_like(x), np.empty_like(x)
+    for k, (along_x, along_y, along_z) in enumerate(_DIRECTIONS.tolist()):
+        np.multiply(x, along_x, out=reach)
+        reach += np.multiply(y, along_y, out=term)
+        reach += np.multiply(z, along_z, out=term)
+        most = int(reach.argmax())
+        if reach[most] > farthest[k]:
+            best[k], farthest[k] = points[most], reach[most]
