@@ -13,7 +13,7 @@ from robodyn.checks.fixes import Fixed, Made
 from robodyn.checks.rule import Excerpt, Finding, Fix, Rule, Severity
 from robodyn.checks.run import Checked
 from robodyn.report.check_places import further
-from robodyn.report.check_words import LEVELS, check_verdict, checked_lines
+from robodyn.report.check_words import LEVELS, check_verdict, checked_lines, hidden_line
 from robodyn.report.document import (
     Block,
     Document,
@@ -77,17 +77,16 @@ def check_page(checked: Checked) -> Document:
 def _verdict(checked: Checked) -> Verdict:
     found = check_verdict(checked)
     fixes = sum(finding.fix is not None and finding.fix.safe for finding in checked.findings)
-    if not fixes:
-        return found
     correct = f"robodyn check --fix corrects {fixes} of the findings and leaves the dynamics as they are."
-    return replace(found, reasons=(*found.reasons, correct))
+    hidden = f"Not shown: {hidden_line(checked)}."
+    more = (*((correct,) if fixes else ()), *((hidden,) if checked.hidden else ()))
+    return replace(found, reasons=(*found.reasons, *more))
 
 
 def _facts(checked: Checked) -> Facts:
     clean = len(set(checked.files) - {finding.file for finding in checked.findings})
     counts = [(f"{severity.value}s".capitalize(), str(checked.count(severity)), "") for severity in LEVELS]
-    hidden = [("Not shown", str(len(checked.hidden)), "minor; --select ALL shows them")] if checked.hidden else []
-    return Facts((*counts, *hidden, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
+    return Facts((*counts, ("Files without a finding", f"{clean} of {len(checked.files)}", "")))
 
 
 def _rules(checked: Checked) -> Table:

@@ -28,10 +28,13 @@ def check_line(checked: Checked) -> str:
 def checked_lines(checked: Checked) -> list[str]:
     """Return what is not shown, if anything, and at the end how many files were checked and what was found."""
     line = f"{count(len(checked.files), 'file')} checked: {check_line(checked)}"
-    if not checked.hidden:
-        return [line]
+    return [f"not shown: {hidden_line(checked)}", line] if checked.hidden else [line]
+
+
+def hidden_line(checked: Checked) -> str:
+    """Return how many findings are not shown, and what shows them."""
     rules = len({finding.code for finding in checked.hidden})
-    return [f"not shown: {count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)", line]
+    return f"{count(len(checked.hidden), 'minor finding')} of {count(rules, 'rule')} (--select ALL)"
 
 
 def check_data(checked: Checked) -> dict[str, Any]:

@@ -139,7 +139,7 @@ def test_columns_of_a_robot_of_sixty_links_stand_below_one_another() -> None:
 
 
 def test_the_findings_are_those_of_check() -> None:
-    path = str(ROBOTS / "gripper.urdf")
+    path = str(ROBOTS / "puma560.urdf")
     expected = [finding.severity for finding in robodyn.check(path)]
     counts = {"errors": Severity.ERROR, "warnings": Severity.WARNING, "notes": Severity.NOTE}
     wanted = {name: expected.count(severity) for name, severity in counts.items()}

@@ -18,7 +18,7 @@ CALLS = {
     "torques": ("torques", "puma560.urdf", "puma560_sweep.csv"),
     "simulate": ("simulate", "two_link_planar.urdf", "--scene", "two_link_planar_swing_down.toml", "--duration", "0.5"),
     "inertia": ("inertia", "meshed_arm.urdf"),
-    "check": ("check", "puma.urdf"),
+    "check": ("check", "puma560.urdf"),
     "accuracy": ("accuracy", "meshes/bracket.stl"),
 }
 

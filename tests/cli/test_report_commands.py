@@ -30,7 +30,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
     "link": (("inertia", ARM, "--link", "hand"), "as declared", 1),
     "shapes": (("inertia", ARM, "--link", "hand", "--geometry", "visual"), "<visual> shapes", 1),
     "compare": (("inertia", ARM, "--compare"), "1 of 8 links differ from their shapes by more than 10 %", 0),
-    "check": (("check", str(ROBOTS / "puma.urdf")), "No errors, 1 warning", 0),
+    "check": (("check", str(ROBOTS / "puma560.urdf")), "No errors, 2 warnings", 0),
     "simulate": (("simulate", *SWING, "--duration", "0.2"), "The motion ran for its 0.2 s", 6),
     "accuracy": (("accuracy", str(MESHES / "bracket.stl"), "--target", "1e-6"), "The target of 1e-06 is met", 1),
 }

@@ -7,6 +7,10 @@ import shutil
 import pytest
 from helpers.command_line import ROBOTS, run
 
+from robodyn.checks.catalogue import CODES
+
+RD21 = [f"plain,{code}" for code in CODES if code.startswith("RD21")]
+
 
 @pytest.mark.parametrize(
     ("shell", "part"),
@@ -33,8 +37,8 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
         ("robodyn simulate robots/puma.urdf --method ga", ["plain,gauss2", "plain,gauss4", "plain,gauss6"]),
-        ("robodyn rule RD21", ["plain,RD210", "plain,RD211", "plain,RD212"]),
-        ("robodyn rule rd21", ["plain,RD210", "plain,RD211", "plain,RD212"]),
+        ("robodyn rule RD21", RD21),
+        ("robodyn rule rd21", RD21),
         ("robodyn rule zero-", ["plain,zero-tensor", "plain,zero-axis"]),
         ("robodyn check robots/puma.urdf --select a", ["plain,ALL"]),
         ("robodyn check robots/puma.urdf --select DEF", ["plain,DEFAULT"]),

@@ -61,7 +61,7 @@ def _speeds(context: Context) -> Iterator[LimitSlip]:
     found = [each for each in _given(context, "velocity") if each[0].type in _TURNING and each[2] < most]
     large = [each for each in found if each[2] > (_FASTEST if each[0].type == "revolute" else _FREELY)]
     why = _apart(large, found, _DEGREES, _SPEED_GAP, _SPEED_BAND)
-    if not why and _in_degrees([value for _, _, value in found]):
+    if not why and any(each[0].type == "revolute" for each in found) and _in_degrees([each[2] for each in found]):
         large, why = found, f"those of all joints are multiples of {_ROUND:g}, which are speeds of no drive in rad/s"
     for joint, limit, _ in large if why else ():
         yield LimitSlip(joint, limit.velocity, _DEGREES, "deg/s", "rad/s", why)
