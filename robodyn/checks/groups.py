@@ -13,6 +13,7 @@ from dataclasses import replace
 from robodyn.checks.finding import Finding
 from robodyn.checks.rule import Rule
 from robodyn.robot.urdf.view import Subject
+from robodyn.support.wording import surmised
 
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?(?![\w.]*\w)")
 _NAME = re.compile(r"(?<!\w)(['\"]).*?\1(?!\w)")
@@ -33,12 +34,16 @@ def kind_of(what: str) -> str:
     return _LIST.sub("#", without_numbers(_NAME.sub("#", what)))
 
 
+def cause_of(finding: Finding) -> str:
+    """Return the kind of the cause of a finding; empty where none is known, but at most what it may be."""
+    return "" if finding.cause is None or surmised(finding.cause) else kind_of(finding.cause)
+
+
 def grouped(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     """Return one finding for each cause in each file, with its further places; in the order of the first places."""
     together: dict[tuple[object, ...], list[Finding]] = {}
     for finding in findings:
-        cause = None if finding.cause is None else kind_of(finding.cause)
-        key = (finding.file, finding.code, finding.severity, finding.kind, cause)
+        key = (finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))
         together.setdefault(key, []).append(finding)
     return tuple(replace(one, others=tuple(others)) if others else one for one, *others in together.values())
 
@@ -63,7 +68,7 @@ def one_each(findings: Sequence[Finding], rules: Mapping[str, Rule]) -> list[Fin
             of.setdefault((finding.subject, finding.code), []).append(finding)
     dropped: set[int] = set()
     causes: dict[int, str] = {}
-    for (subject, code), found in of.items():
+    for (subject, code), found in sorted(of.items(), key=lambda one: one[0][1]):
         for other in (other for explained in rules[code].explains for other in of.get((subject, explained), ())):
             if found[0].severity.reaches(other.severity):
                 dropped.add(id(other))

@@ -19,15 +19,20 @@ _WIDTH = 100
 
 
 def further(finding: Finding) -> list[str]:
-    """Return lines with the further places of a finding: in a row where they are alike, else each with its sentence."""
-    alike = all(other.what == finding.what for other in finding.others)
+    """Return lines with the further places of a finding: in a row where they are alike, else each with its sentence,
+    and with what its cause may be where that is another."""
+    alike = all((other.what, other.cause) == (finding.what, finding.cause) for other in finding.others)
     most = _NAMED if alike else _SAID
     shown, more = finding.others[:most], len(finding.others) - most
     rest = [f"{count(more, 'more place')}"] if more > 0 else []
     if alike:
         row = ", ".join([*map(place_words, shown), *rest])
         return wrap(row, _WIDTH, break_long_words=False, break_on_hyphens=False)
-    return [*(f"{place_words(other)}: {other.what}" for other in shown), *rest]
+    return [*(f"{place_words(other)}: {other.what}{_cause(other, finding)}" for other in shown), *rest]
+
+
+def _cause(other: Finding, finding: Finding) -> str:
+    return "" if other.cause in (None, finding.cause) else f"; {other.cause}"
 
 
 def place_words(finding: Finding) -> str:

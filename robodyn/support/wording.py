@@ -47,6 +47,22 @@ def count(amount: int, noun: str, plural: str = "") -> str:
     return f"{amount} {noun if amount == 1 else plural or f'{noun}s'}"
 
 
+_SURMISES = "it may be that ", "one of these: "
+
+
+def one_of(what: Iterable[str]) -> str | None:
+    """Return what may be the cause in words: "one of these: ..."; None if there is nothing."""
+    different = list(dict.fromkeys(what))
+    if len(different) < 2:
+        return f"{_SURMISES[0]}{different[0]}" if different else None
+    return f"{_SURMISES[1]}{'; '.join(different)}"
+
+
+def surmised(cause: str) -> bool:
+    """Return whether it is from `one_of`: what may be, not what is."""
+    return cause.startswith(_SURMISES)
+
+
 def alternatives(name: str, valid: Collection[str], kind: str) -> str:
     """`did you mean 'x'?` where valid names are near, otherwise the valid names."""
     near = [shown(other) for other in nearest(name, valid)]

@@ -19,7 +19,7 @@ from robodyn.checks.examples import a_joint, a_link, arm
 from robodyn.checks.rule import Finding
 from robodyn.checks.rules import rd802_limits_along_motion as along
 from robodyn.checks.rules import rd902_regression as regression
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.run import Options, check_one, found_in
 from robodyn.errors import InputError
 
 
@@ -237,4 +237,16 @@ def test_what_a_program_refuses_is_an_error_where_it_is_asked_for(tmp_path: Path
 
 def test_without_being_asked_only_rejections_are_told() -> None:
     assert not found(arm().encode(), "RD901", Asked())
-    assert [one.message.split()[0] for one in found(CASES["massless tip"].encode(), "RD901", Asked())] == ["mujoco"]
+    (one,) = found(CASES["massless tip"].encode(), "RD901", Asked())
+    assert one.what == "mujoco rejects it: it wants mass and inertia in what moves"
+    assert one.subject is not None
+    assert one.subject.kind == "link"
+
+
+def test_without_being_asked_what_another_rule_tells_is_no_second_finding() -> None:
+    for text, told in ((CASES["massless tip"], "RD202"), (arm().replace('izz="0.02"', 'izz="0.05"'), "RD207")):
+        everything = found_in(text.encode(), Options(("ALL",))).shown
+        assert told in {one.code for one in everything}
+        assert "RD901" not in {one.code for one in everything}
+    asked = found_in(CASES["massless tip"].encode(), Options(("ALL",), asked=Asked(targets=("mujoco",)))).shown
+    assert {"RD202", "RD901"} <= {one.code for one in asked}

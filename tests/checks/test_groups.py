@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,11 +10,14 @@ from helpers.clean_arm import IDENTITY, INERTIA, arm
 
 from robodyn.checks.catalogue import CODES, RULES
 from robodyn.checks.compare.baseline import compared, fingerprints, write_baseline
+from robodyn.checks.examples import a_shaped_link
+from robodyn.checks.examples import inertia as entries
 from robodyn.checks.finding import Severity
 from robodyn.checks.groups import grouped, kind_of, one_each, places
 from robodyn.checks.project import fix_task
 from robodyn.checks.run import STANDARD, Checked, Options, Task, check_one, found_in
 from robodyn.checks.selection import BY_CODE
+from robodyn.report.check_places import further
 
 ONE = arm(shoulder="0 2 0")
 TWO = arm(shoulder="0 2 0", elbow="0 3 0")
@@ -155,3 +159,44 @@ def test_links_without_mass_are_one_finding_whatever_hangs_on_them() -> None:
     foot = hand.replace('"j"', '"i"').replace('"k"', '"m"')
     assert shown(empty.replace("</robot>", more), "RD202") == (("RD202", 1),)
     assert shown(arm().replace("</robot>", f"{hand}{foot}</robot>"), "RD202") == (("RD202", 2),)
+
+
+def test_what_a_cause_may_be_makes_no_finding_of_its_own() -> None:
+    """Allegro's fingers had three with "one of these" and one without, of one rule."""
+    single = check_one(TWO.encode(), Options(("RD502",)), "arm.urdf")
+    sure, unsure, other = "the axes are permuted (RD312)", "one of these: a; b", "it may be that a"
+    for causes, expected in (((None, unsure), 1), ((other, unsure), 1), ((None, sure), 2), ((unsure, sure), 2)):
+        given = [replace(one, cause=cause) for one, cause in zip(single, causes, strict=True)]
+        found = grouped(given)
+        assert len(found) == expected
+        assert len(set(fingerprints(found))) == expected
+        assert [one.cause for one in places(found)] == list(causes)
+
+
+def test_another_surmise_is_said_at_its_place() -> None:
+    single = check_one(TWO.encode(), Options(("RD502",)), "arm.urdf")
+    causes = None, "one of these: a; b"
+    (finding,) = grouped([replace(one, cause=cause) for one, cause in zip(single, causes, strict=True)])
+    (line,) = further(finding)
+    assert line.endswith("; one of these: a; b")
+    (finding,) = grouped([replace(one, cause="one of these: a; b", kind="") for one in single])
+    assert "one of these" not in "".join(further(finding))
+
+
+def test_shapes_that_do_not_fit_the_mass_are_one_finding() -> None:
+    """RD301 and RD302 hold against the very shapes of which RD304 says that they are not the link's."""
+    for centre, moments, beside in (("0 0 0.6", "4", "RD302"), ("0 0 0.12", "4", "RD301"), ("0 0 0.12", "40", "RD301")):
+        text = a_shaped_link(mass="90", centre=centre, inertia=entries(f"{moments} 0 0 {moments} 0 {moments}")).encode()
+        options = Options(("RD301", "RD302", "RD304"))
+        assert {one.code for one in check_one(text, options)} == {"RD304", beside}
+        (finding,) = found_in(text, options).shown
+        assert finding.severity is Severity.ERROR or finding.code == "RD304"
+        assert (finding.cause or "").endswith("denser than solid steel (RD304)") == (finding.code != "RD304")
+
+
+def test_both_limits_of_a_joint_that_cannot_move_are_one_finding() -> None:
+    still = arm().replace('effort="30"', 'effort="0"').replace('velocity="3"', 'velocity="0"')
+    assert still != arm()
+    (finding,) = found_in(still.encode(), Options(("RD506",))).shown
+    assert {place.measured for place in finding.places} == {0.0}
+    assert len(finding.places) >= 2

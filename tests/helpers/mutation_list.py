@@ -12,9 +12,10 @@ MUTATIONS = {
         ("checks/groups.py", "found[0].severity.reaches(other.severity)", "True"),
         (
             "checks/groups.py",
-            "(finding.file, finding.code, finding.severity, finding.kind, cause)",
-            "(finding.file, finding.code, finding.severity, cause)",
+            "(finding.file, finding.code, finding.severity, finding.kind, cause_of(finding))",
+            "(finding.file, finding.code, finding.severity, cause_of(finding))",
         ),
+        ("checks/groups.py", "or surmised(finding.cause)", "or False"),
     ],
     "checks/consumers/test_refusals.py": [
         ("checks/consumers/water.py", "WATER / 6", "WATER / 3"),

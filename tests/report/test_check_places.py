@@ -25,7 +25,6 @@ robots/both.urdf
   warning RD502 axis-length
     21:16: joint 'shoulder': the axis has the length 2, not 1
 
-not shown: 2 minor findings of 1 rule (--select ALL)
 2 files checked: 1 error, 2 warnings, 0 notes at 4 places: not fit for use as it is
 """
 
@@ -50,6 +49,12 @@ def test_the_short_form_is_by_file_and_rule_the_most_severe_first(folder: Path) 
     found = run("check", str(folder), "--format", "short")
     assert (found.status, found.out) == (1, SHORT)
     assert run("check", "robots", "--format", "short").out == SHORT
+
+
+def test_the_short_form_says_how_much_is_not_shown(folder: Path) -> None:
+    (folder / "robots" / "endless.urdf").write_text(arm().replace('effort="30"', 'effort="1e9"'))
+    out = run("check", "robots", "--format", "short").out
+    assert "\nnot shown: 1 minor finding of 1 rule (--select ALL)\n3 files checked: 1 error" in out
 
 
 def test_the_long_form_lists_further_places() -> None:

@@ -12,8 +12,9 @@ from robodyn.checks.bodies.uniform import shaped
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.slips import Given
-from robodyn.robot.masses.weighing import DOUBTED, Weighed, one_of, weigh
+from robodyn.robot.masses.weighing import DOUBTED, Weighed, weigh
 from robodyn.robot.urdf.view import LinkView
+from robodyn.support.wording import one_of
 
 _EXACT = 0.02
 

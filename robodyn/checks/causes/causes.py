@@ -25,11 +25,11 @@ from robodyn.robot.masses.slips import (
     nine_as_six,
     tensors,
 )
-from robodyn.robot.masses.weighing import Weighed, one_of
+from robodyn.robot.masses.weighing import Weighed
 from robodyn.robot.urdf.parts import INERTIA
 from robodyn.robot.urdf.view import LinkView
 from robodyn.support.floats import Floats
-from robodyn.support.wording import figure
+from robodyn.support.wording import figure, one_of
 
 _DIGITS = 12
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from robodyn.checks.groups import grouped, kind_of, places, without_numbers
+from robodyn.checks.groups import cause_of, grouped, places, without_numbers
 from robodyn.checks.rule import Finding
 from robodyn.errors import InputError
 from robodyn.support.files import write_whole
@@ -53,7 +53,7 @@ def fingerprints(findings: Iterable[Finding]) -> Iterator[str]:
             finding.code,
             finding.severity.value,
             finding.kind,
-            kind_of(finding.cause or ""),
+            cause_of(finding),
         )
         seen[same] += 1
         digest = hashlib.sha256("\0".join(same).encode("utf-8", "replace")).hexdigest()

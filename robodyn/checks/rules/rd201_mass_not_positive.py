@@ -11,7 +11,7 @@ from robodyn.checks.examples import INERTIA, arm, one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'))
+@rule(Severity.ERROR, good=arm(), bad=one_link(f'<mass value="-2"/>{INERTIA}'), explains=("RD901",))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         if link.inertial is None or link.mass is None or link.mass > 0:

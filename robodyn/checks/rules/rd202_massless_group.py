@@ -16,7 +16,13 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.support.wording import listed
 
 
-@rule(Severity.ERROR, Stage.TREE, good=longer_arm("tip", "flange", "", "", "fixed"), bad=longer_arm("tip", "wrist", ""))
+@rule(
+    Severity.ERROR,
+    Stage.TREE,
+    good=longer_arm("tip", "flange", "", "", "fixed"),
+    bad=longer_arm("tip", "wrist", ""),
+    explains=("RD901",),
+)
 def check(context: Context) -> Faults:
     carried = context.once(carried_masses)
     for group in context.tree.groups:

@@ -9,7 +9,7 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import INERTIA as ENTRIES
 
 
-@rule(Severity.ERROR, good=one_link(), bad=(INERTIA, ""))
+@rule(Severity.ERROR, good=one_link(), bad=(INERTIA, ""), explains=("RD901",))
 def check(context: Context) -> Faults:
     for link in context.view.links:
         inertial = link.inertial

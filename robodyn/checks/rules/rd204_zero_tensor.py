@@ -14,7 +14,7 @@ from robodyn.robot.urdf.view import LinkView
     Severity.ERROR,
     good=longer_arm(),
     bad=longer_arm(inertial='<mass value="1"/>' + inertia("0 0 0 0 0 0")),
-    explains=("RD402",),
+    explains=("RD402", "RD901"),
 )
 def check(context: Context) -> Faults:
     for link in context.view.links:

@@ -13,7 +13,7 @@ from robodyn.checks.examples import one_link
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, good=one_link(), bad=('"0.01"', '"-0.01"'), explains=("RD301", "RD303", "RD402"))
+@rule(Severity.ERROR, good=one_link(), bad=('"0.01"', '"-0.01"'), explains=("RD301", "RD303", "RD402", "RD901"))
 def check(context: Context) -> Faults:
     bound = context.thresholds.positive_definite
     for link, inertial, tensor in tensors(context):

@@ -13,7 +13,7 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.support.wording import figure
 
 
-@rule(Severity.ERROR, good=one_link(), bad=('izz="0.02"', 'izz="0.05"'), explains=("RD301", "RD303", "RD402"))
+@rule(Severity.ERROR, good=one_link(), bad=('izz="0.02"', 'izz="0.05"'), explains=("RD301", "RD303", "RD402", "RD901"))
 def check(context: Context) -> Faults:
     limits = context.thresholds
     for link, inertial, tensor in tensors(context):

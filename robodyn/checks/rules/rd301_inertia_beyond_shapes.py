@@ -73,8 +73,7 @@ def _beyond_box(body: Body) -> Fault | None:
     severity = Severity.WARNING if ratio > FAR and wherever else Severity.NOTE
     what = f"along {'xyz'[axis]} its inertia needs {figure(ratio)} times the second moment that any mass in the box"
     what += " around the shapes can have"
-    fault = _fault(body, severity, what, float(spread[axis]), float(bound[axis]))
-    return replace(fault, kind="beyond the box around the shapes")
+    return _fault(body, severity, what, float(spread[axis]), float(bound[axis]))
 
 
 def _reach(box: Box, c: Floats) -> float:
@@ -83,4 +82,4 @@ def _reach(box: Box, c: Floats) -> float:
 
 def _fault(body: Body, severity: Severity, what: str, spread: float, bound: float) -> Fault:
     measured, most = spread * body.mass, bound * body.mass
-    return Fault(body.tensor_span, what, _ADVICE, measured, most, severity=severity)
+    return Fault(body.tensor_span, what, _ADVICE, measured, most, severity=severity, kind="beyond the shapes")

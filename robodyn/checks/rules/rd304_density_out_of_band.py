@@ -3,7 +3,8 @@
 The mass of a rigid group over the volume of the box around its visual shapes (its collision shapes
 if it has no visual ones, for these are often stand-ins) is between 10 and 9000 kg/m^3: most of a box is air, and solid
 steel that fills it has 7850. Links of published robots have 390 to 1200. The band is set by the thresholds
-`least-density` and `most-density`.
+`least-density` and `most-density`. Where mass and shapes do not fit each other, it is no second defect that the inertia
+or the centre of mass does not fit the shapes (RD301, RD302).
 """
 
 from robodyn.checks.bodies.masses import link_poses
@@ -16,7 +17,13 @@ from robodyn.solids.inertia.validity import Box
 from robodyn.support.wording import figure
 
 
-@rule(Severity.WARNING, Stage.TREE, good=a_shaped_link(), bad=a_shaped_link("90", inertia("0.3 0 0 0.32 0 0.1")))
+@rule(
+    Severity.WARNING,
+    Stage.TREE,
+    good=a_shaped_link(),
+    bad=a_shaped_link("90", inertia("0.3 0 0 0.32 0 0.1")),
+    explains=("RD301", "RD302"),
+)
 def check(context: Context) -> Faults:
     limits, explained = context.thresholds, {name for name, one in context.once(weighed).items() if one.units}
     for group in context.tree.groups:

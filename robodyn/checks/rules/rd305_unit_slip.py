@@ -15,9 +15,9 @@ from robodyn.checks.context import Context
 from robodyn.checks.examples import SHAPED_INERTIA, a_shaped_link, inertia
 from robodyn.checks.rule import Fault, Faults, Severity, Stage, rule
 from robodyn.robot.masses.units import QUANTITIES
-from robodyn.robot.masses.weighing import Cause, Weighed, one_of
+from robodyn.robot.masses.weighing import Cause, Weighed
 from robodyn.robot.urdf.elements import Span
-from robodyn.support.wording import figure
+from robodyn.support.wording import figure, one_of
 
 
 @rule(Severity.ERROR, Stage.TREE, good=a_shaped_link(), bad=(SHAPED_INERTIA, inertia("12600 0 0 12400 0 3200")))

@@ -8,7 +8,7 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import WITH_AXIS
 
 
-@rule(Severity.ERROR, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 0"'))
+@rule(Severity.ERROR, good=arm(f'<axis xyz="0 0 1"/>{LIMIT}'), bad=('"0 0 1"', '"0 0 0"'), explains=("RD901",))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         if joint.type in WITH_AXIS and joint.axis.values is not None and not any(joint.axis.values):

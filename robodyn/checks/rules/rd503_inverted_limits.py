@@ -9,7 +9,7 @@ from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.parts import WITH_RANGE
 
 
-@rule(Severity.ERROR, good=arm(), bad=('"-2"', '"3"'))
+@rule(Severity.ERROR, good=arm(), bad=('"-2"', '"3"'), explains=("RD901",))
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         if joint.limit is None or joint.limit.range is None or joint.type not in WITH_RANGE:

@@ -9,7 +9,7 @@ from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.WARNING, good=arm(), bad=('"30"', '"0"'))
+@rule(Severity.WARNING, good=arm(), bad=('"30"', '"0"'), explains=("RD901",))
 def check(context: Context) -> Faults:
     limits = context.thresholds
     for joint in context.view.joints:
@@ -30,4 +30,5 @@ def check(context: Context) -> Faults:
             remedy = "write what the drive can do"
             if not numbers.given:
                 severity = Severity.ERROR
-            yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity)
+            kind = "a limit that is not positive" if numbers.given and not endless else None
+            yield Fault(numbers.span, what, remedy, value, most if endless else 0.0, severity=severity, kind=kind)

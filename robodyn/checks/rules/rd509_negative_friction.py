@@ -8,7 +8,12 @@ from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'), bad=('"0.1"', '"-0.1"'))
+@rule(
+    Severity.ERROR,
+    good=arm(f'<axis xyz="0 1 0"/>{LIMIT}<dynamics damping="0.1"/>'),
+    bad=('"0.1"', '"-0.1"'),
+    explains=("RD901",),
+)
 def check(context: Context) -> Faults:
     for joint in context.view.joints:
         for found in (joint.damping, joint.friction):

@@ -12,7 +12,9 @@ from robodyn.support.wording import alternatives, shown
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder" multiplier="0.5"/>'
 
 
-@rule(Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="sholder"'))
+@rule(
+    Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="sholder"'), explains=("RD901",)
+)
 def check(context: Context) -> Faults:
     joints = context.view.joint
     for joint in context.view.joints:

@@ -12,7 +12,7 @@ from robodyn.support.wording import listed
 _FOLLOWER = f'<axis xyz="0 1 0"/>{LIMIT}<mimic joint="shoulder"/>'
 
 
-@rule(Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="elbow"'))
+@rule(Severity.ERROR, good=longer_arm(inside=_FOLLOWER), bad=('joint="shoulder"', 'joint="elbow"'), explains=("RD901",))
 def check(context: Context) -> Faults:
     joints = context.view.joint
     masters = {name: joint.mimic.joint for name, joint in joints.items() if joint.mimic is not None}

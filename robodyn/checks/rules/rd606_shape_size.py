@@ -14,7 +14,7 @@ from robodyn.checks.meshes.files import MeshUse, mesh_uses
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 
 
-@rule(Severity.ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'))
+@rule(Severity.ERROR, good=a_shaped_link(), bad=('"0.1 0.1 0.25"', '"0.1 0 0.25"'), explains=("RD901",))
 def check(context: Context) -> Faults:
     for geometry in (geometry for link in context.view.links for geometry in link.geometries):
         for size in geometry.sizes:

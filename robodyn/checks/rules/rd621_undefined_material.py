@@ -24,6 +24,7 @@ _GREY = '\n  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
     Severity.WARNING,
     good=arm(more=_GREY).replace('<link name="base"/>', _SHAPE),
     bad=arm().replace('<link name="base"/>', _SHAPE),
+    explains=("RD901",),
 )
 def check(context: Context) -> Faults:
     root = context.view.root

@@ -13,7 +13,7 @@ from robodyn.support.wording import figure
 _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'
 
 
-@rule(Severity.WARNING, good=arm(more=_RED), bad=("0.8 0.1 0.1", "204 26 26"))
+@rule(Severity.WARNING, good=arm(more=_RED), bad=("0.8 0.1 0.1", "204 26 26"), explains=("RD901",))
 def check(context: Context) -> Faults:
     for element, _, subject in own_elements(context.view.root):
         rgba = numbers(element, "rgba", 4) if element.tag == "color" else None

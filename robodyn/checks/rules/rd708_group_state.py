@@ -18,6 +18,7 @@ from robodyn.support.wording import figure
 
 _ROUNDED = 1e-3 + 1e-9
 """How far a state may be beyond a limit [rad or m]: the nearest number of three digits."""
+_KIND = "a state that no pose has"
 _ONE = ("revolute", "prismatic")
 
 
@@ -33,7 +34,9 @@ def check(context: Context) -> Faults:
             joint = context.view.joint.get(element.get("name") or "")
             for what, remedy, measured, bound in () if joint is None else _wrong(element, joint):
                 at, severity = value_span(element, "value"), Severity.ERROR if bound is None else None
-                yield Fault(at, what, remedy, measured, bound, subject, severity=severity, document=found.document)
+                yield Fault(
+                    at, what, remedy, measured, bound, subject, severity=severity, kind=_KIND, document=found.document
+                )
 
 
 def _wrong(element: Element, joint: JointView) -> Iterator[tuple[str, str, float | None, float | None]]:

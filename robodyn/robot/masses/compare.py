@@ -16,12 +16,13 @@ from robodyn.robot.masses.likeness import Uniform
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.masses.shapes import ShapesInertia, mesh_file, shapes_inertia
 from robodyn.robot.masses.slips import Given
-from robodyn.robot.masses.weighing import one_of, weigh
+from robodyn.robot.masses.weighing import weigh
 from robodyn.robot.urdf.geometry import Shape, link_shapes
 from robodyn.robot.urdf.parts import Description, Inertial, Kind, Link
 from robodyn.solids.inertia.properties import MassProperties
 from robodyn.solids.inertia.validity import PRINTED, box_bound
 from robodyn.support.floats import Floats, ranked
+from robodyn.support.wording import one_of
 
 UNCERTAIN = 1e-12
 """Relative differences below this are none: rounding makes them."""

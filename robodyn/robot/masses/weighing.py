@@ -9,7 +9,6 @@ them apart it is not near enough, and where they do not, any factor near it is a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -211,11 +210,3 @@ def _unlike(given: Given, shapes: Uniform, like: Likeness, density: float, place
         (np.log(_UNLIKE) + place + other, np.log(_UNLIKE) + away + formed_so, 2 * np.log(_UNLIKE) + away + other)
     )
     return found
-
-
-def one_of(what: Sequence[str]) -> str | None:
-    """Return causes in words as "one of these: ..."; None if there are none."""
-    different = list(dict.fromkeys(what))
-    if len(different) < 2:
-        return f"it may be that {different[0]}" if different else None
-    return f"one of these: {'; '.join(different)}"
