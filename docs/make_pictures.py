@@ -17,7 +17,7 @@ ROBODYN = "from robodyn.cli.main import main; main()"
 SIZING = "torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml"
 PICTURES = {
     "report_torques": (SIZING, 1100, 1460),
-    "report_check": ("check robots/puma.urdf", 1100, 900),
+    "report_check": ("check robots/puma560.urdf", 1100, 850),
 }
 """By name: the command whose report is shown, and width and height of the window in pixels."""
 

@@ -13,7 +13,7 @@ from urllib.parse import unquote
 
 import pytest
 from benchmarks import bench_executors
-from helpers.doc_examples import GENERATED, ROOT, blocks, commands, hand_written, regenerated, same
+from helpers.doc_examples import FENCE, GENERATED, ROOT, blocks, commands, hand_written, regenerated, same
 from helpers.doc_tables import TIMED, steady_tables
 from helpers.example_robots import PATHS
 from helpers.markdown_tables import cells
@@ -149,6 +149,13 @@ def test_every_key_of_a_scene_is_described(table):
         parse_scene(table.replace("KEY", "nonsense = 1").encode())
     for key in re.findall(r"[a-z_]+", str(caught.value).partition("valid keys: ")[2]):
         assert re.search(rf"`[^`]*\b{key}\b[^`]*`", PAGES["docs/reference/scene.md"]), f"{key} is not described"
+
+
+def test_the_number_of_rules_stands_on_the_page_that_counts_them():
+    """What is typed gets stale; the changelog is history, and what commands print is run."""
+    pages = {page: FENCE.sub("", text) for page, text in PAGES.items() if page != "CHANGELOG.md"}
+    assert [page for page, text in pages.items() if re.search(r"\b\d+\s+rules\b", text)] == []
+    assert f" has {len(RULES)} rules" in all_pages()["docs/reference/rules/index.md"]
 
 
 def test_every_rule_command_and_name_has_its_page():

@@ -66,7 +66,7 @@ def report(list: int) -> str:
     paths = published()
     single = [check_one(str(path)) for path in paths]
     files = [sifted(found, Options()) for found in single]
-    head = f"{len(BY_CODE)} rules on {len(paths)} published descriptions.\n\n"
+    head = f"All rules on {len(paths)} published descriptions.\n\n"
     text = f"{head}{by_file(files, single)}\n{by_rule(files, single)}"
     return f"{text}\n{sample([*map(name_of, paths)], files, list)}" if list else text
 
