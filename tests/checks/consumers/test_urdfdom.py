@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import os
 import random
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 from helpers.example_robots import path_of
 from helpers.planted_defects import HEALTHY
 from helpers.sampled import sampled
+from helpers.urdfdom import check_urdf, refused
 from pinned_findings import name_of, published
 
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import Options, check_one
 
-PATIENCE = 10.0
 SLIPS = (
     ('<robot name="picker">', '<robot name="picker" version="2.0">'),
     ('<robot name="picker">', '<robot name="picker" version="1">'),
@@ -36,26 +33,7 @@ SLIPS = (
 )
 
 
-@pytest.fixture(scope="module")
-def check_urdf() -> list[str]:
-    """The program, with the folder of its libraries."""
-    try:
-        files = importlib.metadata.files("cmeel-urdfdom") or []
-    except importlib.metadata.PackageNotFoundError:
-        pytest.skip("urdfdom is not installed")
-    (program,) = (
-        Path(str(file.locate())).resolve()
-        for file in files
-        if file.name == "check_urdf" and "cmeel.prefix" in str(file)
-    )
-    return [str(program), str(program.parents[1] / "lib")]
-
-
-def refused(check_urdf: list[str], file: Path) -> bool:
-    program, libraries = check_urdf
-    environment = {**os.environ, "LD_LIBRARY_PATH": libraries}
-    done = subprocess.run([program, str(file)], env=environment, capture_output=True, timeout=PATIENCE, check=False)
-    return done.returncode != 0
+pytestmark = pytest.mark.skipif(check_urdf() is None, reason="urdfdom is not installed")
 
 
 def has_errors(file: Path) -> bool:
@@ -63,16 +41,16 @@ def has_errors(file: Path) -> bool:
 
 
 @pytest.mark.parametrize(("old", "new"), SLIPS)
-def test_slips(check_urdf: list[str], tmp_path: Path, old: str, new: str) -> None:
+def test_slips(tmp_path: Path, old: str, new: str) -> None:
     file = tmp_path / "picker.urdf"
     file.write_text(HEALTHY.replace(old, new, 1), encoding="utf-8")
-    assert refused(check_urdf, file)
+    assert refused(file)
     assert has_errors(file)
 
 
 @pytest.mark.parametrize("path", sampled(published()), ids=name_of)
-def test_published_robots(check_urdf: list[str], path: Path) -> None:
-    assert not refused(check_urdf, path) or has_errors(path)
+def test_published_robots(path: Path) -> None:
+    assert not refused(path) or has_errors(path)
 
 
 def slip(text: str, chance: random.Random) -> str:
@@ -88,13 +66,13 @@ def slip(text: str, chance: random.Random) -> str:
 
 
 @pytest.mark.parametrize("stem", ["z1", "panda", "a1"])
-def test_random_slips_in_published_robots(check_urdf: list[str], tmp_path: Path, stem: str) -> None:
+def test_random_slips_in_published_robots(tmp_path: Path, stem: str) -> None:
     chance, file, refusals = random.Random(stem), tmp_path / f"{stem}.urdf", 0
     text = re.sub(r"<!--.*?-->", "", path_of(stem).read_text(encoding="utf-8"), flags=re.DOTALL)
     for _ in range(120):
         changed = slip(text, chance)
         file.write_text(changed, encoding="utf-8")
-        if refused(check_urdf, file):
+        if refused(file):
             refusals += 1
             assert has_errors(file), changed
     assert refusals > 10

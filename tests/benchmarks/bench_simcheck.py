@@ -1,0 +1,168 @@
+"""`robodyn check` beside simcheck: `cd tests && python -m benchmarks.bench_simcheck`.
+
+simcheck's command must be on the path (pip install simcheck mujoco pybullet, in an environment of its own); it is told
+if it is not. Both are given the same files in the same run:
+
+- Every defect that the tests plant, in the small robot and in published ones, judged as `helpers/judged.py` says. Its
+  physics engines run on the small robot and on one published robot for each rule, its static checks on all.
+- Every published description as it is: errors, warnings, and the files that fail; engines run on the clean ones.
+- Time: the best of several turns for each of the clean ones, in one process, without its start.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from statistics import median
+
+from benchmarks.bench_check import cached, times
+from checks.test_check_real_robots import CLEAN
+from helpers.judged import NAMED, VERDICTS, by_check_urdf, by_robodyn, by_simcheck, one_of_each
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.planted_everywhere import Case, files, real, small
+from helpers.simcheck import ABSENT, STATIC, Verdict, command, verdicts, version
+from helpers.urdfdom import check_urdf
+from pinned_findings import published
+
+from robodyn.checks.run import Options, check_one, sifted
+from robodyn.checks.selection import BY_CODE
+
+OURS, PLAIN, ENGINES = "robodyn check", "simcheck, static", "simcheck, engines"
+Judged = Mapping[str, Mapping[int, str]]
+"""By program, what it makes of the defects, by their numbers."""
+
+
+@contextmanager
+def work() -> Iterator[Path]:
+    """A folder for planted files: the same in each run if what simcheck found is kept."""
+    kept = os.environ.get("SIMCHECK_CACHE")
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(kept) / "planted" if kept else Path(folder)
+
+
+def planted(cases: Sequence[Case], engines: bool) -> str:
+    with work() as folder:
+        paths = [files(case, folder) for case in cases]
+        judged = {OURS: {k: by_robodyn(case, paths[k]) for k, case in enumerate(cases)}}
+        if check_urdf():
+            judged["check_urdf"] = {k: by_check_urdf(pair) for k, pair in enumerate(paths)}
+        if command():
+            judged[PLAIN] = by_simcheck(cases, paths, range(len(cases)), *STATIC)
+        if command() and engines:
+            judged[ENGINES] = by_simcheck(cases, paths, one_of_each(cases))
+    return f"{in_all(cases, judged)}\n{by_rule(cases, judged)}"
+
+
+def in_all(cases: Sequence[Case], judged: Judged) -> str:
+    """Return how many each program names, of the same defects."""
+    rows = []
+    for numbers in sorted({frozenset(verdict) for verdict in judged.values()}, key=len, reverse=True):
+        for name, verdict in judged.items():
+            if numbers <= verdict.keys():
+                counted = Counter(verdict[k] for k in numbers)
+                share = f"{100 * counted[NAMED] / len(numbers):.0f} %"
+                rows.append(
+                    (f"{len(numbers)} of {len(cases)}", name, *(str(counted[each]) for each in VERDICTS), share)
+                )
+    return table(("planted defects", "program", *VERDICTS, "share named"), rows, left=(0, 1))
+
+
+def by_rule(cases: Sequence[Case], judged: Judged) -> str:
+    """Return for each rule what each program makes of its defects."""
+    rows = []
+    for code in sorted({case.code for case in cases}):
+        numbers = [k for k, case in enumerate(cases) if case.code == code]
+        counts = (Counter(verdict[k] for k in numbers if k in verdict) for verdict in judged.values())
+        cells = (" / ".join(str(counted[each]) for each in VERDICTS) for counted in counts)
+        rows.append((f"{code} {BY_CODE[code].name}", *cells))
+    return table((f"{' / '.join(VERDICTS)}, by rule", *judged), rows)
+
+
+def clean_ones(paths: Sequence[Path]) -> list[Path]:
+    """Return those that the tests know for clean."""
+    return [path for path in paths if path.stem in CLEAN]
+
+
+def alarms(paths: Sequence[Path], engines: bool) -> str:
+    """Return what each program finds in published robots as they are, remarks left out."""
+    found = {OURS: {path: _shown(path) for path in paths}}
+    if command():
+        found[PLAIN] = _said(verdicts(paths, *STATIC))
+    if command() and engines:
+        found[ENGINES] = _said(verdicts(clean_ones(paths)))
+    rows = []
+    for name, counts in found.items():
+        failed = {path for path, each in counts.items() if each["error"]}
+        clean = {*clean_ones([*counts])}
+        errors, warnings = ([each[kind] for each in counts.values()] for kind in ("error", "warning"))
+        both = median(map(sum, zip(errors, warnings, strict=True)))
+        ends = f"{len(failed)} of {len(counts)}", f"{len(failed & clean)} of {len(clean)}"
+        rows.append((name, str(sum(errors)), str(sum(warnings)), f"{both:g}", *ends))
+    return table(
+        ("published robots", "errors", "warnings", "median of both", "files that fail", "clean ones that fail"), rows
+    )
+
+
+def _shown(path: Path) -> Counter[str]:
+    return Counter(one.severity.value for one in sifted(check_one(str(path)), Options()).shown)
+
+
+def _said(found: Mapping[Path, Verdict]) -> dict[Path, Counter[str]]:
+    return {path: Counter(one.severity for one in verdict.said) for path, verdict in found.items()}
+
+
+def timed(paths: Sequence[Path], turns: int, engines: bool) -> str:
+    """Return the time of each program per robot, all of them in each turn."""
+    with tempfile.TemporaryDirectory() as folder:
+        ways: dict[str, Callable[[], list[float]]] = {
+            f"{OURS}, meshes known": partial(_times, paths, folder),
+            f"{OURS}, meshes read anew": partial(_times, paths, "0"),
+        }
+        if command():
+            ways[PLAIN] = partial(_seconds, paths, *STATIC)
+        if command() and engines:
+            ways[ENGINES] = partial(_seconds, paths)
+        rounds: dict[str, list[list[float]]] = {name: [] for name in ways}
+        _times(paths, folder)
+        for _ in range(turns):
+            for name, way in ways.items():
+                rounds[name].append(way())
+    best = {name: [min(robot) for robot in zip(*found, strict=True)] for name, found in rounds.items()}
+    base = sum(best[f"{OURS}, meshes read anew"])
+    rows = [
+        (name, f"{1e3 * median(each):.0f} ms", f"{1e3 * max(each):.0f} ms", f"{sum(each) / base:.2g}")
+        for name, each in best.items()
+    ]
+    return table((f"{len(paths)} robots, one process, best of {turns}", "median", "worst", "ratio of sums"), rows)
+
+
+def _times(paths: Sequence[Path], folder: str) -> list[float]:
+    with cached(folder):
+        return times(paths)
+
+
+def _seconds(paths: Sequence[Path], *options: str) -> list[float]:
+    found = verdicts(paths, *options, timed=True)
+    return [found[path].seconds for path in paths]
+
+
+def report(turns: int, engines: int) -> str:
+    cases = [*small(), *real()]
+    parts = (
+        f"{version()}.\n" if command() else ABSENT,
+        planted(cases, bool(engines)),
+        alarms(published(), bool(engines)),
+        timed(clean_ones(published()), turns, bool(engines)),
+        machine(),
+    )
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    main(report, __doc__, turns=2, engines=1)
