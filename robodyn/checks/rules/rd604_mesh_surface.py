@@ -1,12 +1,14 @@
 """Meshes are closed, wound outwards, free of overlaps, and their coordinates are numbers.
 
-Mass, signed distance and many collision engines need a surface that encloses a volume. Reported are
+Mass and signed distance need a surface that encloses a volume. Reported are
 coordinates that are no numbers; shells wound inwards that are no cavities; STL files that hold more triangles than
 their header counts; surfaces with one side only; faces wound against their neighbours; open edges, by the
 boundary chain; and shells that reach into another, as far as a few points of each show. The last is a remark; the
-three before it are one where a mesh is only a <visual>, and a warning in a <collision>. Of an open surface it is said,
-with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be filled, a remark then, or what
-is missing. The bad example stands beside a file `open.stl`, a box without lid; the good one beside `closed.stl`.
+three before it are a warning where a link takes its mass from the mesh, being a <collision> of one without <inertial>,
+and remarks otherwise: MuJoCo and Drake collide with the convex hull, and others with the triangles.
+Of an open surface it is said, with the numbers that `robodyn inertia` goes by, whether its gaps are small enough to be
+filled, a remark then, or what is missing. The bad example stands beside a file `open.stl`, a box without lid; the good
+one beside `closed.stl`.
 """
 
 from robodyn.checks.examples import a_mesh
@@ -30,7 +32,7 @@ def check(context: Context) -> Faults:
 
 
 def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
-    """Return what is wrong, worst first; what hardly shows is a remark where the mesh is only looked at."""
+    """Return what is wrong, worst first; what only the mass of it shows is a remark where nothing takes that."""
     if not facts.finite:
         return f"has a coordinate that is no number: {facts.problem}", Severity.WARNING
     if facts.inverted:
@@ -38,7 +40,7 @@ def _wrong(facts: MeshFacts, name: MeshName) -> tuple[str, Severity] | None:
         return inside_out, Severity.WARNING
     if facts.doubt:
         return f"may not be whole: {facts.doubt}", Severity.WARNING
-    what, severity = None, Severity.NOTE if name.is_seen_only else Severity.WARNING
+    what, severity = None, Severity.WARNING if name.gives_mass else Severity.NOTE
     if facts.one_sided:
         what = f"has {facts.one_sided} faces in surfaces with one side only: it encloses nothing"
     elif facts.mixed:

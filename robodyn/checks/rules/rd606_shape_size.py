@@ -4,10 +4,12 @@ A box, cylinder, sphere or capsule without size, or a mesh with a scale of zero,
 programs (MuJoCo 4.0 and Drake 1.51, run) and dropped by others. One or three negative scales make a mirror image, whose
 faces look inwards unless the program turns them: MuJoCo, Drake and trimesh 4 do, and have its volume right; Pinocchio
 4.1 does not, and has a negative volume and a negative inertia of the shape (all run on one tetrahedron). Shapes are
-where they should be in all four. So this is a warning in a <collision>, and a remark where the mesh is only a <visual>:
-meshes on both sides of a robot are often made this way. Two negative scales are half a turn, right in all four, and a
-remark.
+where they should be in all four. So this is a warning in a <collision>, and a remark where the mesh is only a <visual>,
+or stands unmirrored in the robot, too: both sides of a robot are often made of one mesh.
+Two negative scales are half a turn, right in all four, and a remark.
 """
+
+from math import prod
 
 from robodyn.checks.examples import a_shaped_link
 from robodyn.checks.meshes.files import MeshUse, mesh_uses
@@ -24,21 +26,27 @@ def check(context: Context) -> Faults:
                 yield Fault(size.span, f"{what}, not positive", remedy, min(size.values), 0.0)
     scaled: dict[tuple[str, tuple[float, ...]], list[MeshUse]] = {}
     for use in mesh_uses(context):
-        scale = use.geometry.scale.values
-        if scale is not None and min(scale) <= 0:
+        scale = use.geometry.scale.or_default(1.0, 1.0, 1.0)
+        if scale is not None:
             scaled.setdefault((use.uri, scale), []).append(use)
-    for (_, scale), uses in scaled.items():
-        yield _scale(uses, scale)
+    for (uri, scale), uses in scaled.items():
+        if min(scale) <= 0:
+            yield _scale(uses, scale, any(_unmirrored(other, scale) for name, other in scaled if name == uri))
 
 
-def _scale(uses: list[MeshUse], scale: tuple[float, ...]) -> Fault:
-    """Return one finding for all uses of a mesh with one scale."""
+def _unmirrored(other: tuple[float, ...], scale: tuple[float, ...]) -> bool:
+    """Return whether a scale is another up to its signs, and mirrors nothing."""
+    return prod(other) > 0 and [*map(abs, other)] == [*map(abs, scale)]
+
+
+def _scale(uses: list[MeshUse], scale: tuple[float, ...], both: bool) -> Fault:
+    """Return one finding for all uses of a mesh with one scale; `both` if it stands unmirrored somewhere, too."""
     if 0 in scale:
         severity, remedy = Severity.ERROR, 'write scale="1 1 1", or leave it out'
         what = "leaves no volume"
     elif sum(value < 0 for value in scale) % 2:
-        only_seen = all(use.geometry.kind == "visual" for use in uses)
-        severity = Severity.NOTE if only_seen else Severity.WARNING
+        harmless = both or all(use.geometry.kind == "visual" for use in uses)
+        severity = Severity.NOTE if harmless else Severity.WARNING
         remedy = "export the mesh of this part, mirrored"
         what = "mirrors the mesh: to programs that do not turn its faces, its volume is negative"
     else:

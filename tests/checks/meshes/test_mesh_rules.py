@@ -13,6 +13,7 @@ from helpers.one_sided import klein_bottle
 
 from robodyn.checks.catalogue import RULES
 from robodyn.checks.context import Asked
+from robodyn.checks.examples import INERTIA
 from robodyn.checks.fixes import fixed
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Options, check_one
@@ -201,6 +202,19 @@ def test_surfaces(tmp_path: Path, surface: str, kind: str) -> None:
     assert words in one.message
 
 
+@pytest.mark.parametrize("surface", ["open", "one side", "mixed"])
+def test_surfaces_that_nothing_is_weighed_by(tmp_path: Path, surface: str) -> None:
+    """Collisions are with the hull or with triangles; the mass of a link without <inertial> is that of the mesh."""
+    text, inertial = described("part.stl", "part.stl"), f'<inertial><mass value="1"/>{INERTIA}</inertial></link>'
+    for given, severity in (
+        (text, W),
+        (text.replace("</link>", inertial), I),
+        (text.replace("</link>", inertial, 1), W),
+    ):
+        (one,) = findings(saved(tmp_path, given, part_stl=binary_stl(SURFACES[surface][0])), Options(("RD604",)))
+        assert one.severity is severity
+
+
 @pytest.mark.parametrize(
     ("name", "data"),
     [
@@ -263,6 +277,25 @@ def test_scales(tmp_path: Path, scale: str, severity: Severity, words: str) -> N
     assert words in one.message
     assert one.message.endswith(" (and 1 more of this mesh)")
     assert text.encode()[one.start : one.end].decode() == scale
+
+
+@pytest.mark.parametrize(
+    ("scales", "severity"),
+    [
+        (("0.001 -0.001 0.001", "0.001 0.001 0.001"), I),
+        (("1 1 -1", ""), I),
+        (("1 -1 1", "2 2 2"), W),
+        (("1 -1 1", "-1 -1 1"), I),
+        (("1 -1 1", "-1 1 1"), W),
+    ],
+)
+def test_a_mesh_for_both_sides_may_be_mirrored(tmp_path: Path, scales: tuple[str, str], severity: Severity) -> None:
+    """TALOS, TIAGo, Centauro: the mesh of one arm, and its mirror image for the other."""
+    text = described("part.stl", "part.stl", scale="@")
+    for scale in scales:
+        text = text.replace(' scale="@"', f' scale="{scale}"' if scale else "", 1)
+    found = findings(saved(tmp_path, text, part_stl=binary_stl(box((100.0,) * 3))), Options(select=("RD606",)))
+    assert {one.severity for one in found if "mirrors" in one.message} == {severity}
 
 
 def test_positive_scales_are_sound(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from helpers.planted_defects import DEFECTS, HEALTHY, HERE, MEASURED, MESSAGES, SOUND, Defect
 
+from robodyn.checks.examples import LIMIT, arm
 from robodyn.checks.rule import Severity
 from robodyn.checks.run import check_one
 
@@ -85,6 +86,33 @@ def test_columns_count_characters_and_a_tab_is_one() -> None:
     line = "<link name='é𝄞'>\t<inertial><mass value='-1'/></inertial></link>"
     (finding,) = [found for found in check_one(f"<robot name='r'>\n{line}</robot>".encode()) if found.code == "RD201"]
     assert (finding.line, finding.column) == (2, line.index("-1") + 1)
+
+
+@pytest.mark.parametrize(
+    ("inside", "expected"),
+    [
+        ('<orgin xyz="0 0 1"/>', Severity.WARNING),
+        ('<origin xyz="0 0 1"/>', Severity.WARNING),
+        ('<rotor_inertia value="1"/>', Severity.WARNING),
+        ("<self_filter/>", Severity.NOTE),
+        ("<kinematic>1</kinematic>", Severity.NOTE),
+        ('<visual nam="x"/>', Severity.WARNING),
+        ('<visual xyz="0 0 1"/>', Severity.WARNING),
+        ('<visual colour="x"/>', Severity.NOTE),
+        ('<visual name="v" nam="x"/>', Severity.NOTE),
+    ],
+)
+def test_names_that_were_meant_for_urdf_are_warnings_and_others_remarks(inside: str, expected: Severity) -> None:
+    text = f'<robot name="r"><link name="l">{inside}</link></robot>'
+    (found,) = [one.severity for one in check_one(text.encode()) if one.code == "RD005"]
+    assert found is expected
+
+
+def test_an_element_of_which_nothing_is_read() -> None:
+    """Panda's <dynamics D="1" K="7000" mu_coulomb="0" mu_viscous="16"/> damps nothing."""
+    for attributes, expected in (('D="1" K="7"', [Severity.WARNING] * 2), ('damping="1" K="7"', [Severity.NOTE])):
+        text = arm(f'<axis xyz="0 1 0"/><dynamics {attributes}/>{LIMIT}')
+        assert [one.severity for one in check_one(text.encode()) if one.code == "RD005"] == expected
 
 
 def test_places_in_latin_1() -> None:

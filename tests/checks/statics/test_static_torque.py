@@ -11,6 +11,7 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.checks.context import Context
+from robodyn.checks.rule import Severity
 from robodyn.checks.run import check_one
 from robodyn.checks.statics.reflected_inertia import inverse_of_definite, joint_space_inertia
 from robodyn.checks.statics.torque import gravity_bounds, position_ranges, starts, static_torques
@@ -120,6 +121,18 @@ def test_a_finding_names_the_pose_and_the_limit_s_place() -> None:
     assert finding.bound == 60.0
     assert finding.measured == pytest.approx(G * 7, rel=1e-9)
     assert text.encode()[finding.start : finding.end] == b"60"
+
+
+@pytest.mark.parametrize(
+    ("effort", "severity"), [("34", Severity.WARNING), ("35", Severity.NOTE), ("68", Severity.NOTE)]
+)
+def test_less_than_twice_the_limit_is_a_remark(effort: str, severity: Severity) -> None:
+    """Springs may hold a part of the weight, as PR2's do; the joint carries 68.6 N m."""
+    text = planar(-2.0, 2.0).replace('effort="0.1"', f'effort="{effort}"', 1)
+    (finding,) = (
+        one for one in check_one(text.encode()) if one.code == "RD801" and one.subject and one.subject.name == "j1"
+    )
+    assert finding.severity is severity
 
 
 def test_sentinel_ranges_are_one_turn() -> None:
