@@ -11,6 +11,8 @@ _LONGEST_PATH = 120
 _MOST_NAMES = 8
 _MOST_CANDIDATES = 1000
 _MOST_MEANT = 3
+_SLIPS = 2
+"""Letters in which a name may differ from the one that was meant."""
 _PART = 3
 """Letters that two names must share at least to be like each other."""
 
@@ -71,6 +73,28 @@ def alternatives(name: str, valid: Collection[str], kind: str) -> str:
     if near:
         return f"did you mean {' or '.join([', '.join(near[:-1]), near[-1]] if near[1:] else near)}?"
     return f"{kind}: {listed(valid)}" if valid else f"there are no {kind}"
+
+
+def slip_of(name: str, known: Collection[str]) -> str | None:
+    """Return the known name that this is but for a slip of one or two letters; None if it is known, or another's.
+
+    Only words of letters are compared: position_x is no slip of position.
+    """
+    if name in known or not name.isalpha():
+        return None
+    return next((other for other in known if _edits(name, other) <= _SLIPS), None)
+
+
+def _edits(one: str, other: str) -> int:
+    """Return how many letters must be put in, taken out or changed to make one word the other."""
+    if abs(len(one) - len(other)) > _SLIPS:
+        return _SLIPS + 1
+    row: list[int] = [*range(len(other) + 1)]
+    for i, letter in enumerate(one):
+        before, row[0] = row[0], i + 1
+        for j, wanted in enumerate(other):
+            before, row[j + 1] = row[j + 1], min(before + (letter != wanted), row[j] + 1, row[j + 1] + 1)
+    return row[-1]
 
 
 def nearest(name: str, valid: Collection[str]) -> list[str]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from math import degrees
 from typing import NamedTuple
 
 from helpers.planted_ros import (
     Edit,
+    Texts,
     another,
     bare,
     control,
@@ -73,12 +75,43 @@ def _geared(*reductions: object) -> Edit:
     return lambda u, s: (end(bare(u), *(transmission(f"t{k}", moving(u)[0], r) for k, r in enumerate(reductions))), s)
 
 
+def _drives(*names: int, old: str = "", new: str = "") -> Edit:
+    """Drive as many joints by transmissions of these names, in which one text stands for another."""
+    return lambda u, s: (
+        end(bare(u), *(re.sub(old, new, transmission(f"t{n}", moving(u)[k]), count=1) for k, n in enumerate(names))),
+        s,
+    )
+
+
+def _degrees(urdf: str) -> str:
+    """The range of the first joint that moves, in degrees."""
+    named = urdf[re.search(rf'<joint\b[^>]*name="{moving(urdf)[0]}"[^>]*type="revolute"', urdf).start() :]  # type: ignore[union-attr]
+    limit = re.search(r"<limit[^>]*>", named)
+    assert limit
+    ends = {end: re.search(rf'{end}="([^"]*)"', limit[0]) for end in ("lower", "upper")}
+    low, high = (degrees(float(found[1])) for found in ends.values() if found)
+    return params(min=round(low), max=round(high))
+
+
 def _effector(urdf: str, srdf: str) -> str:
     found = re.search(r'<link\s+name="([^"]+)"', urdf)
     assert found
     return f'<end_effector name="planted" parent_link="{found[1]}" group="nobody"/>'
 
 
+def _reversed_chain(urdf: str) -> str:
+    found = re.search(r'<parent\s+link="([^"]+)"\s*/>\s*<child\s+link="([^"]+)"', urdf)
+    assert found
+    return f'<group name="planted"><chain base_link="{found[2]}" tip_link="{found[1]}"/></group>'
+
+
+def _two_colours(urdf: str, srdf: str) -> Texts:
+    """Plant a shape whose colour of this name another one has otherwise."""
+    blue = '\n  <material name="planted"><color rgba="0 0 1 1"/></material>'
+    return shape(material(GREEN))(end(urdf, blue), srdf)
+
+
+_WITHOUT_PLUGIN = '<ros2_control name="drives" type="system"><hardware/></ros2_control>'
 CONTROLLED = (
     Planted("joint twice", "RD702", ending(lambda u: control(driven(moving(u)[0]), driven(moving(u)[0])))),
     Planted("joint in two", "RD702", ending(lambda u: control(driven(moving(u)[0])) + control(driven(moving(u)[0])))),
@@ -88,8 +121,8 @@ CONTROLLED = (
     Planted("joint absent", "RD701", ending(lambda u: control(driven(moving(u)[0] + "_2")))),
     Planted("min above max", "RD704", _first(params(min=1, max=-1))),
     Planted("gpio min above max", "RD704", ending(lambda u: control(gpio("io", params(min=5, max=0))))),
-    Planted("min no number", "RD704", _first(params(min="-1,5", max=1))),
-    Planted("initial value outside", "RD704", _first(params(min=-1, max=1, initial_value=1.5))),
+    Planted("min no number", "RD704", _first(params(min="-0,5", max=0.1))),
+    Planted("initial value outside", "RD704", _first(params(min=-0.1, max=0.1, initial_value=0.15))),
     Planted("mimic of none", "RD705", ending(lambda u: control(seen(moving(u)[0], said=' mimic="true"')))),
     Planted("follower commanded", "RD705", ending(lambda u: control(*map(driven, reversed(follower(u))))), FOLLOWERS),
     Planted("leader elsewhere", "RD705", ending(lambda u: control(seen(follower(u)[0]))), FOLLOWERS),
@@ -98,6 +131,15 @@ CONTROLLED = (
     Planted("driven twice", "RD703", _geared(50, 50)),
     Planted("reduction 0", "RD703", _geared(0)),
     Planted("reduction no number", "RD703", _geared("1:50")),
+    Planted("hardware without plugin", "RD702", ending(lambda u: _WITHOUT_PLUGIN)),
+    Planted("interface misspelt", "RD702", ending(lambda u: control(driven(moving(u)[0]).replace("osit", "ost", 1)))),
+    Planted("gpio offers nothing", "RD702", ending(lambda u: control('<gpio name="flange"/>'))),
+    Planted("range in degrees", "RD704", ending(lambda u: control(driven(moving(u)[0], _degrees(u))))),
+    Planted("drive of a fixed joint", "RD703", lambda u, s: (end(bare(u), transmission("t", fixed(u))), s)),
+    Planted("drive's name twice", "RD703", _drives(0, 0)),
+    Planted("drive without type", "RD703", _drives(0, old="<type>.*</type>")),
+    Planted("drive's type misspelt", "RD703", _drives(0, old="SimpleT", new="SimplT")),
+    Planted("drive's interface misspelt", "RD703", _drives(0, old="EffortJ", new="EfortJ")),
     Planted("plugin's joint absent", "RD701", ending(lambda u: plugin("mimicJoint", moving(u)[0] + "x"))),
     Planted("plugin's link absent", "RD701", ending(lambda u: plugin("bodyName", "no_link"))),
 )
@@ -107,6 +149,8 @@ PLANNED = (
     Planted("state of no group", "RD707", in_srdf('<group_state name="planted" group="legs_and_arms"/>')),
     Planted("subgroup absent", "RD707", in_srdf('<group name="both"><group name="nobody"/></group>')),
     Planted("effector of no group", "RD707", in_srdf(_effector)),
+    Planted("group twice", "RD707", in_srdf(lambda u, s: 2 * '<group name="planted"/>')),
+    Planted("chain reversed", "RD707", in_srdf(lambda u, s: _reversed_chain(u))),
     Planted("state beyond a limit", "RD708", state("99")),
     Planted("state no number", "RD708", state("half")),
     Planted("state of two numbers", "RD708", state("0.1 0.2")),
@@ -114,6 +158,7 @@ PLANNED = (
 SHOWN = (
     Planted("material undefined", "RD621", shape(material("", ' name="plaid"'))),
     Planted("material twice", "RD621", ending(lambda u: 2 * material(GREEN))),
+    Planted("material of two colours", "RD621", _two_colours),
     Planted("material without name", "RD621", shape(material(GREEN, ""))),
     Planted("colour of 255", "RD622", ending(lambda u: material('<color rgba="255 128 0 1"/>'))),
     Planted("colour below 0", "RD622", ending(lambda u: material('<color rgba="-0.5 0.1 0 1"/>'))),

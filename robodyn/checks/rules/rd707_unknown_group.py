@@ -1,14 +1,15 @@
-"""Groups of the SRDF that are named are there.
+"""Groups of the SRDF that are named are there, once, and their chains run from the base to the tip.
 
 MoveIt passes over a state, an end effector or a group of groups whose group it does not know: the
 pose cannot be called up, the gripper cannot be planned for. A state that names no group at all is one that only
-Pinocchio reads, and a remark. The examples are SRDFs of an arm.
+Pinocchio reads, and a remark. Of two groups of one name one is passed over, and a chain whose base hangs on its tip is
+planned for the wrong end. The examples are SRDFs of an arm.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from robodyn.checks import examples
-from robodyn.checks.ros.srdf import srdf
+from robodyn.checks.ros.srdf import Srdf, srdf
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.numbers import value_span
@@ -23,6 +24,7 @@ def check(context: Context) -> Faults:
     if found is None or found.is_of_another:
         return
     groups = [group.get("name") or "" for group in found.root.findall("group")]
+    yield from _twice_or_reversed(context, found)
     unnamed, unknown = [], dict[str, tuple[Element, Element, str]]()
     uses = 0
     for use in _uses(found.root):
@@ -45,6 +47,31 @@ def check(context: Context) -> Faults:
         yield Fault(
             unnamed[0].span, what, 'write group="..."', None, None, subject, Severity.NOTE, document=found.document
         )
+
+
+def _twice_or_reversed(context: Context, found: Srdf) -> Iterator[Fault]:
+    first: dict[str, Element] = {}
+    above = {joint.child: joint.parent for joint in context.view.joints}
+    for group in found.root.findall("group"):
+        name = group.get("name") or ""
+        if first.setdefault(name, group) is not group:
+            what = f"a second group of this name; the first is in line {first[name].line}"
+            at = value_span(group, "name")
+            yield Fault(at, what, "rename or delete one of them", subject=_subject(group), document=found.document)
+        for chain in group.findall("chain"):
+            base, tip = chain.get("base_link") or "", chain.get("tip_link") or ""
+            if base != tip and tip in _upward(base, above):
+                what = f"the chain's base {shown(base)} hangs on its tip {shown(tip)}"
+                remedy, at = "exchange base_link and tip_link", value_span(chain, "base_link")
+                yield Fault(at, what, remedy, subject=_subject(group), document=found.document)
+
+
+def _upward(link: str, above: Mapping[str, str]) -> Collection[str]:
+    """Return the link and what it hangs on, as far as the parents lead."""
+    passed = {link: None}
+    while (link := above.get(link, "")) and link not in passed:
+        passed[link] = None
+    return passed
 
 
 def _subject(user: Element) -> Subject:
