@@ -40,7 +40,7 @@ def check(context: Context) -> Faults:
     ]
     yield from _twice(shared)
     yield from _two_colours(shared, local)
-    defined = {material.get("name") for material in (*shared, *local) if _looks(material)}
+    defined = dict.fromkeys(material.get("name") for material in (*shared, *local) if _looks(material))
     undefined: dict[str, list[Element]] = {}
     for material in local:
         name = material.get("name")
