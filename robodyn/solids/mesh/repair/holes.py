@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
+from math import sqrt
 
 import numpy as np
 
-from robodyn.programs.vectors import length
 from robodyn.solids.mesh.indexed import Edges, Numbers, areas
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
@@ -72,7 +73,8 @@ def filled(shells: Shells) -> Filling:
     fill = [gap for gap in gaps if gap not in loose]
     caps = [cap for gap in fill for cap in gap.caps]
     sizes = [size for gap in fill for size in gap.sizes]
-    seams = sum(is_seam(mesh.vertices, cap, size) for cap, size in zip(caps, sizes, strict=True))
+    around = perimeters(mesh.vertices, [loop for gap in fill for loop in gap.loops])
+    seams = sum(size <= _SEAM * length**2 for size, length in zip(sizes, around, strict=True))
     after = _with(shells, fill, [gap.caps for gap in fill], fill)
     apex = next((gap.loops[0][0] for gap in loose if gap.patch), -1)
     rest = [gap.cone(apex) if gap.patch else gap.caps for gap in loose]
@@ -123,13 +125,46 @@ class _Gap:
 
 def _gaps(shells: Shells) -> list[_Gap]:
     mesh = shells.mesh
-    own = np.bincount(shells.label, mesh.areas, shells.count)
-    found = []
-    for shell in np.flatnonzero(~shells.closed).tolist():
-        loops = boundary_loops(shells.faces(shell))
-        caps = [cap_of(mesh.vertices, loop) for loop in loops]
-        sizes = [float(areas(mesh.vertices[cap]).sum()) for cap in caps]
-        found.append(_Gap(shell, loops, caps, sizes, float(own[shell])))
+    own = np.bincount(shells.label, mesh.areas, shells.count).tolist()
+    loops = _loops(shells)
+    caps = {shell: [cap_of(mesh.vertices, loop) for loop in around] for shell, around in loops.items()}
+    every = [cap for each in caps.values() for cap in each]
+    whole = areas(mesh.vertices[np.concatenate([np.zeros((0, 3), np.int64), *every])])
+    sizes = iter(_sums(whole, map(len, every)))
+    return [_Gap(k, loops[k], caps[k], [next(sizes) for _ in caps[k]], own[k]) for k in loops]
+
+
+def _loops(shells: Shells) -> dict[int, list[list[int]]]:
+    """Return the boundary loops of each open shell.
+
+    All are found at once: a vertex of several shells has another number in each, in the same order.
+    """
+    found: dict[int, list[list[int]]] = {shell: [] for shell in np.flatnonzero(~shells.closed).tolist()}
+    rows, many = np.flatnonzero(~shells.closed[shells.label]), len(shells.mesh.vertices)
+    names, faces = np.unique(shells.label[rows, None] * many + shells.mesh.faces[rows], return_inverse=True)
+    shell_of, vertex_of = names // many, names % many
+    for loop in boundary_loops(faces.reshape(-1, 3)):
+        found[int(shell_of[loop[0]])].append(vertex_of[loop].tolist())
+    return found
+
+
+def perimeters(vertices: Floats, loops: Sequence[Sequence[int]]) -> list[float]:
+    """Return how long each loop is."""
+    many = [len(loop) for loop in loops]
+    of = np.repeat(np.arange(len(loops)), many)
+    here = np.array([vertex for loop in loops for vertex in loop], np.int64)
+    next_one = np.array([vertex for loop in loops for vertex in (*loop[1:], loop[0])], np.int64)
+    lower, higher = np.minimum(here, next_one), np.maximum(here, next_one)
+    order = np.lexsort((higher, lower, of))
+    return _sums(np.linalg.norm(vertices[lower[order]] - vertices[higher[order]], axis=1), many)
+
+
+def _sums(values: Floats, many: Iterable[int]) -> list[float]:
+    """Return the sums of so many values each."""
+    found, first = [], 0
+    for count in many:
+        found.append(float(values[first : first + count].sum()))
+        first += count
     return found
 
 
@@ -168,13 +203,15 @@ def boundary_loops(faces: Numbers) -> list[list[int]]:
 
 def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
     """(n - 2, 3) triangles within a loop of n vertices: again and again the corner with the shortest side opposite."""
-    points = dict(zip(loop, vertices[loop], strict=True))
+    points = dict(zip(loop, vertices[loop].tolist(), strict=True))
     before = dict(zip(loop, [loop[-1], *loop[:-1]], strict=True))
     after = {vertex: follower for follower, vertex in before.items()}
 
     def ear(vertex: int) -> tuple[float, int, int, int]:
         a, c = before[vertex], after[vertex]
-        return length(points[c] - points[a]), vertex, a, c
+        (x, y, z), (u, v, w) = points[a], points[c]
+        x, y, z = u - x, v - y, w - z
+        return sqrt(x * x + y * y + z * z), vertex, a, c
 
     queue = [ear(vertex) for vertex in loop]
     heapify(queue)
@@ -189,11 +226,3 @@ def cap_of(vertices: Floats, loop: list[int]) -> Numbers:
         heappush(queue, ear(a))
         heappush(queue, ear(c))
     return np.array(found, np.int64).reshape(-1, 3)
-
-
-def is_seam(vertices: Floats, cap: Numbers, area: float) -> bool:
-    """Return whether a cap (n, 3) of this area is next to nothing: where surfaces should meet but do not quite."""
-    edges = Edges.between(cap)
-    ends = edges.ends[edges.count == 1]
-    around = float(np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1).sum())
-    return area <= _SEAM * around**2
