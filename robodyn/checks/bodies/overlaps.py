@@ -14,7 +14,7 @@ from robodyn.checks.bodies.rest import behind, rest_poses
 from robodyn.checks.bodies.shapes import real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.extremes import extremes
-from robodyn.checks.meshes.files import mesh_names
+from robodyn.checks.meshes.files import all_facts, mesh_names
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.ros.srdf import srdf
 from robodyn.robot.urdf.view import GeometryView, LinkView
@@ -94,8 +94,9 @@ def _hull(context: Context, link: LinkView, shape: GeometryView) -> Hull | None:
     half, points = (solid.box.hi - solid.box.lo) / 2, None
     assert shape.shape is not None, "it is known"
     if shape.shape.tag == "mesh":
-        name = context.once(mesh_names).get(shape.shape.get("filename") or "")
-        points = None if name is None or name.path is None else extremes(name.path)
+        uri = shape.shape.get("filename") or ""
+        path, facts = context.once(mesh_names)[uri].path, context.once(all_facts)[uri]
+        points = None if path is None else extremes(path, facts.digest)
         scale = shape.scale.or_default(1.0, 1.0, 1.0)
         if points is None or scale is None:
             return None

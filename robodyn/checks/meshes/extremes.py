@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from robodyn.checks.meshes.facts import digest_of, maker
+from robodyn.checks.meshes.kept import Shelf
 from robodyn.errors import MeshError
-from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.floats import Floats
 
 
@@ -21,29 +20,24 @@ def spread_out(count: int) -> Floats:
 
 
 _DIRECTIONS = spread_out(240)
-_SHARD = 1 << 20
 
 
-def extremes(path: Path) -> Floats | None:
+def extremes(path: Path, digest: str) -> Floats | None:
     """Return (k, 3) the points of a mesh that lie farthest in 240 directions, in metres before any scale of the URDF;
     None where it cannot be read.
 
+    Args:
+        digest: of the file's content, by which they are kept; empty keeps nothing.
+
     Accuracy: their hull lies in the mesh's; of a smooth body of size d it falls short of that by about d / 240.
     """
-    folder = cache_folder() if maker() else None
-    digest = None if folder is None else digest_of(path)
-    if folder is None or digest is None:
-        return _found(path)
-    store, key = (
-        ObjectCache(folder / "meshes" / digest[:2], _SHARD),
-        Key(f"{digest} {path.suffix.lower()}", f"extremes {maker()}"),
-    )
-    data = store.get(key)
+    shelf = Shelf(digest, f"{path.suffix.lower()} extremes")
+    data = shelf.get()
     if data is not None:
         return np.frombuffer(data).reshape(-1, 3)
     points = _found(path)
     if points is not None:
-        store.put(key, points.tobytes())
+        shelf.put(points.tobytes())
     return points
 
 

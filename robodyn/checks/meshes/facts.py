@@ -1,25 +1,16 @@
-"""What the rules ask of a mesh file: its box, its volume, and what is wrong with its surface. The cheap parts only.
-
-Facts are kept between runs by what is in the files.
-"""
+"""What the rules ask of a mesh file: its box, its volume, and what is wrong with its surface. The cheap parts only."""
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from robodyn.errors import MeshError
-from robodyn.support.cache import Key, ObjectCache, cache_folder
 from robodyn.support.floats import Floats
-from robodyn.support.libraries import code_digest
-from robodyn.support.threads import in_threads
 
 if TYPE_CHECKING:
     from robodyn.solids.mesh.integrate.integrals import Integrals
@@ -50,6 +41,7 @@ class MeshFacts:
         mended: gaps of an open surface that `robodyn inertia` fills; None where there are too many triangles to tell.
         left: gaps that are too large for that; missing: the share of the surface of the open parts that they are.
         doubt: why the file may hold another mesh than was read.
+        digest: of the file's content; empty where nothing is kept by it (see `robodyn.checks.meshes.kept`).
     """
 
     problem: str | None = None
@@ -70,6 +62,7 @@ class MeshFacts:
     left: int = 0
     missing: float = 0.0
     doubt: str = ""
+    digest: str = ""
 
     def dumps(self) -> bytes:
         return json.dumps(asdict(self)).encode()
@@ -145,59 +138,3 @@ def _spread(integrals: Integrals) -> tuple[Floats, Floats]:
     if not (np.isfinite(centre).all() and np.isfinite(second).all()):
         return np.zeros(3), np.zeros(6)
     return centre, second[np.triu_indices(3)]
-
-
-_SHARD = 1 << 20
-"""Bytes kept in each of 256 folders: a few thousand meshes, listed in no time."""
-_ELSEWHERE = (".gltf",)
-"""Types that hold part of their data in other files."""
-
-
-@cache
-def maker() -> str:
-    """Return a digest of the modules that facts come from: with any change of them, facts are found anew."""
-    checks = Path(__file__).parent
-    own, solids = code_digest(checks), code_digest(checks.parents[1] / "solids")
-    return f"{own} {solids}" if own and solids else ""
-
-
-def facts_of(paths: Iterable[Path]) -> dict[Path, MeshFacts]:
-    """Return the facts of each file, in threads; those of known content are not computed again.
-
-    Nothing is kept where robodyn is installed without its sources, by which versions are told apart.
-    """
-    wanted = list(dict.fromkeys(paths))
-    if not wanted:
-        return {}
-    folder = cache_folder() if maker() else None
-    return dict(zip(wanted, in_threads(lambda path: _kept(path, folder), wanted), strict=True))
-
-
-def digest_of(path: Path) -> str | None:
-    """Return the digest of a file's content, computed once for a file that does not change; None if it cannot be
-    read."""
-    try:
-        status = path.stat()
-        return _digest(path, status.st_mtime_ns, status.st_size)
-    except OSError:
-        return None
-
-
-@lru_cache(maxsize=4096)
-def _digest(path: Path, changed: int, size: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def _kept(path: Path, folder: Path | None) -> MeshFacts:
-    digest = None if folder is None or path.suffix.lower() in _ELSEWHERE else digest_of(path)
-    if folder is None or digest is None:
-        return mesh_facts(path)
-    key = Key(f"{digest} {path.suffix.lower()}", maker())
-    store = ObjectCache(folder / "meshes" / digest[:2], _SHARD)
-    data = store.get(key)
-    known = None if data is None else MeshFacts.loads(data)
-    if known is not None:
-        return known
-    facts = mesh_facts(path)
-    store.put(key, facts.dumps())
-    return facts

@@ -9,7 +9,8 @@ from enum import Enum
 from pathlib import Path
 
 from robodyn.checks.context import Context
-from robodyn.checks.meshes.facts import MeshFacts, facts_of
+from robodyn.checks.meshes.facts import MeshFacts
+from robodyn.checks.meshes.kept import facts_of
 from robodyn.checks.rule import Edit, Fault, Fix, Severity
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span

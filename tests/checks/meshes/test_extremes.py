@@ -21,7 +21,7 @@ def test_no_corner_of_any_block_lies_farther(tmp_path: Path, monkeypatch: pytest
     points *= (0.3, 0.2, 0.1) / np.linalg.norm(points, axis=2, keepdims=True)
     points[-1, 1] = 0.4, -0.1, 0.2
     (tmp_path / "part.stl").write_bytes(binary_stl(points))
-    corners, found = points.reshape(-1, 3).astype(np.float32).astype(float), extremes(tmp_path / "part.stl")
+    corners, found = points.reshape(-1, 3).astype(np.float32).astype(float), extremes(tmp_path / "part.stl", "")
     assert found is not None
     assert {*map(tuple, found)} <= {*map(tuple, corners)}
     assert found[found[:, 0].argmax()].tolist() == pytest.approx([0.4, -0.1, 0.2])
@@ -32,4 +32,4 @@ def test_no_corner_of_any_block_lies_farther(tmp_path: Path, monkeypatch: pytest
 def test_no_points_of_what_is_no_mesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROBODYN_CACHE", "0")
     (tmp_path / "part.stl").write_bytes(b"solid")
-    assert extremes(tmp_path / "part.stl") is None
+    assert extremes(tmp_path / "part.stl", "") is None
