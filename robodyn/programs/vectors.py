@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any, TypeVar
 
 import numpy as np
@@ -75,12 +75,12 @@ def product(*factors: Array) -> Any:
 
 
 def _times(A: Array, B: Array) -> Any:
-    if object in (A.dtype, B.dtype):
+    if A.dtype.hasobject or B.dtype.hasobject:
         return A @ B
-    return np.einsum(_SUMS[min(A.ndim, 2), min(B.ndim, 2)], A, B)
+    return np.einsum(_SUMS[A.ndim > 1][B.ndim > 1], A, B)
 
 
-_SUMS = {(1, 1): "j,j->", (1, 2): "j,...jk->...k", (2, 1): "...ij,j->...i", (2, 2): "...ij,...jk->...ik"}
+_SUMS = ("j,j->", "j,...jk->...k"), ("...ij,j->...i", "...ij,...jk->...ik")
 
 
 def narrowed(x: Array) -> Array:
@@ -164,6 +164,12 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
 
     Accuracy: each entry within 4 eps.
     """
+    return _rotation(roll, pitch, yaw).copy()
+
+
+@lru_cache(maxsize=4096)
+def _rotation(roll: float, pitch: float, yaw: float) -> Floats:
+    """Most angles of a description are met again and again; of -0 all entries are those of 0."""
     cr, sr, cp, sp, cy, sy = (f(angle) for angle in (roll, pitch, yaw) for f in (math.cos, math.sin))
     return snapped(
         np.array(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
+from functools import cache
 from numbers import Real
 from typing import Any, TypeVar
 
@@ -44,15 +45,21 @@ class Frozen:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for field in fields(self):  # type: ignore[arg-type]
-            object.__setattr__(self, field.name, self._kept(getattr(self, field.name)))
+        for name in _names(type(self)):
+            object.__setattr__(self, name, self._kept(getattr(self, name)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+        return type(self), tuple(getattr(self, name) for name in _names(type(self)))
 
     @staticmethod
     def _kept(value: Any) -> Any:
         return frozen(value)
+
+
+@cache
+def _names(kind: type[Any]) -> tuple[str, ...]:
+    """Return the names of the fields of a dataclass."""
+    return tuple(field.name for field in fields(kind))
 
 
 class FrozenValue(Frozen):

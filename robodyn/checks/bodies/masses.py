@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from math import fsum, sqrt
 
 import numpy as np
@@ -55,6 +56,7 @@ def carried_masses(context: Context) -> Mapping[Group, float]:
     return carried
 
 
+@lru_cache(maxsize=4096)
 def principal_moments(tensor: Tensor) -> tuple[float, float, float]:
     """Return the principal moments of inertia, ascending [kg m^2].
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from robodyn.checks.context import Context
 from robodyn.robot.urdf.elements import Element
 from robodyn.robot.urdf.parts import INERTIA, SIZES
 from robodyn.robot.urdf.view import Subject
@@ -73,17 +74,19 @@ KINDS: Mapping[str, Kind] = {
 }
 
 
-def own_elements(root: Element) -> Iterator[tuple[Element, Kind, Subject | None]]:
-    """Yield the elements that URDF knows, in the order of the file, each with what it is a part of.
+def own_elements(context: Context) -> Sequence[tuple[Element, Kind, Subject | None]]:
+    """Return the elements that URDF knows, in the order of the file, each with what it is a part of.
 
     What other tools read is left out.
     """
+    root, found = context.view.root, list[tuple[Element, Kind, Subject | None]]()
     waiting: list[tuple[Element, Subject | None]] = [(root, None)]
     while waiting:
         element, subject = waiting.pop()
         kind = KINDS[element.tag]
-        yield element, kind, subject
+        found.append((element, kind, subject))
         for child in reversed(element.children):
             if child.tag in (_OWN if element is root else kind.children) and child.tag in KINDS:
                 name = child.get("name") if element is root else None
                 waiting.append((child, Subject(child.tag, name) if name else subject))
+    return found

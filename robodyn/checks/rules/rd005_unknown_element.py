@@ -29,7 +29,7 @@ _NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.att
 
 @rule(Severity.WARNING, good=one_link(f'<mass value="2"/>{INERTIA}<origin xyz="0 0 0.1"/>'), bad=("<origin", "<orgin"))
 def check(context: Context) -> Faults:
-    for element, kind, subject in own_elements(context.view.root):
+    for element, kind, subject in context.once(own_elements):
         yield from _children(element, kind, subject)
         nothing_read = kind.attributes and not (kind.children or element.values.keys() & kind.attributes.keys())
         for name in element.values:

@@ -17,7 +17,7 @@ _LONGEST = 2000
 
 @rule(Severity.ERROR, good=one_link(f'<origin xyz="0 0.1 0"/><mass value="2"/>{INERTIA}'), bad=("0.1", "0,1"))
 def check(context: Context) -> Faults:
-    for element, kind, subject in own_elements(context.view.root):
+    for element, kind, subject in context.once(own_elements):
         if kind.some and not any(name in element.values for name in kind.some):
             what = f"<{element.tag}> has neither {' nor '.join(kind.some)}, and urdfdom refuses the file"
             yield Fault(element.span, what, f"write one of them, or delete <{element.tag}>", subject=subject)

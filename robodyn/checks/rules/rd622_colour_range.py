@@ -15,7 +15,7 @@ _RED = '\n  <material name="red"><color rgba="0.8 0.1 0.1 1"/></material>'
 
 @rule(Severity.WARNING, good=arm(more=_RED), bad=("0.8 0.1 0.1", "204 26 26"), explains=("RD901",))
 def check(context: Context) -> Faults:
-    for element, _, subject in own_elements(context.view.root):
+    for element, _, subject in context.once(own_elements):
         rgba = numbers(element, "rgba", 4) if element.tag == "color" else None
         if rgba is None or rgba.values is None or all(0 <= value <= 1 for value in rgba.values):
             continue

@@ -19,7 +19,7 @@ _WOOD = '\n  <material name="wood"><texture filename="package://part/wood.png"/>
 def check(context: Context) -> Faults:
     look = Look(context)
     seen = set()
-    for element, _, subject in own_elements(context.view.root):
+    for element, _, subject in context.once(own_elements):
         uri = element.get("filename") if element.tag == "texture" else None
         if not uri or unexpanded(uri) or uri in seen:
             continue

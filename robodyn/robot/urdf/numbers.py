@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite
 
 from robodyn.robot.urdf.elements import Element, Span
@@ -40,6 +41,10 @@ def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
     Raises:
         NumbersError: with what is wrong and what to write.
     """
+    return (_parsed_before if len(text) <= _SHORT else _parsed)(text, count, tag)
+
+
+def _parsed(text: str, count: int, tag: str) -> tuple[float, ...]:
     words = text.split()
     try:
         numbers = (float(text),) if len(words) == 1 else tuple(map(float, words))
@@ -53,6 +58,11 @@ def parse_numbers(text: str, count: int, tag: str = "") -> tuple[float, ...]:
         if number and not SMALLEST <= abs(number) <= LARGEST:
             return tuple(_settled(number, text, tag) for number in numbers)
     return numbers
+
+
+_SHORT = 80
+_parsed_before = lru_cache(maxsize=1 << 14)(_parsed)
+"""For short texts: rules and strict reading ask for the same, and most of a description is "0 0 0" and the like."""
 
 
 def _settled(number: float, text: str, tag: str) -> float:
