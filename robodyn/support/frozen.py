@@ -45,11 +45,11 @@ class Frozen:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for name in _names(type(self)):
+        for name in _names(type(self)):  # type: ignore[arg-type]
             object.__setattr__(self, name, self._kept(getattr(self, name)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), tuple(getattr(self, name) for name in _names(type(self)))
+        return type(self), tuple(getattr(self, name) for name in _names(type(self)))  # type: ignore[arg-type]
 
     @staticmethod
     def _kept(value: Any) -> Any:
