@@ -9,7 +9,7 @@ import numpy as np
 
 from robodyn.checks.bodies.masses import Tensor, nearest
 from robodyn.checks.bodies.weighed import given, weighed
-from robodyn.checks.causes.evidence import SAME, Evidence, Symptom, apart, evidence_of
+from robodyn.checks.causes.evidence import SAME, Evidence, Symptom, apart, evidence_of, leads_away
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Edit, Fault, Fix
@@ -53,6 +53,7 @@ class Cause:
         tensor: the corrected entries; None where they cannot be told.
         fix: the edit that writes them; None likewise, and where it may as well be the twin that is wrong.
         physical: whether a body could have the tensor as it stands, so that no other rule reports it.
+        by_image: whether all that shows it is the mirror twin, which may as well be wrong.
     """
 
     code: str
@@ -60,6 +61,7 @@ class Cause:
     tensor: Tensor | None
     fix: Fix | None
     physical: bool
+    by_image: bool = False
 
 
 def causes(context: Context) -> Mapping[str, Cause]:
@@ -67,16 +69,21 @@ def causes(context: Context) -> Mapping[str, Cause]:
 
     The link's own shapes name it (see `robodyn.robot.masses.weighing`), or else its mirror twin: the tensor is more
     than 10 % from the mirror image of the twin's, and one correction alone is possible, within the link's shapes, and
-    within 2 % of that image. The twin counts only where it is possible itself, and its shapes blame nothing on it. Two
+    within 2 % of that image. The twin counts only where it is possible itself, and its shapes blame nothing on it; it
+    is the one that is wrong where the correction would carry the tensor away from the link's shapes. Two
     corrections that explain it explain nothing, but that a copy of the twin also has wrong signs, and that several
     orders of the entries are one cause without a correction.
     """
     twins = {pair.right.name: pair for pair in context.once(pairs)}
     found = {}
     for link in context.view.links:
-        cause = _cause(context, link, twins.get(link.name))
+        twin, wrong = twins.get(link.name), link
+        cause = _cause(context, link, twin)
+        if twin is not None and cause is not None and cause.by_image and leads_away(context, link, cause.tensor):
+            wrong = context.view.link[twin.left.name]
+            cause = _cause(context, wrong, twin.turned)
         if cause is not None:
-            found[link.name] = cause
+            found[wrong.name] = cause
     return found
 
 
@@ -195,7 +202,7 @@ def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) 
     tensor = _entries(I, said)
     either = physical and slip.code not in ONE_SIDED
     fix = None if either else _fix(link, tensor, slip.what)
-    return Cause(slip.code, f"{slip.what}: {symptom.value}", tensor, fix, physical)
+    return Cause(slip.code, f"{slip.what}: {symptom.value}", tensor, fix, physical, physical)
 
 
 def _explained(said: Given, evidence: Evidence) -> list[tuple[Slip, Floats]]:

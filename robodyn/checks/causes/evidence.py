@@ -8,14 +8,17 @@ from enum import Enum
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import principal_moments
+from robodyn.checks.bodies.masses import Tensor, principal_moments
 from robodyn.checks.bodies.shapes import own_box
+from robodyn.checks.bodies.uniform import shaped
+from robodyn.checks.bodies.weighed import given
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, link_inertia, reflected
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.slips import UPPER, Given
+from robodyn.robot.masses.weighing import apart as from_shapes
 from robodyn.robot.urdf.view import LinkView
-from robodyn.solids.inertia.laws import second_moments
+from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.support.floats import Floats
 
 DIFFERENT = 0.10
@@ -100,6 +103,17 @@ def _most(context: Context, link: LinkView, given: Given) -> Floats | None:
         return None
     most: Floats = given.mass * np.maximum(box.hi - given.c, 0.0) * np.maximum(given.c - box.lo, 0.0)
     return most
+
+
+def leads_away(context: Context, link: LinkView, correction: Tensor | None) -> bool:
+    """Return whether the entries of a correction are farther from the inertia of the link's shapes than those that it
+    has."""
+    said, shapes = given(link), {} if context.tree_or_none is None else context.once(shaped)
+    if correction is None or said is None or link.name not in shapes:
+        return False
+    solid = shapes[link.name].solid.along(said.R)
+    now, then = (from_shapes(I, said.mass, solid) for I in (said.tensor, symmetric(correction)))
+    return now < then
 
 
 def clearly_possible(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> bool:

@@ -45,7 +45,13 @@ class Pair:
     @cached_property
     def part(self) -> Carried | None:
         """What carries the left link's shapes onto the right link's, where both are made of the same."""
-        return carried(self.left, self.right, self.D)
+        still = self.left_joint.type == self.right_joint.type == "fixed"
+        return carried(self.left, self.right, self.D, still)
+
+    @property
+    def turned(self) -> Pair:
+        """The right link as the image of which the left one is held to be."""
+        return Pair(self.right, self.left, self.right_joint, self.left_joint, self.D.T)
 
     def mounts_alike(self, left: Joint, right: Joint, near: float) -> bool:
         """Return whether two joints on the links stand where the part on both sides, turned with it, has one."""

@@ -28,16 +28,17 @@ class Carried:
         return moved
 
 
-def carried(left: Link, right: Link, D: Floats) -> Carried | None:
+def carried(left: Link, right: Link, D: Floats, still: bool = False) -> Carried | None:
     """Return what carries the meshes of one link onto those of the other; None unless they are the same files, placed
     alike to each other.
 
     The <visual> ones count, since collision meshes are simplified, to something symmetric even; or the <collision> ones
     where there are no others. Links without meshes are one part if their primitives stand at the same places, and these
-    are not each other's images.
+    are not each other's images, or both links are fixed: then it is most often a sensor that was bought twice.
 
     Args:
         D: (3, 3) the reflection from the axes of the left link to those of the right.
+        still: whether both links are fixed to what carries them.
     """
     for kind in ("visual", "collision"):
         one, other = ([shape for shape in link.geometries if shape.kind == kind] for link in (left, right))
@@ -45,18 +46,18 @@ def carried(left: Link, right: Link, D: Floats) -> Carried | None:
         if any(meshes):
             return _common(*meshes)
         if one or other:
-            return _in_place(one, other, D)
+            return _in_place(one, other, D, still)
     return None
 
 
-def _in_place(one: list[Geometry], other: list[Geometry], D: Floats) -> Carried | None:
+def _in_place(one: list[Geometry], other: list[Geometry], D: Floats, fixed: bool) -> Carried | None:
     if [(shape.shape, shape.size, shape.origin) for shape in one] != [
         (shape.shape, shape.size, shape.origin) for shape in other
     ]:
         return None
     places = [np.array(shape.origin.xyz) for shape in one]
     still = all(length(product(D, place) - place) <= _SAME for place in places)
-    return None if still else Carried(np.eye(3), np.zeros(3))
+    return None if still and not fixed else Carried(np.eye(3), np.zeros(3))
 
 
 def _common(one: list[Geometry], other: list[Geometry]) -> Carried | None:

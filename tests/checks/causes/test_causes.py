@@ -212,6 +212,15 @@ def test_a_fix_leaves_nothing_to_find() -> None:
     assert not left
 
 
+def test_of_two_twins_the_one_is_wrong_that_its_shapes_disagree_with() -> None:
+    """Two products of TIAGo's left arm have the wrong sign; as its mirror image the right one would be wrong, too."""
+    found = Context(read(path_of("tiago_dual"))).once(causes)
+    wrong = found["arm_left_3_link"]
+    assert (wrong.code, wrong.by_image) == ("RD306", True)
+    assert "arm_right_3_link" not in found
+    assert found["arm_right_4_link"].by_image
+
+
 @pytest.mark.parametrize("stem", ["go2", "g1_29dof_rev_1_0", "solo12", "xarm7", "kinova"])
 def test_clean_robots_have_no_cause(stem: str) -> None:
     assert not Context(read(path_of(stem))).once(causes)

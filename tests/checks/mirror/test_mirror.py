@@ -198,6 +198,7 @@ def test_a_part_that_is_mounted_twice_is_no_copy() -> None:
     for link in ("gripper_right_motor_double_link", "gripper_right_motor_single_link"):
         assert link not in of_links("talos_full_v2", "RD313") | of_links("talos_full_v2", "RD403")
     assert not of_links("pr2", "RD313") | of_links("pr2", "RD403")
+    assert "wrist_right_ft_link" not in of_links("talos_full_v2", "RD313") | of_links("talos_full_v2", "RD403")
 
 
 def test_copied_arms_of_talos_are_found() -> None:
@@ -242,6 +243,14 @@ def test_what_goes_with_the_meshes(
     ):
         found = codes(with_meshes(*meshes, f'{origin}<mass value="2"/>{tensor}'))
         assert bool(found) is wrong, (origin, found)
+
+
+@pytest.mark.parametrize(("kind", "wrong"), [("fixed", False), ("revolute", True)])
+def test_fixed_parts_of_one_primitive_may_be_one_product(kind: str, wrong: bool) -> None:
+    """The force sensor in both wrists of TALOS has a cylinder in place of its mesh, and its own products of inertia."""
+    cylinder = '<visual><geometry><cylinder radius="0.1" length="0.2"/></geometry></visual>'
+    text = with_meshes(cylinder, cylinder, f'{ORIGIN}<mass value="2"/>{TENSOR}').replace('"revolute"', f'"{kind}"')
+    assert bool({"RD313", "RD403"} & {*codes(text)}) is wrong
 
 
 def test_the_meshes_that_are_seen_count_first() -> None:
