@@ -39,6 +39,7 @@ PRECISE = {
     "RD209": r"tiny|smaller than a solid",
     "RD210": r"joins parts of",
     "RD213": r"twice|again",
+    "RD214": r"no <inertial>",
     "RD301": r"too large for its geometry",
     "RD302": r"centre of mass is .* outside",
     "RD303": r"smaller than a solid",

@@ -86,6 +86,11 @@ MASSES = (
     Plant("RD213", "panda", "link panda_link8", _INERTIAL, _LINK7, "its mass of 0.735522 kg is that of link"),
     Plant("RD213", "so101", "link gripper_frame_link", _INERTIAL, _GRIPPER, "is that of link 'gripper_link'"),
     Plant("RD213", "kinova", "link j2s6s200_end_effector", _INERTIAL, _WRIST, "to which it is fixed, again"),
+    Plant("RD214", "go2", "link FL_thigh", _INERTIAL, "", "what moves with it weighs 0.089 kg without it"),
+    Plant("RD214", "panda", "link panda_link7", _INERTIAL, "", "it has shapes and no <inertial>"),
+    Plant("RD214", "b1", "link FR_thigh", _INERTIAL, ""),
+    Plant("RD214", "anymal", "link LF_SHANK", _INERTIAL, ""),
+    Plant("RD214", "solo12", "link FL_LOWER_LEG", _INERTIAL, ""),
     Plant("RD213", "xarm7", "link link_eef", "/>", f">{_FLANGE}</link>", "its mass of 0.17 kg"),
 )
 _AT = r"(<origin[^>]*?)xyz=\"[^\"]*\""
