@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from helpers.example_robots import path_of
+from robodyn.checks.groups import one_each
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import check_one
+from robodyn.checks.selection import BY_CODE
 
 
 class Plant(NamedTuple):
@@ -52,7 +54,8 @@ def planted_text(text: str, part: str, old: str, new: str) -> str:
 def fresh(plant: Plant) -> list[Finding]:
     """The findings that are there with the defect and not without it, by their code and what they are about.
 
-    Left out is what programs make of it (RD901), which is a consequence and no other finding.
+    Left out is what programs make of it (RD901), which is a consequence and no other finding, and what another of them
+    explains.
     """
     before = Counter(map(_key, _known(plant.path)))
     found = []
@@ -61,7 +64,7 @@ def fresh(plant: Plant) -> list[Finding]:
             before[_key(finding)] -= 1
         elif finding.code != "RD901":
             found.append(finding)
-    return found
+    return one_each(found, BY_CODE)
 
 
 @cache
