@@ -330,7 +330,11 @@ DEFECTS = tuple(
         ("RD623", _LENS, _LENS + '<material name="red"><texture filename="@package:///red.png"/></material>'),
         ("RD702", _LENS, _LENS + _CONTROL.format("@<state_interface/>")),
         ("RD702", _LENS, _LENS + _CONTROL.format("").replace('"roll', '"@mount')),
-        ("RD703", _LENS, _LENS + '<transmission name="t"><joint name="roll"/><joint name="@roll"/></transmission>'),
+        (
+            "RD703",
+            _LENS,
+            _LENS + '<transmission name="t"><type>x</type><joint name="roll"/><joint name="@roll"/></transmission>',
+        ),
         (
             "RD704",
             _LENS,
@@ -392,6 +396,9 @@ SOUND = tuple(
 MESSAGES = tuple(
     (Defect(code, old, new), words)
     for code, old, new, words in (
+        ("RD001", "<!-- A base, an", "<!-- A base -- an", "two hyphens in a comment, where only its end has them"),
+        ("RD107", 'joint name="grip_follower"', 'joint name=""', "<joint> to link 'right_finger' has an empty name"),
+        ("RD004", '<mass value="3.5"', '<mass value="${arm_mass}"', "link 'arm': value='${arm_mass}' is left over"),
         ("RD001", '<mass value="3.5"', '<mass\u00a0value="3.5"', "a non-breaking space (U+00A0) inside <inertial>"),
         ("RD003", "<gazebo ref", "<drake:x/><gazebo ref", 'add xmlns:drake="http://drake.mit.edu" to <robot>'),
         (

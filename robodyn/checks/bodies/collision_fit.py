@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.checks.bodies.primitives import Misfit, misfit_of_primitive, shared
 from robodyn.checks.bodies.shapes import STILL, box_of, real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length
@@ -31,16 +31,6 @@ _SCALED, _EVEN = 1.25, 1.05
 """Least factor between sizes, and how far it may differ between axes."""
 
 
-class Misfit(NamedTuple):
-    """A collision shape, what is wrong with it, what to do, and by how much [m or a ratio]."""
-
-    geometry: GeometryView
-    what: str
-    remedy: str
-    measured: float
-    bound: float
-
-
 def misfits(context: Context) -> tuple[Misfit, ...]:
     """Return at most one collision shape of each link that is not that of what is seen."""
     return tuple(_misfits(context))
@@ -55,8 +45,9 @@ def _misfits(context: Context) -> Iterator[Misfit]:
         own = visual(link) if felt else None
         if not felt or (len(felt) == 1 and own and box and _corner(own, box) <= max(_ASIDE * size_of(own), _LEAST)):
             continue
-        found = _foreign(link, felt, visual, context) if own and box and _shared(own, box) <= _OWN else None
-        found = found or _aside(link, felt, context) or _scaled(link, felt, context) or _away(felt, own, context)
+        found = _foreign(link, felt, visual, context) if own and box and shared(own, box) <= _OWN else None
+        found = found or _aside(link, felt, context) or _scaled(link, felt, context)
+        found = found or misfit_of_primitive(felt, own, known, context) or _away(felt, own, context)
         if found is not None:
             yield found
 
@@ -72,8 +63,8 @@ def _foreign(
     own, box = visual(link), box_of(felt, context.once(solids), STILL)
     if own is None or box is None or not all(map(_is_mesh, felt)):
         return None
-    fit = _shared(own, box)
-    others = [(other.name, _shared(seen, box)) for other in context.view.links if (seen := visual(other)) is not None]
+    fit = shared(own, box)
+    others = [(other.name, shared(seen, box)) for other in context.view.links if (seen := visual(other)) is not None]
     name, best = max(others, key=lambda each: each[1])
     if best < _OTHER:
         return None
@@ -161,12 +152,3 @@ def _named(shape: GeometryView) -> str:
 def _corner(first: Box, second: Box) -> float:
     """Return the larger of the distances between their corners [m]."""
     return max(length(first.lo - second.lo), length(first.hi - second.hi))
-
-
-def _shared(first: Box, second: Box) -> float:
-    """Return the volume that two boxes share over that of both together."""
-    sides = np.minimum(first.hi, second.hi) - np.maximum(first.lo, second.lo)
-    if (sides <= 0).any():
-        return 0.0
-    shared = float(sides.prod())
-    return shared / (float((first.hi - first.lo).prod()) + float((second.hi - second.lo).prod()) - shared)

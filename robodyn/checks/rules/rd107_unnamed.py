@@ -7,6 +7,7 @@ one.
 from robodyn.checks.examples import arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.urdf.numbers import value_span
+from robodyn.support.wording import shown
 
 
 @rule(Severity.ERROR, good=arm(), bad=('name="shoulder" ', ""))
@@ -16,4 +17,7 @@ def check(context: Context) -> Faults:
     for element in (view.root, *links, *joints):
         if not element.get("name"):
             state = "no name" if element.get("name") is None else "an empty name"
-            yield Fault(value_span(element, "name"), f"<{element.tag}> has {state}", 'write name="..."', subject=None)
+            child = element.find("child")
+            to = f" to link {shown(child.values['link'])}" if child is not None and child.get("link") else ""
+            what = f"<{element.tag}>{to} has {state}"
+            yield Fault(value_span(element, "name"), what, 'write name="..."', subject=None)

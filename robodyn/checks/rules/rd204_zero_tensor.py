@@ -26,9 +26,12 @@ def check(context: Context) -> Faults:
 
 
 def _severity(context: Context, link: LinkView) -> Severity:
-    """Return a remark where heavier links are fixed to it and the body has an inertia by them; a warning for a base."""
-    group = None if context.tree_or_none is None else context.tree_or_none.group[link.name]
-    if group is None or group.mass is None or link.mass is None:
+    """Return a remark where heavier links are fixed to it and the body has an inertia by them, or there is no tree that
+    tells; a warning for a base."""
+    if context.tree_or_none is None:
+        return Severity.NOTE
+    group = context.tree_or_none.group[link.name]
+    if group.mass is None or link.mass is None:
         return Severity.ERROR
     if group.mass > 2 * link.mass and (gyration(context, group) or 0.0) > POINT:
         return Severity.NOTE

@@ -63,6 +63,9 @@ def _pattern(tensor: tuple[float, ...]) -> str | None:
 
 
 def _severity(context: Context, link: LinkView) -> Severity:
+    """Return a warning where the link is more than a small part of its body; which that is only a tree tells."""
     tree = context.tree_or_none
-    whole = None if tree is None else tree.group[link.name].mass
+    if tree is None:
+        return Severity.NOTE
+    whole = tree.group[link.name].mass
     return Severity.NOTE if whole and link.mass is not None and link.mass < _FRACTION * whole else Severity.WARNING

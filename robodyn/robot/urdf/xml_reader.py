@@ -21,6 +21,7 @@ OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
 """Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
 _DOCTYPE = b"<!DOCTYPE"
 _UNDEFINED_ENTITY = 11
+_INVALID_TOKEN = 4
 _ENTITY = re.compile(rb"&(?!(?:amp|lt|gt|quot|apos|#\w+);)[^;]*;?")
 _REMEDIES = {
     "duplicate attribute": "keep one of the two",
@@ -154,6 +155,8 @@ class Reader:
         remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
         if data.startswith(_NO_BREAK_SPACE, start):
             text, remedy = "a non-breaking space (U+00A0)", "write a plain blank in its place"
+        elif error.code == _INVALID_TOKEN:
+            text, remedy = _invalid(data, start) or (text, remedy)
         if b"\0" in data:
             text, remedy = strict = _BINARY
         self._add("RD001", start, end, text + inside, remedy, line=error.lineno, strict=strict)
@@ -227,12 +230,32 @@ class Reader:
         start = element.start + 1 if name == element.tag else element.attributes[name].span.start
         self._add(code, start, start + len(name.encode()), what, remedy, line=element.line)
 
+    def _part(self) -> str:
+        """Return the link or joint that is being read, with a colon; nothing outside of them."""
+        part = self._stack[1] if self._stack[1:] else None
+        name = None if part is None or part.tag not in OWN_TAGS else part.get("name")
+        return "" if part is None or not name else f"{part.tag} {shown(name)}: "
+
     def _check_expressions(self, element: Element) -> None:
         for name, value in element.values.items():
             if unexpanded(value):
                 whole, span = element.attributes[name].span, element.attributes[name].value_span
-                what = f"{name}={shown(value)} is left over from xacro"
+                what = f"{self._part()}{name}={shown(value)} is left over from xacro"
                 self._add("RD004", span.start, span.end, what, RUN_XACRO, line=whole.line)
+
+
+def _invalid(data: bytes, start: int) -> tuple[str, str] | None:
+    """Return why expat takes what begins here for no token of XML, and the remedy, where that can be told."""
+    if data[start : start + 1] >= b"\x80":
+        try:
+            data[start : start + 4].decode()
+        except UnicodeDecodeError as error:
+            if error.start == 0:
+                what = f"the byte 0x{data[start]:02X} is not of a text in UTF-8"
+                return what, 'save the file as UTF-8, or name its encoding in <?xml version="1.0" encoding="..."?>'
+    if data[start - 2 : start] == b"--" and data.rfind(b"<!--", 0, start - 2) > data.rfind(b"-->", 0, start):
+        return "two hyphens in a comment, where only its end has them", "write one hyphen, or a blank between them"
+    return None
 
 
 def unexpanded(text: str) -> bool:
