@@ -35,7 +35,7 @@ _DIGITS = 12
 
 _HIDDEN = frozenset({"RD307", "RD309", "RD313"})
 """The causes that leave a tensor possible."""
-_MOST_LISTED = 4
+_MOST_LISTED, _MOST_NAMED = 4, 2
 _ALONE = 0.8
 """Of the probability of a cause: the share of one correction that is the only one."""
 
@@ -133,6 +133,8 @@ def faults(context: Context, code: str) -> Iterator[Fault]:
 def _remedy(cause: Cause) -> str:
     if cause.code == "RD313":
         return "write its mirror image, or allow it where the same part is mounted on both sides"
+    if cause.tensor is None and cause.code == "RD312":
+        return "write it in the axes of the link"
     if cause.tensor is None:
         return "write the entries in URDF's order, ixx ixy ixz iyy iyz izz, about the centre of mass"
     return ("write " if cause.fix else "correct its twin or write ") + " ".join(
@@ -178,14 +180,19 @@ def _by_shapes(link: LinkView, said: Given, evidence: Evidence, verdict: Weighed
     share = sum(one.probability for one in alike) / sum(one.probability for one in verdict.named)
     physical = evidence.possible(said.tensor)
     shown = (
-        f"corrected, it is {figure(100 * first.apart, 2)} % from the inertia of the link's shapes, as it stands "
-        f"{figure(100 * verdict.apart, 2)} %"
+        f"corrected, it is {_percent(first.apart)} from the inertia of the link's shapes, as it stands "
+        f"{_percent(verdict.apart)}"
     )
     if share < _ALONE:
-        return Cause(first.code, f"{' or '.join(one.what for one in verdict.named)}: {shown}", None, None, physical)
+        what = " or ".join(one.what for one in verdict.named[:_MOST_NAMED])
+        return Cause(first.code, f"{what}: {shown}", None, None, physical)
     tensor, what = _entries(first.I, said), f"{first.what}: {shown}"
     allowed = evidence.possible(first.I) and evidence.allows(first.I, said.tensor)
     return Cause(first.code, what, tensor, _fix(link, tensor, first.what) if allowed else None, physical)
+
+
+def _percent(part: float) -> str:
+    return f"{figure(round(100 * part, 2), 2)} %"
 
 
 def _by_twin(link: LinkView, said: Given, evidence: Evidence, symptom: Symptom) -> Cause | None:

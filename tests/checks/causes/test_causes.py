@@ -13,7 +13,7 @@ from robodyn.checks.causes.causes import Cause, causes
 from robodyn.checks.causes.evidence import clearly_possible
 from robodyn.checks.context import Context
 from robodyn.checks.examples import ORIGIN, two_arms
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.run import Options, check_one, found_in
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.masses.slips import UPPER, Given, corrections
 from robodyn.robot.urdf.document import read
@@ -219,6 +219,18 @@ def test_of_two_twins_the_one_is_wrong_that_its_shapes_disagree_with() -> None:
     assert (wrong.code, wrong.by_image) == ("RD306", True)
     assert "arm_right_3_link" not in found
     assert found["arm_right_4_link"].by_image
+
+
+def test_a_forearm_in_other_axes_is_one_finding() -> None:
+    """iCub's forearms are drawn along x, and have centre and tensor along y; of several orders it may be any."""
+    found = found_in(str(path_of("icub"))).shown
+    (forearms,) = [one for one in found if one.code == "RD312"]
+    assert [one.subject.name for one in forearms.places if one.subject] == ["l_forearm", "r_forearm"]
+    assert forearms.message.count(" or ") == 1
+    assert forearms.remedy == "write it in the axes of the link"
+    outside = {place.subject.name for one in found for place in one.places if place.subject and one.code == "RD302"}
+    assert "l_upper_arm" in outside
+    assert not {"l_forearm", "r_forearm"} & outside
 
 
 @pytest.mark.parametrize("stem", ["go2", "g1_29dof_rev_1_0", "solo12", "xarm7", "kinova"])
