@@ -13,6 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 from zlib import crc32
 
+from checks.bodies.test_other_unit import ROBOTS as OTHER_UNIT
+from checks.bodies.test_other_unit import UNITS, drawn
 from checks.mirror.test_planted_twins import KINDS, ROBOTS, planted
 from checks.rules.test_planted_in_real import PLANTS
 
@@ -67,10 +69,14 @@ def small() -> Iterator[Case]:
 
 
 def real() -> Iterator[Case]:
-    """Those of links, joints and masses, of twins, and of what ROS reads, in published robots."""
+    """Those of links, joints and masses, of all lengths, of twins, and of what ROS reads, in published robots."""
     for plant in PLANTS:
         before = plant.path.read_text(encoding="utf-8")
         yield Case(plant.code, plant.robot, (before, ""), (plant.text, ""), _packages(plant.robot))
+    for robot in OTHER_UNIT:
+        before = path_of(robot).read_text(encoding="utf-8")
+        for times in UNITS:
+            yield Case("RD113", robot, (before, ""), (drawn(before, times), ""), _packages(robot))
     for kind, code in KINDS.items():
         for robot in ROBOTS:
             before = path_of(robot).read_text(encoding="utf-8")

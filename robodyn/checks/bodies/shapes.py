@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
@@ -36,11 +37,26 @@ class Solid(NamedTuple):
         return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
 
 
+class OtherUnit(NamedTuple):
+    """How many times too large the robot is drawn, and the median of its links' masses over the boxes around their
+    shapes [kg/m^3]."""
+
+    times: float
+    density: float
+
+
+_FEWEST = 3
+"""Links with mass and shapes that show the unit of a robot. The medians of 86 published robots with as many are 7 to
+3000 kg/m^3; drawn in millimetres they are 1e-9 of that."""
 Solids = Mapping[GeometryView, Solid]
 
 
 def solids(context: Context) -> Solids:
-    """Return every shape whose size is known and not zero, and is no slip of units."""
+    """Return every shape whose size is known and not zero, and is no slip of units; none where the robot is one."""
+    return {} if context.once(other_unit) else context.once(_sized)
+
+
+def _sized(context: Context) -> Solids:
     facts, mistaken = context.once(all_facts), context.once(mesh_slips)
     found = {}
     for link in context.view.links:
@@ -49,6 +65,20 @@ def solids(context: Context) -> Solids:
             if where is not None and box is not None and geometry not in mistaken:
                 found[geometry] = Solid(box, where)
     return found
+
+
+def other_unit(context: Context) -> OtherUnit | None:
+    """Return the unit that the lengths of the whole robot are in, if they are not metres."""
+    known, densities, limits = context.once(_sized), [], context.thresholds
+    for link in context.view.links:
+        box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
+        if box is not None and mass is not None and mass > 0:
+            densities.append(mass / float((box.hi - box.lo).prod()))
+    if len(densities) < _FEWEST:
+        return None
+    middle = median(densities)
+    found = (one for one in (1e3, 1e-3) if limits.least_density <= middle * one**3 <= limits.most_density)
+    return next((OtherUnit(one, middle) for one in found), None)
 
 
 def _mesh(geometry: GeometryView, facts: Mapping[str, MeshFacts]) -> Box | None:

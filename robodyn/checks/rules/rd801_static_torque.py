@@ -12,6 +12,7 @@ on top: robodyn torques computes them. Silent where a part is detached (RD111), 
 from math import degrees
 
 from robodyn.checks.bodies.contacts import detached
+from robodyn.checks.bodies.shapes import other_unit
 from robodyn.checks.examples import INERTIA, arm
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.checks.statics.torque import StaticTorque, static_torques
@@ -35,6 +36,8 @@ _MUCH = 2.0
 )
 def check(context: Context) -> Faults:
     if context.once(detached):
+        return
+    if context.once(other_unit):
         return
     for one in context.once(static_torques):
         limit, joint = context.view.joint[one.joint.name].limit, one.joint
