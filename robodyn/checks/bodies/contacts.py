@@ -47,6 +47,7 @@ _LARGE = 60
 """Links that fixed joints join: more than any of 86 published robots has."""
 _MILLIMETRES = 1.0
 """Entries of an origin [m] from which on they may be in mm."""
+_TOO_LARGE = (10.0, "10 times too large"), (100.0, "in centimetres"), (1000.0, "in millimetres")
 
 
 def contacts(context: Context) -> Mapping[str, Contact]:
@@ -70,19 +71,23 @@ def detached(context: Context) -> Mapping[str, tuple[Contact, float]]:
     return found
 
 
-def in_millimetres(context: Context, joint: JointView) -> str | None:
-    """Return which entry of a joint's origin, x, y or z, or all of it, makes the parts meet when it is divided by 1000;
-    None if none does."""
+def too_large(context: Context, joint: JointView) -> str | None:
+    """Return which entry of a joint's origin, or all of it, makes the parts meet when it is divided by 10, 100 or 1000,
+    and in which unit that says it is; None if none does."""
     xyz, sides, placed = joint.origin.xyz.values, context.once(Sides), joint_pose(joint)
     if xyz is None or placed is None or joint.parent not in sides.poses:
         return None
     large = [k for k in range(3) if abs(xyz[k]) >= _MILLIMETRES]
     tried = [(f"entry {'xyz'[k]}", {k}) for k in large] + [("all", set(range(3)))] * (len(large) > 1)
     for which, changed in tried:
-        shift = np.array([xyz[k] * (1e-3 - 1.0) if k in changed else 0.0 for k in range(3)])
-        contact = sides.contact(joint, behind(sides.poses[joint.parent], Pose(placed.R, placed.p + shift)))
-        if contact is not None and contact.touches:
-            return which
+        found = []
+        for factor, said in _TOO_LARGE:
+            shift = np.array([xyz[k] * (1.0 / factor - 1.0) if k in changed else 0.0 for k in range(3)])
+            contact = sides.contact(joint, behind(sides.poses[joint.parent], Pose(placed.R, placed.p + shift)))
+            if contact is not None and contact.touches:
+                found.append(said)
+        if found:
+            return f"{which} of its origin is {' or '.join(found)}"
     return None
 
 

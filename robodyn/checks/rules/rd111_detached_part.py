@@ -7,7 +7,7 @@ is more than a tenth of the larger part and 1 cm, of parts that are fixed half t
 of the other joints have none.
 """
 
-from robodyn.checks.bodies.contacts import detached, in_millimetres
+from robodyn.checks.bodies.contacts import detached, too_large
 from robodyn.checks.examples import LIMIT, a_joint, a_link, a_shaped_link, inertia
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 
@@ -30,8 +30,6 @@ def check(context: Context) -> Faults:
         joint = context.view.joint[name]
         below = f"of link '{joint.child}' and what is fixed to it"
         what = f"its parts do not meet: the shapes {below} are {contact.gap:.3g} m from those of '{contact.above}'"
-        entry = in_millimetres(context, joint)
-        cause = None if entry is None else f"{entry} of its origin is in millimetres"
         remedy = "check the parent link, and the unit and signs of the origin"
         at = joint.name_span if joint.origin.element is None else joint.origin.xyz.span
-        yield Fault(at, what, remedy, contact.gap, bound, cause=cause)
+        yield Fault(at, what, remedy, contact.gap, bound, cause=too_large(context, joint))

@@ -1,8 +1,9 @@
 """The inertia is that of the part, not a stand-in.
 
 The identity matrix, a power of ten times it, six equal entries, and numbers copied from a link of
-another mass are stand-ins. An inertia of 1 kg m^2 is that of a solid ball of 2 kg with a radius of 1.1 m. Numbers
-within 5 % of the inertia of the link's own shapes, as those of a solid ball may be, are no stand-in.
+another mass are stand-ins; of left and right RD401 judges the masses. An inertia of 1 kg m^2 is that of a solid ball
+of 2 kg with a radius of 1.1 m. Numbers within 5 % of the inertia of the link's own shapes, as those of a solid ball
+may be, are no stand-in.
 """
 
 from math import isclose, log10
@@ -11,6 +12,7 @@ from robodyn.checks.bodies.masses import tensors
 from robodyn.checks.bodies.uniform import shaped
 from robodyn.checks.bodies.weighed import given
 from robodyn.checks.examples import INERTIA, inertia, one_link
+from robodyn.checks.mirror.pairs import pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.robot.masses.weighing import apart
 from robodyn.robot.urdf.view import LinkView
@@ -29,12 +31,14 @@ _NEAR = 0.05
 )
 def check(context: Context) -> Faults:
     first_with: dict[tuple[float, ...], LinkView] = {}
+    mirrored = {frozenset((pair.left.name, pair.right.name)) for pair in context.once(pairs)}
     for link, inertial, tensor in tensors(context):
         if not link.mass:
             continue
         twin = first_with.setdefault(tensor, link)
         pattern = _pattern(tensor)
-        if pattern is None and twin.mass and not isclose(twin.mass, link.mass, rel_tol=0.1):
+        unlike = twin.mass and not isclose(twin.mass, link.mass, rel_tol=0.1)
+        if pattern is None and twin.mass and unlike and frozenset((link.name, twin.name)) not in mirrored:
             pattern = (
                 f"the same six numbers as link '{twin.name}', whose mass is {twin.mass:g} kg and not {link.mass:g}"
             )

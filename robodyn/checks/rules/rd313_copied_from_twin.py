@@ -8,7 +8,7 @@ Where the centre of mass is a copy, too, RD403 does not report it again.
 
 from robodyn.checks.causes.causes import causes
 from robodyn.checks.examples import IMAGE, TENSOR, two_arms
-from robodyn.checks.mirror.loads import twins
+from robodyn.checks.mirror.loads import MOMENTS, twins
 from robodyn.checks.rule import Context, Fault, Faults, Severity, rule
 from robodyn.support.wording import figure
 
@@ -19,7 +19,7 @@ _REMEDY = "reflect the one of the two that is wrong, or allow it where one part 
 def check(context: Context) -> Faults:
     for one in context.once(twins):
         cause = context.once(causes).get(one.link.name)
-        if cause is None or cause.code != "RD313":
+        if cause is None or cause.code != "RD313" or (one.tensors_apart <= MOMENTS and not one.centre_is_copied):
             continue
         centre = f"the centre of mass, {one.shift:.3g} m away, and " if one.centre_is_copied else ""
         what = (

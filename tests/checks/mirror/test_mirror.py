@@ -290,3 +290,18 @@ def test_both_sides_are_named() -> None:
     line = 1 + text[: text.index('<link name="left_arm"')].count("\n")
     assert f"link 'right_arm': the mass is 3 kg, that of its mirror twin 'left_arm' (line {line}) 2 kg" in one.message
     assert one.remedy.startswith("correct the one of the two that is wrong")
+
+
+@pytest.mark.parametrize(
+    ("mass", "cause"),
+    [
+        ("2000", "it is in grams, 1000 times the other"),
+        ("4.40925", "it is in pounds, 2.2046 times the other"),
+        ("0.2", "that of the twin is 10 times the other, as with the decimal point one place off"),
+        ("3", None),
+    ],
+)
+def test_the_factor_between_masses_of_twins_is_named(mass: str, cause: str | None) -> None:
+    text = two_arms(right=f'{ORIGIN_IMAGE}<mass value="{mass}"/>{IMAGE}')
+    (one,) = [finding for finding in check_one(text.encode()) if finding.code == "RD401"]
+    assert one.cause == cause
