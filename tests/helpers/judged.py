@@ -75,7 +75,6 @@ def by_check_urdf(paths: Paths) -> str:
     return SOMETHING if refused(paths[1]) and not refused(paths[0]) else SILENT
 
 
-def one_of_each(cases: Sequence[Case]) -> list[int]:
-    """Return those of the small robot, and the first of each rule in published ones."""
-    first = {case.code: k for k, case in reversed([*enumerate(cases)]) if case.packages}
-    return sorted([*first.values(), *(k for k, case in enumerate(cases) if not case.packages)])
+def of_small_robot(cases: Sequence[Case]) -> list[int]:
+    """Return the numbers of those that need no other files, and so no time."""
+    return [k for k, case in enumerate(cases) if not case.packages]

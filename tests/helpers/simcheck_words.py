@@ -28,6 +28,7 @@ PRECISE = {
     "RD108": r"\btype\b",
     "RD110": r"names?\b.*(slash|digit|same|character)",
     "RD111": r"kinematics.attached",
+    "RD112": r"kinematics.attached",
     "RD113": r"geometry.scale|authored in|\bunits?\b",
     "RD201": r"explicit mass",
     "RD202": r"no <inertial>|mass is zero",
