@@ -12,7 +12,7 @@ from robodyn.checks.context import Context
 from robodyn.checks.reading.tree import Group
 from robodyn.checks.rule import Severity
 from robodyn.programs.linear import eigen
-from robodyn.programs.vectors import product, rotation_from_rpy
+from robodyn.programs.vectors import IDENTITY, ZERO, product, rotation_from_rpy
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import InertialView, LinkView, OriginView
 from robodyn.solids.inertia.laws import symmetric
@@ -23,6 +23,10 @@ Tensor = tuple[float, ...]
 
 POINT = 1e-6
 """Radius of gyration [m] below which a body counts as a point."""
+
+
+STILL = Pose(IDENTITY, ZERO)
+"""The pose of a link in its own frame."""
 
 
 def pose(origin: OriginView) -> Pose | None:
@@ -38,7 +42,7 @@ def link_poses(context: Context) -> Mapping[str, Pose]:
     poses: dict[str, Pose] = {}
     for group in context.tree.groups:
         first, *others = group.links
-        poses[first.name] = Pose(np.eye(3), np.zeros(3))
+        poses[first.name] = STILL
         for link in others:
             joint = context.tree.above[link.name]
             outer, inner = poses.get(joint.parent), pose(joint.origin)

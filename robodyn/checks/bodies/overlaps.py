@@ -49,10 +49,10 @@ def overlaps(context: Context) -> list[Overlap]:
         bound = max(_LEAST, _SHARE * min(size_of(box), size_of(its_box)))
         if shared <= bound or _neighbours(context, link, other) or frozenset((link.name, other.name)) in disabled:
             continue
-        one, two = hull(link, shape), hull(other, its)
+        one, two, known = hull(link, shape), hull(other, its), found.get((link.name, other.name))
+        bound = bound if known is None else max(bound, known.depth)
         deep = 0.0 if one is None or two is None else depth(one, two, bound)
-        known = found.get((link.name, other.name))
-        if deep and (known is None or deep > known.depth):
+        if deep:
             found[link.name, other.name] = Overlap(link, other, its, deep)
     return sorted(found.values(), key=lambda overlap: -overlap.depth)
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import pose
-from robodyn.checks.bodies.shapes import STILL
+from robodyn.checks.bodies.masses import STILL, pose
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length, product, rotation_about
 from robodyn.robot.kinematics import Pose

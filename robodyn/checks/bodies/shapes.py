@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.masses import link_poses, pose
+from robodyn.checks.bodies.masses import STILL, link_poses, pose
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts
@@ -20,20 +22,23 @@ from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.validity import Box, around, half_size
 from robodyn.support.floats import Floats
 
-STILL = Pose(np.eye(3), np.zeros(3))
-"""The pose of a link in its own frame."""
 
-
-class Solid(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Solid:
     """The box around a shape in its own axes [m], and where these are in the link's frame."""
 
     box: Box
     pose: Pose
 
+    @cached_property
+    def along_link(self) -> Box:
+        """The box along the link's axes."""
+        return self.box.placed(*self.pose)
+
     def placed(self, outer: Pose) -> Box:
         """Return the box along outer axes, in which the link's frame stands at a pose."""
         if outer is STILL:
-            return self.box.placed(*self.pose)
+            return self.along_link
         return self.box.placed(product(outer.R, self.pose.R), product(outer.R, self.pose.p) + outer.p)
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from math import isfinite, pi
+
+import numpy as np
 
 from robodyn.checks.bodies.bodies import Body, bodies, share
 from robodyn.checks.bodies.masses import pose
@@ -11,6 +14,7 @@ from robodyn.checks.bodies.repeated import repeated
 from robodyn.checks.bodies.uniform import shaped
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
+from robodyn.robot.masses.likeness import Uniform
 from robodyn.robot.masses.slips import Given
 from robodyn.robot.masses.weighing import DOUBTED, Weighed, weigh
 from robodyn.robot.urdf.view import LinkView
@@ -42,11 +46,28 @@ def weighed(context: Context) -> Mapping[str, Weighed]:
         said = given(body.link)
         if said is None or name not in shapes:
             continue
-        verdict = weigh(said, shapes[name].solid.along(said.R))
+        verdict = _verdict(_numbers(said, shapes[name].solid.along(said.R)))
         exact = verdict.named and not verdict.units and verdict.named[0].apart <= _EXACT
         if exact or share(context, body) is not None:
             found[name] = verdict
     return found
+
+
+Numbers = tuple[float, bytes, bytes, tuple[float, ...], float, bytes, bytes]
+"""Mass, centre, axes and entries of what is given; volume, centre and second moments of the shapes."""
+
+
+def _numbers(given: Given, shapes: Uniform) -> Numbers:
+    own = given.mass, given.c.tobytes(), given.R.tobytes(), given.entries
+    return *own, shapes.volume, shapes.c.tobytes(), shapes.S.tobytes()
+
+
+@lru_cache(maxsize=1024)
+def _verdict(numbers: Numbers) -> Weighed:
+    """Return what `weigh` does, once for the same numbers: a quarter of the links of a robot are like another one."""
+    mass, c, R, entries, volume, centre, S = numbers
+    given = Given(mass, np.frombuffer(c), np.frombuffer(R).reshape(3, 3), entries)
+    return weigh(given, Uniform(volume, np.frombuffer(centre), np.frombuffer(S).reshape(3, 3)))
 
 
 def judged(context: Context, tensors: bool = True) -> Iterator[Body]:

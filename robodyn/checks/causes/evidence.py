@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -44,13 +45,18 @@ class Evidence:
     Attributes:
         possible: whether a body can have a tensor, by the thresholds of RD206 and RD207.
         image: the mirror image of the twin's tensor, scaled to this link's mass; None without a twin to believe.
-        most: (3,) the most that the second moments can be in the box around the link's shapes; None where a shape of
-            it is not known.
+        bound: finds `most`.
     """
 
     possible: Callable[[Floats], bool]
     image: Floats | None = None
-    most: Floats | None = None
+    bound: Callable[[], Floats | None] = lambda: None
+
+    @cached_property
+    def most(self) -> Floats | None:
+        """(3,) the most that the second moments can be in the box around the link's shapes; None where a shape of it is
+        not known."""
+        return self.bound()
 
     def symptom(self, I: Floats) -> Symptom | None:
         """Return what is wrong with the tensor; None if nothing is seen."""
@@ -85,7 +91,7 @@ def evidence_of(context: Context, link: LinkView, given: Given, twin: Pair | Non
         small, middle, large = principal_moments(tuple(I[UPPER].tolist()))
         return small > limits.positive_definite * large and small + middle >= (1 - limits.triangle) * large
 
-    evidence = Evidence(possible, most=_most(context, link, given))
+    evidence = Evidence(possible, bound=partial(_most, context, link, given))
     if twin is None or twin.left.inertial is None or not twin.left.inertial.mass > 0:
         return evidence, given
     _, I = reflected(twin, twin.left.inertial)

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import hypot, log, pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.programs.linear import solve
-from robodyn.programs.vectors import product
+from robodyn.programs.vectors import IDENTITY, product
 from robodyn.support.floats import Floats
 
 Truths = NDArray[np.bool_]
@@ -48,13 +47,18 @@ class Uniform:
     c: Floats
     S: Floats
 
+    @cached_property
+    def spread(self) -> float:
+        """tr(S), the radius of gyration squared [m^2]."""
+        return float(np.trace(self.S))
+
     def along(self, R: Floats) -> Uniform:
         """Return it in the axes R (3, 3) of its frame."""
         return Uniform(self.volume, product(R.T, self.c), product(R.T, self.S, R))
 
     def inertia(self, mass: float) -> Floats:
         """(3, 3) about its centre, of a mass [kg m^2]."""
-        I: Floats = mass * (float(np.trace(self.S)) * np.eye(3) - self.S)
+        I: Floats = mass * (self.spread * IDENTITY - self.S)
         return I
 
 
@@ -76,15 +80,23 @@ class Likeness:
 def likeness(I: Floats, mass: float, shapes: Uniform) -> Likeness:
     """Return how like the solid tensors (k, 3, 3) are, of one mass."""
     sums = np.trace(I, axis1=1, axis2=2) / 2.0
-    whole = float(np.trace(shapes.S))
+    form = shapes.S / shapes.spread
     with np.errstate(all="ignore"):
-        second = np.eye(3) - I / sums[:, None, None]
-        size = np.log(sums / mass / whole)
-        apart = second - shapes.S / whole
-        measured = _times(solve(shapes.S / whole + _THIN * np.eye(3), np.eye(3)), apart)
+        second = IDENTITY - I / sums[:, None, None]
+        size = np.log(sums / mass / shapes.spread)
+        measured = _times(_inverse(form + _THIN * IDENTITY), second - form)
         form = np.maximum((measured * np.swapaxes(measured, 1, 2)).sum(axis=(1, 2)), 0.0)
-        possible = (sums > 0.0) & np.isfinite(size) & _positive(second + _NEGATIVE * np.eye(3))
+        possible = (sums > 0.0) & np.isfinite(size) & _positive(second + _NEGATIVE * IDENTITY)
     return Likeness(np.where(possible, size, 0.0), np.where(possible, form, 0.0), possible)
+
+
+def _inverse(S: Floats) -> Floats:
+    """Return the inverse of a symmetric positive definite matrix (3, 3), by its cofactors."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = S.tolist()
+    a, b, c = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    d, e, f = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    found: Floats = np.array(((a, b, c), (b, d, e), (c, e, f))) / (xx * a + xy * b + xz * c)
+    return found
 
 
 def _times(P: Floats, X: Floats) -> Floats:
@@ -149,7 +161,7 @@ def placed(centre: Floats, shapes: Uniform, mixture: Mixture = PLACE) -> Floats:
 
 def distance(centre: Floats, shapes: Uniform) -> Floats:
     """Return the squares of the distances (k,) of centres, over the radius of gyration squared."""
-    squares: Floats = ((centre - shapes.c) ** 2).sum(axis=-1) / float(np.trace(shapes.S))
+    squares: Floats = ((centre - shapes.c) ** 2).sum(axis=-1) / shapes.spread
     return squares
 
 

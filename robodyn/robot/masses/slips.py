@@ -111,6 +111,9 @@ def _rows() -> Iterator[Row]:
 
 
 _TABLE = tuple(_rows())
+_SLIPS = tuple(slip for slip, _, _ in _TABLE)
+_WHOLE = tuple(replace(slip, weight=_SIGNS[0]) for slip in _SLIPS)
+"""The same where all products have the other sign."""
 _PLACES = np.array([places for _, places, _ in _TABLE])
 _FACTORS = np.array([factors for _, _, factors in _TABLE])
 _FLIPPED = _FACTORS[:, list(_PRODUCTS)] < 0.0
@@ -132,7 +135,7 @@ def corrections(given: Given) -> tuple[list[Slip], Floats]:
     flips = _FLIPPED & (entries[list(_PRODUCTS)] != 0.0)
     kept = (flips == _FLIPPED).all(axis=1)
     whole = _FLIPPED.any(axis=1) & (flips.sum(axis=1) == np.count_nonzero(entries[list(_PRODUCTS)]))
-    slips = [replace(_TABLE[k][0], weight=_SIGNS[0]) if whole[k] else _TABLE[k][0] for k in np.flatnonzero(kept)]
+    slips = [(_WHOLE if of_all else _SLIPS)[k] for k, of_all in enumerate(whole.tolist()) if kept[k]]
     rows = [(_FACTORS * entries[_PLACES])[kept]]
     if given.c.any():
         term = given.steiner[UPPER]

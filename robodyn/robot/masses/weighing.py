@@ -10,6 +10,8 @@ them apart it is not near enough, and where they do not, any factor near it is a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
+from math import inf, log
 
 import numpy as np
 
@@ -31,7 +33,7 @@ from robodyn.robot.masses.likeness import (
     log_sum,
     placed,
 )
-from robodyn.robot.masses.slips import Given, corrections, tensors
+from robodyn.robot.masses.slips import Given, Slip, corrections, tensors
 from robodyn.robot.masses.units import FACTORS, UNITS, WEIGHTS, Units, made_up
 from robodyn.support.floats import Floats, ranked
 
@@ -54,6 +56,7 @@ _RANGE = 35.0
 _STEP = 0.1
 _FAR = np.exp(np.arange(_STEP, 14.0, _STEP))
 """Factors of a centre of mass that is too far from the origin; one that is too near is never seen."""
+_SO_FAR = np.log(_RANGE / _FAR.size) - 3.0 * np.log(_FAR)
 _OF_UNITS = slice(1, 1 + len(UNITS))
 
 
@@ -136,18 +139,30 @@ def weigh(given: Given, shapes: Uniform) -> Weighed:
     density = float(dense(np.array([given.mass]), shapes)[0])
     place = float(placed(given.c[None], shapes)[0])
     units = _of_units(given, shapes, like, density + place)
-    weights = np.array([np.log(_SLIP * slip.weight) if slip.common else -np.inf for slip in slips])
-    wrong = weights + density + place + formed(like.size[1:], like.form[1:], FORM[:-1])
+    wrong = (
+        np.array([_rarity(slip) for slip in slips]) + density + place + formed(like.size[1:], like.form[1:], FORM[:-1])
+    )
     wrong = np.where(like.possible[1:], wrong + _chance(I), -np.inf)
     rest = np.concatenate((_unlike(given, shapes, like, density, place), _no_unit(given, shapes, like, density, place)))
     whole = float(log_sum(np.concatenate((units, wrong, rest))))
-    probable = np.exp(units - whole)
-    found = [_left_in(given, shapes, UNITS[k], p) for k, p in enumerate(probable[_OF_UNITS].tolist()) if p >= LISTED]
-    for slip, p, tensor in zip(slips, np.exp(wrong - whole).tolist(), I[1:], strict=True):
-        if p >= LISTED:
-            found.append(Cause(slip.code, slip.what, p, given.mass, given.c, tensor, apart(tensor, given.mass, shapes)))
-    causes = ranked(found, lambda one: one.probability)
-    return Weighed(float(probable[0]), tuple(causes), apart(given.tensor, given.mass, shapes))
+    probable, slipped = np.exp(units - whole), np.exp(wrong - whole)
+    found = [_left_in(given, shapes, UNITS[k], float(probable[_OF_UNITS][k])) for k in _listed(probable[_OF_UNITS])]
+    for k in _listed(slipped):
+        apart_so = apart(I[k + 1], given.mass, shapes)
+        found.append(Cause(slips[k].code, slips[k].what, float(slipped[k]), given.mass, given.c, I[k + 1], apart_so))
+    causes = ranked(found, lambda one: one.probability) if found else ()
+    return Weighed(float(probable[0]), tuple(causes), apart(I[0], given.mass, shapes))
+
+
+@cache
+def _rarity(slip: Slip) -> float:
+    """Return the logarithm of how often a slip is met."""
+    return log(_SLIP * slip.weight) if slip.common else -inf
+
+
+def _listed(probable: Floats) -> list[int]:
+    """Return which are probable enough to be listed."""
+    return np.flatnonzero(probable >= LISTED).tolist()
 
 
 def apart(I: Floats, mass: float, shapes: Uniform) -> float:
@@ -170,13 +185,14 @@ def _of_units(given: Given, shapes: Uniform, like: Likeness, beside: float) -> F
     """
     if not like.possible[0]:
         return np.full(len(_LOGS), -np.inf)
+    right = beside + formed(like.size[:1], like.form[:1])[0]
+    if made_up(given):
+        return np.array((right, *[-np.inf] * len(UNITS)))
     sizes = like.size[0] - _LOGS[:, 2] + _LOGS[:, 0]
     found: Floats = _PRIORS + formed(sizes, np.full(len(sizes), like.form[0]), FORM[:-1]) - 3.0 * _LOGS[:, 1]
     found += dense(given.mass / _FACTORS[:, 0], shapes, DENSITY[:-1])
     found += placed(given.c / _FACTORS[:, 1:2], shapes, PLACE[:-1])
-    found[0] = beside + formed(like.size[:1], like.form[:1])[0]
-    if made_up(given):
-        found[_OF_UNITS] = -np.inf
+    found[0] = right
     return found
 
 
@@ -194,7 +210,7 @@ def _no_unit(given: Given, shapes: Uniform, like: Likeness, density: float, plac
         return np.full(1, -np.inf)
     size, form, prior = like.size[:1], like.form[:1], np.log(_FACTOR / _RANGE)
     beside, any_size = formed(size, form)[0], free_size(form, FORM[:-1])[0]
-    far = placed(given.c / _FAR[:, None], shapes, PLACE[1:-1]) - 3.0 * np.log(_FAR) + np.log(_RANGE / _FAR.size)
+    far = placed(given.c / _FAR[:, None], shapes, PLACE[1:-1]) + _SO_FAR
     by_mass = free_mass(given.mass, size, form, shapes)[0]
     found: Floats = prior + np.array(
         (density + place + any_size, place + beside, place + by_mass, density + beside + float(log_sum(far)))
