@@ -7,8 +7,9 @@ from functools import cache
 
 import numpy as np
 
+from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.primitives import Misfit, misfit_of_primitive, shared
-from robodyn.checks.bodies.shapes import STILL, box_of, real_shapes, size_of, solids
+from robodyn.checks.bodies.shapes import box_of, real_shapes, size_of, solids
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length
 from robodyn.robot.urdf.view import GeometryView, LinkView

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.rest import behind, joint_pose, relative, rest_poses
-from robodyn.checks.bodies.shapes import STILL, link_boxes, size_of
+from robodyn.checks.bodies.shapes import link_boxes, size_of
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import length
 from robodyn.robot.kinematics import Pose

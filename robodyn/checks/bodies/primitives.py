@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.checks.bodies.shapes import STILL, Solid, Solids, around_known, size_of
+from robodyn.checks.bodies.masses import STILL
+from robodyn.checks.bodies.shapes import Solid, Solids, around_known, size_of
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.units import reach
 from robodyn.robot.urdf.view import GeometryView

@@ -77,8 +77,9 @@ def other_unit(context: Context) -> OtherUnit | None:
     known, densities, limits = context.once(_sized), [], context.thresholds
     for link in context.view.links:
         box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
-        if box is not None and mass is not None and mass > 0:
-            densities.append(mass / float((box.hi - box.lo).prod()))
+        volume = 0.0 if box is None else float((box.hi - box.lo).prod())
+        if volume > 0 and mass is not None and mass > 0:
+            densities.append(mass / volume)
     if len(densities) < _FEWEST:
         return None
     middle = median(densities)
