@@ -15,10 +15,11 @@ from robodyn.checks.bodies.uniform import shaped
 from robodyn.checks.context import Context
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.likeness import Uniform
-from robodyn.robot.masses.slips import Given
-from robodyn.robot.masses.weighing import DOUBTED, Weighed, weigh
+from robodyn.robot.masses.slips import PRODUCTS, Given
+from robodyn.robot.masses.units import raised
+from robodyn.robot.masses.weighing import DOUBTED, Cause, Weighed, weigh
 from robodyn.robot.urdf.view import LinkView
-from robodyn.support.wording import one_of
+from robodyn.support.wording import figure, one_of
 
 _EXACT = 0.02
 
@@ -90,6 +91,11 @@ def suspected(context: Context, body: Body, centre: bool = False) -> str | None:
     verdict = context.once(weighed).get(body.link.name)
     if verdict is None or verdict.right > DOUBTED:
         return None
-    return one_of(
-        [one.what for one in verdict.causes if (one.units is not None and one.units.factors[1] != 1) == centre]
-    )
+    said, fits = given(body.link), (one for one in verdict.causes if _of_centre(one) == centre)
+    if not centre and said is not None and raised(said) and any(said.entries[k] for k in PRODUCTS):
+        return one_of([f"its moments were raised to {figure(said.entries[0], 2)} kg m^2, as simulators are helped"])
+    return one_of(one.what for one in fits)
+
+
+def _of_centre(cause: Cause) -> bool:
+    return cause.units is not None and cause.units.factors[1] != 1

@@ -17,7 +17,7 @@ from robodyn.support.floats import Floats
 UPPER = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
 """Where ixx, ixy, ixz, iyy, iyz, izz are in the matrix."""
 _NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
+_MOMENTS, PRODUCTS = (0, 3, 5), (1, 2, 4)
 _ORDERS = {
     "ixx iyy izz ixy ixz iyz (MuJoCo's fullinertia)": (0, 3, 4, 1, 5, 2),
     "ixx iyy izz iyz ixz ixy (Voigt's)": (0, 5, 4, 1, 3, 2),
@@ -83,14 +83,14 @@ def _rows() -> Iterator[Row]:
     """Yield the slips of signs, orders, decades and axes."""
     kept, ones = tuple(range(6)), (1.0,) * 6
     for count in (3, 2, 1):
-        for flipped in combinations(_PRODUCTS, count):
+        for flipped in combinations(PRODUCTS, count):
             what = f"the products of inertia ({', '.join(_NAMES[k] for k in flipped)}) have the wrong sign"
             factors = tuple(-1.0 if k in flipped else 1.0 for k in kept)
             yield Slip("RD306", what, _SIGNS[count < 3]), kept, factors
     for name, places in _ORDERS.items():
         yield Slip("RD310", f"the entries are in the order {name}", _ORDER), places, ones
-    for a, b, c in permutations(_PRODUCTS):
-        if (a, b, c) != _PRODUCTS:
+    for a, b, c in permutations(PRODUCTS):
+        if (a, b, c) != PRODUCTS:
             what = f"the products of inertia are in another order: {_NAMES[a]} {_NAMES[b]} {_NAMES[c]}"
             yield Slip("RD310", what, _PRODUCT_ORDER), (0, a, b, 3, c, 5), ones
     for place in kept:
@@ -116,7 +116,7 @@ _WHOLE = tuple(replace(slip, weight=_SIGNS[0]) for slip in _SLIPS)
 """The same where all products have the other sign."""
 _PLACES = np.array([places for _, places, _ in _TABLE])
 _FACTORS = np.array([factors for _, _, factors in _TABLE])
-_FLIPPED = _FACTORS[:, list(_PRODUCTS)] < 0.0
+_FLIPPED = _FACTORS[:, list(PRODUCTS)] < 0.0
 """Which of the products a row gives the other sign: asked of those that are not zero."""
 
 ORIGIN = Slip("RD307", "the tensor is taken about the link's origin, not the centre of mass", 1.0)
@@ -132,9 +132,9 @@ _STEINER = (ORIGIN, 1.0), (SUBTRACTED, -1.0), (TWICE, 2.0)
 def corrections(given: Given) -> tuple[list[Slip], Floats]:
     """Return the slips that a tensor may have, and (k, 6) the entries that each would have spoiled [kg m^2]."""
     entries = np.array(given.entries)
-    flips = _FLIPPED & (entries[list(_PRODUCTS)] != 0.0)
+    flips = _FLIPPED & (entries[list(PRODUCTS)] != 0.0)
     kept = (flips == _FLIPPED).all(axis=1)
-    whole = _FLIPPED.any(axis=1) & (flips.sum(axis=1) == np.count_nonzero(entries[list(_PRODUCTS)]))
+    whole = _FLIPPED.any(axis=1) & (flips.sum(axis=1) == np.count_nonzero(entries[list(PRODUCTS)]))
     slips = [(_WHOLE if of_all else _SLIPS)[k] for k, of_all in enumerate(whole.tolist()) if kept[k]]
     rows = [(_FACTORS * entries[_PLACES])[kept]]
     if given.c.any():

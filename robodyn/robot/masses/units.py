@@ -90,14 +90,19 @@ FACTORS = np.array([units.factors for units in UNITS])
 """(k, 3) of mass, centre of mass and inertia."""
 WEIGHTS = np.array([units.weight for units in UNITS])
 
-_ALIKE = 2e-3
+_ALIKE, _LITTLE = 2e-3, 0.02
+
+
+def raised(given: Given) -> bool:
+    """Return whether the tensor is nearly a multiple of the identity: its moments were raised to a floor."""
+    xx, xy, xz, yy, yz, zz = given.entries
+    most, products = max(xx, yy, zz), max(abs(xy), abs(xz), abs(yz))
+    return most - min(xx, yy, zz) <= _ALIKE * most and products <= _LITTLE * most
 
 
 def made_up(given: Given) -> bool:
-    """Return whether the tensor is nearly a multiple of the identity, or mass and moments have one digit each and there
-    are no products: such numbers are a stand-in, or were raised to a floor, and are in no other unit."""
+    """Return whether the tensor was raised to a floor, or mass and moments have one digit each and there are no
+    products: such numbers are a stand-in, and are in no other unit."""
     xx, xy, xz, yy, yz, zz = given.entries
-    apart = max(xx, yy, zz) - min(xx, yy, zz), abs(xy), abs(xz), abs(yz)
-    if max(apart) <= _ALIKE * max(xx, yy, zz):
-        return True
-    return not (xy or xz or yz) and all(float(f"{value:.0e}") == value for value in (given.mass, xx, yy, zz))
+    short = not (xy or xz or yz) and all(float(f"{value:.0e}") == value for value in (given.mass, xx, yy, zz))
+    return short or raised(given)

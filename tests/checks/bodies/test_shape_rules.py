@@ -107,7 +107,12 @@ def test_tensors_that_were_made_up_are_no_slip() -> None:
     """Nor are those that were raised to a floor for the sake of a simulator, as in iCubGazeboV2_5."""
     raised = '<inertia ixx="10" ixy="1e-5" ixz="-3e-3" iyy="10" iyz="6e-5" izz="10.01"/>'
     for inertia in (tensor(10.0, 10.0, 10.0), raised):
-        assert found(a_shaped_link(inertia=inertia).encode()) == [("RD301", E)]
+        (one,) = findings(a_shaped_link(inertia=inertia).encode())
+        assert (one.code, one.severity) == ("RD301", E)
+        floor = "it may be that its moments were raised to 10 kg m^2, as simulators are helped"
+        assert one.cause == (floor if inertia == raised else None)
+    (one,) = findings(a_shaped_link(inertia=tensor(10.0, 11.0, 10.0)).encode())
+    assert "raised" not in (one.cause or "")
 
 
 def test_a_light_body() -> None:
