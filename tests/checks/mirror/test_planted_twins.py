@@ -12,7 +12,7 @@ from helpers.example_robots import path_of
 from robodyn.checks.context import Context
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Finding
-from robodyn.checks.run import Options, check_one
+from robodyn.checks.run import Options, check_one, found_in
 from robodyn.robot.urdf.document import read
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.numbers import value_span
@@ -176,3 +176,45 @@ def test_the_sign_that_was_not_turned_is_named() -> None:
         for _, text in planted(name, sign_not_turned):
             (one,) = twin_findings(text)
             assert one.cause == "the sign of y is not that of a mirror image"
+
+
+def heavier(name: str, link: str, factor: float, tensor: bool) -> bytes:
+    """The robot with the mass of a link by a factor too large, to four digits; the tensor with it or not."""
+    data, context = robot(name)
+    inertial = context.view.link[link].inertial
+    assert inertial is not None
+    values = [inertial.mass, *(inertial.entries if tensor else ())]
+    for value in sorted(values, key=lambda value: -value.span.start):
+        ((number,),) = [value.values or ()]
+        text = f"{number * factor:.4g}" if value is inertial.mass else repr(number * factor)
+        data = data[: value.span.start] + text.encode() + data[value.span.end :]
+    return data
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(2.20462, "it is in pounds"), (1000.0, "it is in grams")])
+@pytest.mark.parametrize("tensor", [False, True])
+@pytest.mark.parametrize(
+    ("name", "link"), [("go2", "FL_calf"), ("talos_full_v2", "arm_left_4_link"), ("solo12", "HR_UPPER_LEG")]
+)
+def test_a_mass_in_another_unit_is_named_at_the_one_that_has_it(
+    name: str, link: str, tensor: bool, factor: float, unit: str
+) -> None:
+    found = found_in(heavier(name, link, factor, tensor), Options(select=("RD401", "RD208", "RD313"))).shown
+    (one,) = [finding for finding in found if finding.code == "RD401"]
+    assert one.subject is not None
+    assert one.subject.name == link
+    assert unit in (one.cause or "")
+    assert link not in {finding.subject.name for finding in found if finding is not one and finding.subject}
+
+
+def test_the_other_legs_tell_which_of_two_masses_is_wrong() -> None:
+    (one,) = [finding for finding in check_one(heavier("go2", "RL_calf", 1.3, True)) if finding.code == "RD401"]
+    assert one.subject is not None
+    assert (one.subject.name, one.cause) == ("RL_calf", None)
+    assert "2 other links of this row weigh that" in one.message
+    (either,) = [
+        finding
+        for finding in check_one(heavier("talos_full_v2", "arm_left_4_link", 1.3, True))
+        if finding.code == "RD401"
+    ]
+    assert either.remedy.startswith("correct the one of the two that is wrong")
