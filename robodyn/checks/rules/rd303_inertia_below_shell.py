@@ -2,10 +2,14 @@
 
 About each principal axis of the uniform solid that the link's shapes are (visual ones, or else collision shapes), the
 moment of inertia is at least a twentieth of that of the solid with the link's mass. Less means that nearly all mass is
-in one spot or, where it is one axis only, on a line: a femur of two tubes whose mass is on a thread. Where a shape
-encloses no definite volume, the largest principal moment is at least a tenth of that of the largest shell that fits
-into the box around the shapes, 2/3 m r^2. That of a point is RD204's, and a mass beyond any solid RD304's.
+in one spot or, where it is one axis only, on a line: a femur of two tubes whose mass is on a thread.
+Where a shape encloses no definite volume, the largest principal moment is at least a tenth of that of the largest shell
+that fits into the box around the link's shapes, 2/3 m r^2; of a link without shapes at least that of a ball of
+tungsten: TIAGo's camera of 0.22 kg has a quarter of it. That of a point is RD204's, and a mass beyond any solid
+RD304's.
 """
+
+from math import pi
 
 import numpy as np
 
@@ -22,6 +26,8 @@ from robodyn.solids.inertia.laws import inertia_matrix
 from robodyn.support.floats import first_largest
 
 _LEAST, _LEAST_SHELL = 0.05, 0.1
+_DENSEST = 19300.0
+"""Of tungsten [kg/m^3]."""
 _REMEDY = "check the unit (kg m^2) and the mass; write the inertia of the part"
 
 
@@ -67,12 +73,14 @@ def _below_solid(body: Body, solid: Uniform) -> tuple[float, float, str] | None:
 
 
 def _below_shell(body: Body) -> tuple[float, float, str] | None:
-    tensor, box = body.link.tensor, body.box
-    if tensor is None or box is None:
+    tensor, box = body.link.tensor, body.own
+    if tensor is None:
         return None
+    largest = principal_moments(tensor)[2]
+    if box is None:
+        return _below_ball(body.mass, largest)
     radius = float((box.hi - box.lo).min()) / 2
     shell = 2 / 3 * body.mass * radius**2
-    largest = principal_moments(tensor)[2]
     if not 0 < largest < _LEAST_SHELL * shell:
         return None
     what = (
@@ -80,3 +88,16 @@ def _below_shell(body: Body) -> tuple[float, float, str] | None:
         f"of its mass that fits into its shapes (radius {radius:.3g} m)"
     )
     return largest, _LEAST_SHELL * shell, what
+
+
+def _below_ball(mass: float, largest: float) -> tuple[float, float, str] | None:
+    """Return the largest principal moment, beside the least that a mass can have about any axis through its centre."""
+    radius = (3 * mass / (4 * pi * _DENSEST)) ** (1 / 3)
+    ball = 2 / 5 * mass * radius**2
+    if not 0 < largest < ball:
+        return None
+    what = (
+        f"the largest principal moment {largest:.3g} kg m^2 is {largest / ball:.2g} of that of a ball of its mass "
+        f"of tungsten (radius {radius:.3g} m)"
+    )
+    return largest, ball, what

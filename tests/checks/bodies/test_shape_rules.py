@@ -115,6 +115,15 @@ def test_tensors_that_were_made_up_are_no_slip() -> None:
     assert "raised" not in (one.cause or "")
 
 
+@pytest.mark.parametrize(("factor", "expected"), [(1.01, []), (0.99, [("RD303", W)])])
+def test_a_link_without_shapes_is_no_denser_than_tungsten(factor: float, expected: list[tuple[str, Severity]]) -> None:
+    """TIAGo's camera was held against the shapes of the head that it is fixed to; they say nothing of the least."""
+    ball = float(solids.sphere((3 / (4 * np.pi * 19300)) ** (1 / 3), mass=1.0).inertia[0, 0]) * factor
+    link = f'<link name="camera"><inertial><mass value="1"/>{tensor(ball, ball, ball)}</inertial></link>'
+    joint = '<joint name="mount" type="fixed"><parent link="upper"/><child link="camera"/></joint></robot>'
+    assert found(a_shaped_link().replace("</robot>", link + joint).encode()) == expected
+
+
 def test_a_light_body() -> None:
     assert found(a_shaped_link(mass="0.02", inertia=scaled(0.01)).encode()) == [("RD304", W)]
 
