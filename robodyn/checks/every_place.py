@@ -56,6 +56,7 @@ def _finding(context: Context, rule: Rule, fault: Fault) -> Finding:
         fix=fault.fix,
         excerpt=excerpt(reading, fault.at),
         kind=fault.kind or kind_of(fault.what),
+        description=None if fault.document is None else context.reading.file,
     )
 
 

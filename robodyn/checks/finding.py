@@ -59,7 +59,8 @@ class Finding:
 
     `message` names the subject; `line` and `column` (in characters) count from 1, `start` and `end` are bytes.
     `kind` is the message without subject, names and numbers: what findings share that one cause explains. `others` are
-    the further places of the same cause in the file, in their order (see `robodyn.checks.groups`).
+    the further places of the same cause in the file, in their order (see `robodyn.checks.groups`). `description` is the
+    file that was checked, where `file` is another one: macros that it includes, or its SRDF.
     """
 
     code: str
@@ -80,6 +81,12 @@ class Finding:
     excerpt: Excerpt
     kind: str = ""
     others: tuple[Finding, ...] = ()
+    description: str | None = None
+
+    @property
+    def checked(self) -> str:
+        """The file that was checked."""
+        return self.description or self.file
 
     @property
     def what(self) -> str:

@@ -10,6 +10,7 @@ from functools import cache
 from robodyn.checks.rule import Finding, excerpt
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import Element, SourcePositions, Span
+from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.xacro import Expansion
 from robodyn.support.input_file import read_input
 
@@ -31,8 +32,9 @@ class Origins:
         A fix of the expanded text is none of that. What cannot be traced back is at the beginning of the file, and the
         message says where in the expanded text it is; what is in another file, as an SRDF, stays there.
         """
+        described = self._reading.file.removesuffix(EXPANDED)
         if finding.file != self._reading.file:
-            return finding
+            return replace(finding, description=described)
         k = bisect_right(self._starts, finding.start) - 1
         number, start = self._expansion.places[max(k, 0)]
         source, message = self._read(self._expansion.files[number]), finding.message
@@ -45,6 +47,7 @@ class Origins:
             finding,
             message=message,
             file=source.file,
+            description=None if source.file == described else described,
             line=at.line,
             column=at.column,
             start=at.start,

@@ -11,6 +11,8 @@ from warnings import warn
 
 from robodyn.checks.beside import BESIDE, describing
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
+from robodyn.robot.urdf.sources import is_xacro
+from robodyn.robot.urdf.xacro import only_defines
 from robodyn.support.threads import cores, processes
 
 R = TypeVar("R")
@@ -23,9 +25,9 @@ _MESH = 5_000
 def files_of(sources: Sequence[str | os.PathLike[str] | bytes]) -> list[str | bytes]:
     """Return the files in the order given; a folder's and a pattern's in the order of their names; each once.
 
-    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh or an SRDF the descriptions that
-    name it (see `describing`), with a warning where there is none. Where others are named as well, so is a folder or
-    a pattern without a description.
+    Of a folder all .urdf below it; where there is none, all .xacro; of a mesh, an SRDF or a xacro file of macros the
+    descriptions that name it (see `describing`), with a warning where there is none. Where others are named as well, so
+    is a folder or a pattern without a description.
 
     Raises:
         InputError: there is no description in a folder, or nothing matches a pattern.
@@ -52,11 +54,16 @@ def _expanded(path: str) -> list[str]:
             raise InputError("no .urdf and no .xacro in the folder", remedy="check the name", file=path)
         return [os.path.join(path, name) for name in names]
     if os.path.exists(path) or not glob.has_magic(path):
-        return describing(path) if path.lower().endswith(BESIDE) and os.path.isfile(path) else [path]
+        return describing(path) if os.path.isfile(path) and _belongs(path) else [path]
     names = sorted(glob.iglob(path, recursive=True))
     if not names:
         raise InputError("nothing matches the pattern", remedy="check the name", file=path)
     return names
+
+
+def _belongs(path: str) -> bool:
+    """Return whether a file is no description, but may belong to some."""
+    return path.lower().endswith(BESIDE) or (is_xacro(path) and only_defines(path))
 
 
 def _below(folder: str, suffix: str) -> list[str]:

@@ -8,6 +8,7 @@ import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from time import sleep
+from xml.etree import ElementTree
 
 import pytest
 from helpers.clean_arm import IDENTITY, arm
@@ -17,6 +18,7 @@ from robodyn.checks.project import fix_task, tasks_for
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError, RobodynWarning
+from robodyn.report.renderers.ci import check_github, check_junit
 from robodyn.robot.urdf.xacro import Expansion, expanded
 
 HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
@@ -96,11 +98,45 @@ def test_places_in_a_block_and_in_an_expression(robot: Path) -> None:
 @pytest.mark.parametrize("needs", ["", '<xacro:include filename="$(arg folder)/none.xacro"/>'])
 def test_a_file_that_only_defines_parts_is_skipped(robot: Path, needs: str) -> None:
     """Also one that cannot be expanded by itself."""
-    part = str(robot.parent / "parts" / "lid.xacro")
+    (robot.parent / "lids").mkdir()
+    part = str(robot.parent / "lids" / "lid.xacro")
     Path(part).write_text(MACRO.replace(HEAD, HEAD + needs))
     with pytest.warns(RobodynWarning, match=r"lid\.xacro: it defines parts and describes no robot .*: skipped"):
         checked = check_tasks(tasks_for([part, str(robot)]))
     assert (checked.files, checked.unread) == ((str(robot),), ())
+
+
+def test_of_changed_macros_the_descriptions_that_include_them_are_checked(robot: Path) -> None:
+    """Also through another file of macros; each once."""
+    parts = robot.parent / "parts"
+    assert tasks_for([str(parts / "part.xacro")])[0].name == str(robot)
+    (parts / "screw.xacro").write_text(MACRO.replace('"part"', '"screw"'))
+    (parts / "part.xacro").write_text(MACRO.replace(HEAD, f'{HEAD}<xacro:include filename="screw.xacro"/>'))
+    (parts / "crew.xacro").write_text(MACRO.replace('"part"', '"crew"'))
+    given = [str(parts / "screw.xacro"), str(parts / "part.xacro"), str(robot)]
+    assert [task.name for task in tasks_for(given)] == [str(robot)]
+    with pytest.warns(RobodynWarning, match=r"crew\.xacro: it defines parts and describes no robot .*: skipped"):
+        assert tasks_for([str(parts / "crew.xacro")]) == ()
+
+
+def test_of_changed_macros_of_another_package(tmp_path: Path) -> None:
+    for name in ("parts", "arm"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (tmp_path / "parts" / "part.xacro").write_text(MACRO)
+    robot = written(tmp_path / "arm", "$(find parts)/part.xacro")
+    assert [task.name for task in tasks_for([str(tmp_path / "parts" / "part.xacro")])] == [str(robot)]
+
+
+def test_suites_and_annotations_tell_the_description_of_a_finding_in_macros(robot: Path) -> None:
+    checked = check_tasks(tasks_for([str(robot)]))
+    macro = robot.parent / "parts" / "part.xacro"
+    suite = ElementTree.fromstring(check_junit(checked)).findall("testsuite")
+    assert [one.get("name") for one in suite] == [str(robot)]
+    assert [case.get("classname") for case in suite[0].findall("testcase")] == [str(macro)]
+    (line,) = check_github(checked.findings).splitlines()
+    assert f"file={macro}," in line
+    assert f"(in {robot})" in line
 
 
 def test_of_a_folder_without_urdf_the_xacro_files_are_checked(robot: Path) -> None:

@@ -15,16 +15,19 @@ from robodyn.report.table import printable
 def check_junit(checked: Checked, strict: bool = False) -> str:
     """Return a suite for each file, in it a test for each finding: failed if it fails the check.
 
-    A file without findings has one test, which passes. Findings in files beside a description, as its SRDF, have suites
-    of their own. The format is that of Jenkins' xUnit plugin (junit-10.xsd).
+    A file without findings has one test, which passes. Findings in macros that a description includes, or in its SRDF,
+    are in its suite; their class is the file that they are in. The format is that of Jenkins' xUnit plugin
+    (junit-10.xsd).
 
     Args:
         checked: what was found.
         strict: warnings fail, too.
     """
     fatal = {Severity.ERROR, Severity.WARNING} if strict else {Severity.ERROR}
-    files = dict.fromkeys([*checked.files, *(one.file for one in checked.findings)])
-    suites = [_suite(file, [one for one in checked.findings if one.file == file], fatal) for file in files]
+    found: dict[str, list[Finding]] = {file: [] for file in checked.files}
+    for one in checked.findings:
+        found.setdefault(one.checked, []).append(one)
+    suites = [_suite(file, findings, fatal) for file, findings in found.items()]
     suites += map(_unread, checked.unread)
     failures = sum(finding.severity in fatal for finding in checked.findings)
     tests = sum(max(suite.count("<testcase "), 1) for suite in suites)
@@ -103,7 +106,8 @@ def _path(file: str) -> str:
 
 
 def _message(finding: Finding) -> str:
-    parts = [printable(finding.message), *(f"also: {printable(line)}" for line in further(finding))]
+    of = "" if finding.description is None else f" (in {finding.description})"
+    parts = [printable(finding.message + of), *(f"also: {printable(line)}" for line in further(finding))]
     if finding.cause:
         parts.append(f"cause: {printable(finding.cause)}")
     return "\n".join([*parts, f"remedy: {printable(finding.remedy)}"])

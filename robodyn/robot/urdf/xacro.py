@@ -123,7 +123,7 @@ def answer(path: str, package_paths: Sequence[str], args: Mapping[str, str]) -> 
             text = document.toprettyxml(indent="  ")
     except (Exception, SystemExit) as error:
         problem = " ".join(str(error).split()) or type(error).__name__
-        return {"problem": problem, "parts": _only_defines(path)}
+        return {"problem": problem, "parts": only_defines(path)}
     return {"text": text, "files": marks.files, "places": places, "arguments": list(given.known)}
 
 
@@ -135,7 +135,7 @@ def no_robot(path: str) -> NoRobotError:
 _DEFINITIONS = frozenset(f"xacro:{name}" for name in ("macro", "property", "arg", "include"))
 
 
-def _only_defines(path: str) -> bool:
+def only_defines(path: str) -> bool:
     """Return whether a file has a macro, and beside definitions nothing else."""
     from xml.dom.minidom import parse
 
