@@ -58,6 +58,13 @@ def test_neighbours_that_touch(stem: str) -> None:
     assert one.file.endswith(".srdf")
 
 
+def test_pairs_with_a_link_that_is_not_there_are_told_once() -> None:
+    """Solo's SRDF has the shoulders of Solo 12 between base and upper legs (RD701), and none of the feet."""
+    (one,) = check_one(str(path_of("solo")), Options(select=("RD709",)))
+    assert one.measured == 4
+    assert "base_link" not in one.message
+
+
 def test_each_kind_is_planted_in_three_robots() -> None:
     kinds = (*PLANTED, NEIGHBOURS)
     assert len({each.kind for each in kinds}) == len(kinds) >= 40
