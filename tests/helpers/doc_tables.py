@@ -28,6 +28,7 @@ TIMED = {
     "meshes": "bench_cold_mesh",
     "check": "bench_check",
     "findings": "bench_findings",
+    "slips": "bench_slips",
     "iftomm": "bench_iftomm",
 }
 

@@ -34,6 +34,7 @@ from helpers.planted_ros import (
 )
 
 ARMS, FOLLOWERS = ("z1", "a1", "ur5_robot", "panda"), ("panda", "panda_collision", "romeo")
+OTHERS = ("z1", "ur5_robot", "panda")
 WITH_SRDF = ("panda", "a1", "xarm7")
 GREEN = '<color rgba="0 1 0 1"/>'
 
@@ -164,6 +165,7 @@ SHOWN = (
     Planted("colour below 0", "RD622", ending(lambda u: material('<color rgba="-0.5 0.1 0 1"/>'))),
     Planted("texture absent", "RD623", ending(lambda u: material('<texture filename="nowhere.png"/>'))),
     Planted("visual without shape", "RD608", replacing(r"</link>", "<visual/></link>", 1)),
+    Planted("two shapes in one", "RD608", replacing("</geometry>", '<box size="1 1 1"/></geometry>'), OTHERS),
     Planted("collision without shape", "RD608", replacing(r"</link>", "<collision><geometry/></collision></link>", 1)),
 )
 REFUSED = (
