@@ -8,7 +8,7 @@ import os
 import sys
 from typing import NoReturn
 
-ALLOCATIONS = 50_000
+ALLOCATIONS = 100_000
 """Objects between two searches for cycles: imports make about as many, none of them garbage."""
 
 

@@ -144,6 +144,14 @@ def test_a_fresh_process_loads_no_heavy_module():
     assert "numpy" not in _loaded("import robodyn")
 
 
+def test_a_check_loads_nothing_that_only_others_need():
+    """No client for HTTP (which JUnit's escapes bring), no processes, no metadata, no integrals over meshes."""
+    path = ROOT / "robots" / "scara.urdf"
+    check = f"from robodyn.cli.check import command; command(['{path}'], standalone_mode=False)"
+    meshes = "import sys; print(*(name for name in sys.modules if name.startswith('robodyn.solids.mesh.')))"
+    assert not _loaded(f"{check}; {meshes}") & {"http", "ssl", "subprocess", "zipfile", "robodyn.solids.mesh.integrate"}
+
+
 def test_torques_of_arrays_need_no_heavy_module():
     path = ROOT / "robots" / "scara.urdf"
     code = f"import robodyn; m = robodyn.load({str(path)!r}); robodyn.inverse_dynamics(m, [.1]*3, [.2]*3, [.3]*3)"

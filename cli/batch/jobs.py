@@ -18,8 +18,9 @@ from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
 from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import DEFAULT, Payload, Scene
+from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
-from robodyn.support.libraries import code_digest, version_of
+from robodyn.support.libraries import version_of
 from robodyn.trajectory.table import FILE_TYPES
 
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}

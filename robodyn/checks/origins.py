@@ -6,13 +6,16 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from typing import TYPE_CHECKING
 
 from robodyn.checks.rule import Finding, excerpt
 from robodyn.robot.urdf.document import Document
 from robodyn.robot.urdf.elements import Element, SourcePositions, Span
 from robodyn.robot.urdf.packages import EXPANDED
-from robodyn.robot.urdf.xacro import Expansion
 from robodyn.support.input_file import read_input
+
+if TYPE_CHECKING:
+    from robodyn.robot.urdf.xacro import Expansion
 
 
 class Origins:

@@ -20,7 +20,6 @@ from robodyn.robot.urdf.document import Document, read
 from robodyn.robot.urdf.packages import EXPANDED
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.robot.urdf.view import Subject
-from robodyn.robot.urdf.xacro import expanded, no_robot
 
 Source = str | os.PathLike[str] | bytes
 STDIN = "<stdin>"
@@ -167,6 +166,8 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
     file, of its expansion."""
     if isinstance(source, bytes) or not is_xacro(source):
         return _found(read(source, name), options)
+    from robodyn.robot.urdf.xacro import expanded, no_robot
+
     path = os.fspath(source)
     expansion = expanded(path, options.package_path, dict(options.xacro_args))
     reading = read(expansion.text, (name or path) + EXPANDED)

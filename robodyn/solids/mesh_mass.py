@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, MeshError
 from robodyn.solids.inertia.properties import MassProperties
+from robodyn.solids.inertia.solids import WATER
 from robodyn.solids.mesh.integrate.integrals import Integrals
 from robodyn.solids.mesh.measured import Measured, measured, sheet, solid
 from robodyn.solids.mesh.read.load import from_array, load_triangles
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from robodyn.solids.mesh.tessellation.bars import Tessellation
 
 
-WATER = 1000.0
-"""Density [kg/m^3] that is assumed where neither a density nor a mass is given."""
 LONGEST = 20.0
 """Metres above which a part is suspected to be in millimetres: longer than any arm, shorter than a small part in mm."""
 

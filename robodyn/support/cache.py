@@ -33,6 +33,21 @@ def cache_folder() -> Path | None:
     return None
 
 
+def code_digest(folder: Path, without: str = "") -> str:
+    """Return a digest of the names and contents of all modules in a folder, empty where there are none.
+
+    Args:
+        without: a part of the folder that does not count.
+    """
+    names = (path.relative_to(folder) for path in folder.rglob("*.py"))
+    kept = sorted(name.as_posix() for name in names if name.parts[0] != without)
+    digest = hashlib.sha256()
+    for name in kept:
+        data = (folder / name).read_bytes()
+        digest.update(f"{name} {len(data)}\n".encode() + data)
+    return digest.hexdigest() if kept else ""
+
+
 class Key(NamedTuple):
     """What something kept is, and by what it was made: each text tells every difference that matters."""
 

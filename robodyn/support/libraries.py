@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
 import subprocess
@@ -12,7 +11,6 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Literal, NamedTuple
 
 from robodyn.support.extras import Library
@@ -54,21 +52,6 @@ def version_of(name: str) -> str | None:
     with suppress(PackageNotFoundError):
         return version(name)
     return None
-
-
-def code_digest(folder: Path, without: str = "") -> str:
-    """Return a digest of the names and contents of all modules in a folder, empty where there are none.
-
-    Args:
-        without: a part of the folder that does not count.
-    """
-    names = (path.relative_to(folder) for path in folder.rglob("*.py"))
-    kept = sorted(name.as_posix() for name in names if name.parts[0] != without)
-    digest = hashlib.sha256()
-    for name in kept:
-        data = (folder / name).read_bytes()
-        digest.update(f"{name} {len(data)}\n".encode() + data)
-    return digest.hexdigest() if kept else ""
 
 
 def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:

@@ -13,9 +13,9 @@ from robodyn.checks.meshes.facts import MeshFacts
 from robodyn.checks.meshes.files import all_facts
 from robodyn.programs.vectors import product
 from robodyn.robot.masses.likeness import Uniform
-from robodyn.robot.masses.shapes import SOLIDS
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.laws import symmetric
+from robodyn.solids.inertia.solids import SHAPES
 from robodyn.solids.inertia.validity import Box
 
 _FILLED = 0.35
@@ -97,7 +97,7 @@ def _mesh(shape: GeometryView, box: Box, facts: Mapping[str, MeshFacts]) -> Unif
 
 
 def _primitive(shape: GeometryView) -> Uniform | None:
-    form = None if shape.shape is None else SOLIDS.get(shape.shape.tag)
+    form = None if shape.shape is None else SHAPES.get(shape.shape.tag)
     if form is None:
         return None
     lengths = [length for size in shape.sizes for length in size.values or ()]

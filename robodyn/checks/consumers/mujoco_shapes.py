@@ -10,7 +10,7 @@ from robodyn.checks.consumers.meshes import used
 from robodyn.checks.consumers.water import compiler, first_object, of_mesh
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names, mesh_uses
-from robodyn.solids.mesh_mass import WATER
+from robodyn.solids.inertia.solids import WATER
 
 _LEAST = 1e-15
 """Volume [m^3]."""

@@ -21,10 +21,9 @@ from robodyn.checks.meshes.files import mesh_names
 from robodyn.errors import RobodynError
 from robodyn.programs.vectors import product
 from robodyn.robot.kinematics import Pose
-from robodyn.robot.masses.shapes import SOLIDS
 from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
-from robodyn.solids.mesh_mass import WATER
+from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.support.floats import Floats
 
 _FACE, _OBJECT = re.compile(rb"^f[ \t]", re.MULTILINE), re.compile(rb"^[go]\b", re.MULTILINE)
@@ -128,7 +127,7 @@ def _of_primitive(shape: GeometryView) -> Weight | None:
     sizes = [value for size in shape.sizes for value in size.values or (0.0,)]
     if shape.shape is None or min(sizes) <= 0:
         return None
-    body = SOLIDS[shape.shape.tag](*sizes, density=WATER)
+    body = SHAPES[shape.shape.tag](*sizes, density=WATER)
     return Weight(body.mass, body.com, body.S_c)
 
 

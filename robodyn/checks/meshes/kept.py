@@ -13,8 +13,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from robodyn.checks.meshes.facts import MeshFacts, mesh_facts
-from robodyn.support.cache import Key, ObjectCache, cache_folder
-from robodyn.support.libraries import code_digest
+from robodyn.support.cache import Key, ObjectCache, cache_folder, code_digest
 from robodyn.support.threads import in_threads
 
 _SHARD = 1 << 20

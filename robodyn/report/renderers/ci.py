@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from xml.sax.saxutils import escape, quoteattr
 
 from robodyn.checks.rule import Finding, Severity
 from robodyn.checks.run import Checked, Unread
@@ -69,10 +68,15 @@ def _case(finding: Finding, fatal: set[Severity]) -> str:
 
 
 def _attribute(text: str) -> str:
+    # Imported here, for it brings the client for HTTP along.
+    from xml.sax.saxutils import quoteattr
+
     return quoteattr(printable(text))
 
 
 def _text(text: str) -> str:
+    from xml.sax.saxutils import escape
+
     return "\n".join(escape(printable(line)) for line in text.split("\n"))
 
 

@@ -7,7 +7,6 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from functools import cache
-from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -42,6 +41,8 @@ def check_sarif(
         reading: from the name of a file to its reading, in whose bytes the findings have their places.
         unread: files that could not be checked.
     """
+    from importlib.metadata import version
+
     places = cache(lambda file: _places(reading(file)))
     index = {rule.code: k for k, rule in enumerate(rules)}
     results = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robodyn.errors import DescriptionError, InputError, RobodynError
@@ -10,19 +10,11 @@ from robodyn.robot.joints import placement
 from robodyn.robot.masses.measured import MeshFile, Outcome, Reading
 from robodyn.robot.urdf.geometry import Shape, link_named, link_shapes, missing_mesh
 from robodyn.robot.urdf.parts import Description, Kind
-from robodyn.solids.inertia import solids
 from robodyn.solids.inertia.properties import MassProperties, composite
+from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.solids.inertia.validity import Box, around, counted_twice, half_size
-from robodyn.solids.mesh_mass import WATER, Part
+from robodyn.solids.mesh_mass import Part
 from robodyn.support.wording import shown
-
-SOLIDS: dict[str, Callable[..., MassProperties]] = {
-    "box": solids.box,
-    "cylinder": solids.cylinder,
-    "sphere": solids.sphere,
-    "capsule": solids.capsule,
-}
-"""Closed forms by the shapes of URDF."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +76,7 @@ def shapes_inertia(
 def _solid(description: Description, shape: Shape) -> tuple[MassProperties, Box]:
     geometry = shape.geometry
     try:
-        body = SOLIDS[geometry.shape](*geometry.size, density=WATER)
+        body = SHAPES[geometry.shape](*geometry.size, density=WATER)
     except RobodynError as error:
         raise DescriptionError(error.what, remedy=error.remedy, file=description.file, line=geometry.line) from None
     half = half_size(geometry.shape, geometry.size)

@@ -16,6 +16,7 @@ Accuracy: volume, area, mass and each second moment within 8 eps.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from math import hypot, isfinite, pi
 
 import numpy as np
@@ -23,6 +24,9 @@ import numpy as np
 from robodyn.errors import InputError
 from robodyn.programs.vectors import ZERO, Array
 from robodyn.solids.inertia.properties import MassProperties
+
+WATER = 1000.0
+"""Density [kg/m^3] that is assumed where neither a density nor a mass is given."""
 
 
 def box(x: float, y: float, z: float, *, density: float | None = None, mass: float | None = None) -> MassProperties:
@@ -130,3 +134,12 @@ def _solid(
         assert density is not None
         mass = density * volume
     return MassProperties(mass, com, mass * np.diag(per_mass), volume, area)
+
+
+SHAPES: Mapping[str, Callable[..., MassProperties]] = {
+    "box": box,
+    "cylinder": cylinder,
+    "sphere": sphere,
+    "capsule": capsule,
+}
+"""Closed forms by the shapes of URDF."""

@@ -18,7 +18,8 @@ from robodyn.cli import torques_batch
 from robodyn.cli.batch import work
 from robodyn.cli.batch.jobs import VERSION, Setup
 from robodyn.cli.batch.workers import worked_here
-from robodyn.support.libraries import code_digest, version_of
+from robodyn.support.cache import code_digest
+from robodyn.support.libraries import version_of
 
 LINES = [f"runs/{name}.csv: 50 samples, 0.49 s -> results/{name}.csv" for name in sorted(NAMES)]
 

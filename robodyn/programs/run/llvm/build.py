@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from robodyn.programs.run.llvm.machine import Function, host, machine_code
-from robodyn.support.cache import Key, ObjectCache, cache_folder
-from robodyn.support.libraries import code_digest
+from robodyn.support.cache import Key, ObjectCache, cache_folder, code_digest
 
 
 @cache
