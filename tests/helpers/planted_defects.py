@@ -397,6 +397,8 @@ MESSAGES = tuple(
     (Defect(code, old, new), words)
     for code, old, new, words in (
         ("RD001", "<!-- A base, an", "<!-- A base -- an", "two hyphens in a comment, where only its end has them"),
+        ("RD005", 'origin xyz="0 0 0.05"', 'origin xzy="0 0 0.05"', "did you mean 'xyz'?"),
+        ("RD005", 'limit lower="-2.9"', 'limit min="-2.9"', "did you mean 'lower'?"),
         ("RD107", 'joint name="grip_follower"', 'joint name=""', "<joint> to link 'right_finger' has an empty name"),
         ("RD004", '<mass value="3.5"', '<mass value="${arm_mass}"', "link 'arm': value='${arm_mass}' is left over"),
         ("RD001", '<mass value="3.5"', '<mass\u00a0value="3.5"', "a non-breaking space (U+00A0) inside <inertial>"),

@@ -23,6 +23,8 @@ _OF_DRAKE = {
     "proximity_properties": "a <collision>",
 }
 """Elements that Drake knows by its prefix, and where."""
+_ELSEWHERE = {"min": "lower", "max": "upper"}
+"""What other formats call an attribute."""
 _NUMBERS = frozenset(name for kind in KINDS.values() for name, count in kind.attributes.items() if count)
 """Attributes that hold numbers, somewhere in URDF."""
 
@@ -36,7 +38,10 @@ def check(context: Context) -> Faults:
             if name not in kind.attributes and ":" not in name and name != "xmlns":
                 what = f"<{element.tag}> has no attribute {shown(name)} in URDF; readers ignore it"
                 remedy = alternatives(name, kind.attributes, "attributes") if kind.attributes else "delete it"
-                meant = nothing_read or name in _NUMBERS or _is_near(name, kind.attributes.keys() - element.values)
+                absent, other = kind.attributes.keys() - element.values, _ELSEWHERE.get(name)
+                if other is not None and other in absent:
+                    remedy = f"did you mean {shown(other)}?"
+                meant = nothing_read or name in _NUMBERS or other in absent or _is_near(name, absent)
                 at, severity = element.attributes[name].span, None if meant else Severity.NOTE
                 yield Fault(at, what, remedy, subject=subject, severity=severity)
 
@@ -63,4 +68,5 @@ def _is_near(tag: str, known: Collection[str]) -> bool:
     """Return whether it is a slip of the pen: at the top other tools may keep elements of any name."""
     from difflib import get_close_matches
 
-    return len(tag) < 30 and bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75))
+    shuffled = any(sorted(tag) == sorted(name) for name in known)
+    return len(tag) < 30 and (shuffled or bool(get_close_matches(tag.lower(), known, n=1, cutoff=0.75)))
