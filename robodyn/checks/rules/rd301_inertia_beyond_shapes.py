@@ -2,10 +2,11 @@
 
 Whatever the density, mass within a distance r of its centre has second moments with a trace of at
 most m r^2; and along an axis on which the shapes reach from lo to hi at most m (hi - c)(c - lo) (Bhatia and Davis).
-The shapes are those of all links that fixed joints join, visual and collision, each in its box. A trace above its bound
-is a warning, above four times its bound an error; above four times what the link's own shapes allow a warning. The
-second bound is a remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 %
-of the mass that they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
+The shapes are those of all links that fixed joints join, visual and collision, each in its box.
+A trace above its bound is a warning, above four times its bound an error, unless it is the root's, whose inertia does
+not matter where the base is fixed; above four times what the link's own shapes allow a warning. The second bound is a
+remark, and a warning where it is exceeded four times wherever the centre is. Links of less than 1 % of the mass that
+they are fixed to are passed over. The wrists of the UR5 exceed it 8 to 18 times.
 """
 
 from dataclasses import replace
@@ -33,7 +34,9 @@ def check(context: Context) -> Faults:
     for body in judged(context):
         fault = _beyond_reach(body) or _beyond_box(body)
         if fault is not None:
-            yield replace(fault, cause=suspected(context, body))
+            stands = context.tree.group[body.link.name].joint is None and fault.severity is Severity.ERROR
+            severity = Severity.WARNING if stands else fault.severity
+            yield replace(fault, cause=suspected(context, body), severity=severity)
 
 
 def _beyond_reach(body: Body) -> Fault | None:

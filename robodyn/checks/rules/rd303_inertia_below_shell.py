@@ -28,6 +28,8 @@ from robodyn.support.floats import first_largest
 _LEAST, _LEAST_SHELL = 0.05, 0.1
 _DENSEST = 19300.0
 """Of tungsten [kg/m^3]."""
+_FAR = 0.01
+"""Of the ball's moment: what is less is a mass or a size that no link has, of which RD209 and RD210 tell."""
 _REMEDY = "check the unit (kg m^2) and the mass; write the inertia of the part"
 
 
@@ -94,7 +96,7 @@ def _below_ball(mass: float, largest: float) -> tuple[float, float, str] | None:
     """Return the largest principal moment, beside the least that a mass can have about any axis through its centre."""
     radius = (3 * mass / (4 * pi * _DENSEST)) ** (1 / 3)
     ball = 2 / 5 * mass * radius**2
-    if not 0 < largest < ball:
+    if not _FAR * ball < largest < ball:
         return None
     what = (
         f"the largest principal moment {largest:.3g} kg m^2 is {largest / ball:.2g} of that of a ball of its mass "

@@ -52,6 +52,13 @@ def test_two_points_within_and_beyond_the_box(apart: float, expected: list[tuple
     assert ("RD303", W) in given, "all of its mass is on a line"
 
 
+def test_a_root_that_may_stand_still_is_a_warning() -> None:
+    text = a_shaped_link(inertia=rod(2.0, 0.59), centre="0 0 0.125")
+    link = text[text.index('<link name="upper">') : text.index("</link>") + len("</link>")]
+    assert ("RD301", E) in found(text.encode())
+    assert ("RD301", W) in found(f'<robot name="root">{link}</robot>'.encode())
+
+
 def test_the_bound_and_the_measure_are_second_moments() -> None:
     (one, _) = findings(a_shaped_link(inertia=rod(2.0, 0.59), centre="0 0 0.125").encode())
     assert one.measured == pytest.approx(2 * 0.59**2 / 4, rel=1e-6)
@@ -115,7 +122,7 @@ def test_tensors_that_were_made_up_are_no_slip() -> None:
     assert "raised" not in (one.cause or "")
 
 
-@pytest.mark.parametrize(("factor", "expected"), [(1.01, []), (0.99, [("RD303", W)])])
+@pytest.mark.parametrize(("factor", "expected"), [(1.01, []), (0.99, [("RD303", W)]), (0.009, [])])
 def test_a_link_without_shapes_is_no_denser_than_tungsten(factor: float, expected: list[tuple[str, Severity]]) -> None:
     """TIAGo's camera was held against the shapes of the head that it is fixed to; they say nothing of the least."""
     ball = float(solids.sphere((3 / (4 * np.pi * 19300)) ** (1 / 3), mass=1.0).inertia[0, 0]) * factor
