@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout, suppress
@@ -88,6 +87,8 @@ def _as_named(path: str, file: str) -> str:
 
 def _asked(*question: Any) -> dict[str, Any]:
     """Return what a process of its own answers; see `answer`."""
+    import subprocess
+
     asked = json.dumps([sys.path, question]).encode()
     call = [sys.executable, "-c", _PROCESS]
     try:
