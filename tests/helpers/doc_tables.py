@@ -29,6 +29,7 @@ TIMED = {
     "check": "bench_check",
     "findings": "bench_findings",
     "slips": "bench_slips",
+    "simcheck": "bench_simcheck",
     "iftomm": "bench_iftomm",
 }
 

@@ -75,6 +75,6 @@ def by_check_urdf(paths: Paths) -> str:
     return SOMETHING if refused(paths[1]) and not refused(paths[0]) else SILENT
 
 
-def of_small_robot(cases: Sequence[Case]) -> list[int]:
-    """Return the numbers of those that need no other files, and so no time."""
-    return [k for k, case in enumerate(cases) if not case.packages]
+def of_robots(cases: Sequence[Case], robots: Sequence[str] = ()) -> list[int]:
+    """Return the numbers of those in the small robot, and in these published ones."""
+    return [k for k, case in enumerate(cases) if not case.packages or case.robot in robots]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from benchmarks import bench_simcheck
 from helpers.example_robots import PATHS
-from helpers.judged import NAMED, SILENT, SOMETHING, by_robodyn, of_simcheck, of_small_robot
+from helpers.judged import NAMED, SILENT, SOMETHING, by_robodyn, of_robots, of_simcheck
 from helpers.planted_everywhere import Case, files, real, small
 from helpers.simcheck import ABSENT, Said, Verdict
 from helpers.simcheck_words import PRECISE
@@ -56,7 +56,7 @@ def test_all_that_is_planted_is_there() -> None:
     assert len({case.robot for case in found}) >= 15
     assert {"RD111", "RD405", "RD609", "RD702", "RD709"} <= {case.code for case in found}
     assert all(case.before != case.after for case in (*SMALL, *found))
-    assert of_small_robot((*found, *SMALL)) == [*range(len(found), len(found) + len(SMALL))]
+    assert of_robots((*found, *SMALL)) == [*range(len(found), len(found) + len(SMALL))]
 
 
 def test_robodyn_is_judged_by_its_rule(tmp_path) -> None:
@@ -73,8 +73,8 @@ def test_it_says_that_simcheck_is_missing(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(bench_simcheck, "small", lambda: SMALL[:3])
     monkeypatch.setattr(bench_simcheck, "published", lambda: [])
     monkeypatch.setattr(bench_simcheck, "alarms", lambda paths, engines: "")
-    monkeypatch.setattr(bench_simcheck, "timed", lambda paths, turns, engines: "")
-    text = bench_simcheck.report(1, 1)
+    monkeypatch.setattr(bench_simcheck, "timed", lambda paths, turns: "")
+    text = bench_simcheck.report(1, 1, 1)
     assert text.startswith(ABSENT)
     assert "| 3 of 3 | robodyn check | 3 | 0 | 0 | 100 % |" in text
     assert "simcheck, static" not in text
