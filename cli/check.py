@@ -122,6 +122,10 @@ def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bo
     )
 
 
+_LISTING_UNREAD = ("sarif", "junit", "github")
+"""Formats for servers, which show a file that could not be read, too."""
+
+
 @click.command("check", short_help="Find what is wrong with descriptions, for people and CI.")
 @click.argument("urdfs", nargs=-1, type=PATH, required=True, metavar="URDF...")
 @OPTIONS
@@ -130,7 +134,8 @@ def show_findings(checked: Checked, tasks: Sequence[Task], form: str, strict: bo
 def command(urdfs: tuple[str, ...], **flags: Any) -> int:
     """Find what is wrong with robot descriptions, down to the attribute.
     A file named - is standard input; a folder means every .urdf below it, or else every .xacro; a .xacro file is
-    expanded first; a mesh or an SRDF means the descriptions of its package that name it.
+    expanded first; a mesh or an SRDF means the descriptions of its package that name it, and a .xacro file of macros
+    those that include it.
     Errors are shown, and what is likely a defect; `--select ALL` shows all.
     The exit status is 1 if an error is found, 2 if a file cannot be read, which stops no other.
     `robodyn rule CODE` explains a finding.
@@ -158,7 +163,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         checked = check_tasks(tasks, done)
     for line in dict.fromkeys(str(each.error) for each in checked.unread):
         complain(line)
-    if checked.unread and len(tasks) == 1:
+    if checked.unread and len(tasks) == 1 and flags["form"] not in _LISTING_UNREAD:
         return 2
     if shown:
         return 2 if checked.unread else 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -203,3 +204,15 @@ def test_a_named_file_must_be_there_and_have_the_table(tmp_path: Path) -> None:
     path.write_text("[tool.ruff]")
     with pytest.raises(InputError, match=r"some\.toml: there is no table \[tool\.robodyn\.check\]"):
         tasks_for([b"<robot/>"], config=str(path))
+
+
+def test_the_page_has_the_keys_and_its_example_holds() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "check_descriptions.md").read_text(encoding="utf-8")
+    example = page.partition("```toml\n")[2].partition("```")[0]
+    config = parse_config(example.encode(), "robodyn.toml")
+    assert config is not None
+    assert (config.options.select, config.options.ignore) == (("DEFAULT", "RD110"), ("RD304",))
+    assert (config.options.thresholds.mass_ratio, config.options.thresholds.least_mass) == (5000, 1e-5)
+    assert config.per_file == (("legacy/*.urdf", ("RD4", "RD207")),)
+    for threshold in fields(DEFAULT):
+        assert f"`{threshold.name.replace('_', '-')}`" in page
