@@ -52,7 +52,8 @@ def calls(work: Callable[[], object]) -> Counter[CodeType]:
 
 
 def grows_with_links(work: Callable[[bytes], object], shape: str, kind: str) -> None:
-    few, more, many = (robot(links, shape, kind) for links in (10, 40, 70))
+    # up to 10 names that differ in a number are compared two by two; more are a list
+    few, more, many = (robot(links, shape, kind) for links in (20, 50, 80))
     work(few)  # imports and what is kept for the next time
     base, once, twice = (calls(lambda each=each: work(each)) for each in (few, more, many))
     assert len(twice) > 100
