@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.solids.mesh.distinct import Numbers, distinct, distinct_points
 from robodyn.support.floats import Floats
 
-Numbers = NDArray[np.signedinteger[Any]]
 Mask = NDArray[np.bool_]
-
-_FACTORS = tuple(map(np.uint64, (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9)))
-_HALF = np.uint64(32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +52,7 @@ class Indexed:
 def merged(corners: Floats) -> Indexed:
     """Triangles (m, 3, 3) with corners of equal coordinates made one vertex; -0 is 0."""
     points = corners.reshape(-1, 3) + 0.0
-    number: Numbers = np.zeros((len(points),), np.int64)
-    for coordinate in points.T:
-        _, place = np.unique(coordinate, return_inverse=True)
-        pair = number * (int(place.max()) + 1) + place
-        _, first, inverse = np.unique(pair, return_index=True, return_inverse=True)
-        number = inverse.reshape(-1)
+    first, number = distinct_points(points)
     return Indexed(points[first], number.reshape(-1, 3))
 
 
@@ -109,9 +100,9 @@ class Edges:
         start, stop = faces, np.roll(faces, -1, axis=1)
         lower, higher = np.minimum(start, stop), np.maximum(start, stop)
         most = int(faces.max(initial=0)) + 1
-        keys, of, count = np.unique(lower * most + higher, return_inverse=True, return_counts=True)
-        ends = np.stack([keys // most, keys % most], axis=1)
-        return cls(ends, of.reshape(-1, 3), np.where(start < stop, 1, -1), count)
+        first, of = distinct((lower * most + higher).ravel())
+        ends = np.stack([lower.ravel()[first], higher.ravel()[first]], axis=1)
+        return cls(ends, of.reshape(-1, 3), np.where(start < stop, 1, -1), np.bincount(of, minlength=len(first)))
 
     @property
     def balance(self) -> Numbers:
@@ -121,8 +112,12 @@ class Edges:
 
     def pairs(self) -> tuple[Numbers, Numbers, Mask]:
         """The two faces on each edge of exactly two, and whether they are wound alike (pass it opposite ways)."""
-        sides = np.flatnonzero(self.count[self.of.ravel()] == 2)
-        first, second = sides[np.argsort(self.of.ravel()[sides], kind="stable")].reshape(-1, 2).T
+        two = self.count == 2
+        sides = np.flatnonzero(two[self.of.ravel()])
+        edge = self.of.ravel()[sides]
+        ends = np.empty((2, len(two)), np.int64)
+        ends[0, edge[::-1]], ends[1, edge] = sides[::-1], sides
+        first, second = ends[:, two]
         way = self.way.ravel()
         return first // 3, second // 3, way[first] != way[second]
 
@@ -155,18 +150,3 @@ def _roots(parent: Numbers) -> Numbers:
         if np.array_equal(further, parent):
             return parent
         parent = further
-
-
-def hashed(X: Floats) -> NDArray[np.uint64]:
-    """(3, m) of corners (3 corners, 3 coordinates, m), mixed so well that the sums for sides of a rectangle differ."""
-    bits = (X + 0.0).view(np.uint64)
-    words: NDArray[np.uint64] = bits[:, 0] * _FACTORS[0]
-    for i in (1, 2):
-        words ^= words >> _HALF
-        words += bits[:, i]
-        words *= _FACTORS[i]
-    for factor in _FACTORS[:2]:
-        words ^= words >> _HALF
-        words *= factor
-    words ^= words >> _HALF
-    return words

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from robodyn.solids.mesh.blocks import block_space, fill, rows_for
 from robodyn.solids.mesh.closed.fingerprint import EdgeSums, Words
-from robodyn.solids.mesh.indexed import Numbers, components
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import components
 from robodyn.solids.mesh.triangles import Triangles
 
 HELD = 1 << 22

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Numbers
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import Indexed
 from robodyn.solids.mesh.integrate.exact import VolumeIntegrals
 from robodyn.solids.mesh.integrate.integrals import Integrals, integrate
 from robodyn.solids.mesh.region.open_region import OpenSurface, definite

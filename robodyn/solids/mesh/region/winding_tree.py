@@ -8,7 +8,8 @@ from math import pi
 import numpy as np
 
 from robodyn.programs.vectors import product
-from robodyn.solids.mesh.indexed import Indexed, Numbers
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import Indexed
 from robodyn.solids.mesh.region.columns import frame_along
 from robodyn.support.floats import Floats
 

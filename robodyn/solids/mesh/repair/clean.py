@@ -8,7 +8,8 @@ from itertools import product
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
+from robodyn.solids.mesh.distinct import Numbers, distinct
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components
 from robodyn.support.floats import Floats
 
 _ROUNDING = 16 * np.finfo(np.float64).eps
@@ -32,6 +33,8 @@ def without_duplicates(mesh: Indexed) -> Indexed:
     if nothing else is near: a surface that is given from both sides.
     """
     which, even = _corner_sets(mesh.faces)
+    if int(which.max(initial=-1)) + 1 == len(which):
+        return mesh
     repeated = ~_first_of(2 * which + even)
     mesh = mesh.keep(~_superfluous(mesh.faces, repeated, alone=True))
     which, even = _corner_sets(mesh.faces)
@@ -45,17 +48,17 @@ def _corner_sets(faces: Numbers) -> tuple[Numbers, Mask]:
     """(m,) the number of the set of corners of each face, and whether the corners, from the lowest on, go up."""
     most = int(faces.max(initial=0)) + 1
     low, middle, high = np.sort(faces, axis=1).T
-    _, pair = np.unique(low * most + middle, return_inverse=True)
-    _, which = np.unique(pair.reshape(-1) * most + high, return_inverse=True)
+    pair = distinct(low * most + middle).of
+    which = distinct(pair * most + high).of
     turn = (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, second, third = np.take_along_axis(faces, turn, axis=1).T
-    return which.reshape(-1), np.less(second, third)
+    return which, np.less(second, third)
 
 
 def _first_of(names: Numbers) -> Mask:
     """(m,) whether a name was not there before."""
     first: Mask = np.zeros(len(names), np.bool_)
-    first[np.unique(names, return_index=True)[1]] = True
+    first[distinct(names).first] = True
     return first
 
 
@@ -122,8 +125,10 @@ def welded(mesh: Indexed) -> Indexed:
     """
     edges = Edges.between(mesh.faces)
     rim = np.unique(edges.ends[edges.count == 1])
+    used = np.zeros(len(mesh.vertices), np.bool_)
+    used[mesh.faces] = True
     points = mesh.vertices[rim]
-    cell = _CELL * _NEAR * float(np.ptp(mesh.vertices[np.unique(mesh.faces)], axis=0).max())
+    cell = _CELL * _NEAR * float(np.ptp(mesh.vertices[used], axis=0).max())
     if not len(rim) or not cell > 0:
         return mesh
     links = [_neighbours(points / cell + shift) for shift in product((0.0, 0.5), repeat=3)]

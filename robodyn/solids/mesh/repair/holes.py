@@ -9,7 +9,8 @@ from math import sqrt
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Numbers, areas
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import Edges, areas
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Indexed, Mask, Numbers, areas, in_parts, triple
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import Indexed, Mask, areas, in_parts, triple
 from robodyn.solids.mesh.repair.inside import Interior, OpenInterior
 from robodyn.solids.mesh.repair.shells import Shells
 from robodyn.support.floats import Floats

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Mask, Numbers, components, hashed, in_parts, triple
+from robodyn.solids.mesh.distinct import Numbers, hashed
+from robodyn.solids.mesh.indexed import Mask, components, in_parts, triple
 from robodyn.solids.mesh.repair.inside import Interior
 from robodyn.solids.mesh.triangles import Triangles
 from robodyn.support.floats import Floats

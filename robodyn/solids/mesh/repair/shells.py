@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components
+from robodyn.solids.mesh.distinct import Numbers, numbered
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +52,18 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
         patch, turn, twisted = _patches(edges, len(rows))
         done = _closed(edges, patch, turn, twisted)
         turned[rows] = turn
-        names, found = np.unique(patch[done[patch]], return_inverse=True)
+        count, found = numbered(patch[done[patch]], len(done))
         label[rows[done[patch]]] = shells + found
-        shells += len(names)
-        if not names.size or done.all():
+        shells += count
+        if not count or done.all():
             break
         rows = rows[~done[patch]]
     open_rows = np.flatnonzero(label < 0)
     closed = np.ones(shells, np.bool_)
     if open_rows.size:
-        _, rest = np.unique(_over_edges(mesh.faces[open_rows]), return_inverse=True)
+        count, rest = _over_edges(edges)
         label[open_rows] = shells + rest
-        closed = np.append(closed, np.zeros(int(rest.max()) + 1, np.bool_))
+        closed = np.append(closed, np.zeros(count, np.bool_))
     one_sided = int(twisted[patch].sum()) if open_rows.size else 0
     return Shells(mesh.turned(turned), label, closed, one_sided), int(turned.sum())
 
@@ -77,11 +78,11 @@ def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
     sides = components(2 * faces, np.concatenate([a, a + faces]), np.concatenate([b + swapped, b + faces - swapped]))
     given, reverse = sides[:faces], sides[faces:]
     lower = np.minimum(given, reverse)
-    names, patch = np.unique(lower, return_inverse=True)
+    count, patch = numbered(lower, 2 * faces)
     other = (given != lower).astype(np.int64)
-    size = np.bincount(patch, minlength=len(names))
-    swap = 2 * np.bincount(patch, other, len(names)) > size
-    twisted = np.zeros(len(names), np.bool_)
+    size = np.bincount(patch, minlength=count)
+    swap = 2 * np.bincount(patch, other, count) > size
+    twisted = np.zeros(count, np.bool_)
     twisted[patch[given == reverse]] = True
     turn: Mask = ((other == 1) ^ swap[patch]) & ~twisted[patch]
     return patch, turn, twisted
@@ -99,8 +100,8 @@ def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
     return closed
 
 
-def _over_edges(faces: Numbers) -> Numbers:
-    """(m,) the component of each face over any edge."""
-    of = Edges.between(faces).of
-    nodes = np.repeat(np.arange(len(faces)), 3)
-    return components(len(faces) + int(of.max()) + 1, nodes, len(faces) + of.ravel())[: len(faces)]
+def _over_edges(edges: Edges) -> tuple[int, Numbers]:
+    """Return how many components faces have over any edge, and (m,) that of each."""
+    faces, most = len(edges.of), len(edges.of) + len(edges.count)
+    nodes = np.repeat(np.arange(faces), 3)
+    return numbered(components(most, nodes, faces + edges.of.ravel())[:faces], most)

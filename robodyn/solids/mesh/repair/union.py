@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, Numbers, components, in_parts
+from robodyn.solids.mesh.distinct import Numbers
+from robodyn.solids.mesh.indexed import Edges, Indexed, Mask, components, in_parts
 from robodyn.solids.mesh.repair.nesting import Nesting
 from robodyn.support.floats import Floats
 

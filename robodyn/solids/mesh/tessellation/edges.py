@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.vectors import Array, arctan2
-from robodyn.solids.mesh.indexed import components, hashed
+from robodyn.solids.mesh.distinct import hashed
+from robodyn.solids.mesh.indexed import components
 from robodyn.support.floats import Floats
 
 Integers = NDArray[np.int64]

@@ -1,0 +1,40 @@
+"""Equal keys and points have one number, in the order of their values, however many bits they take."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robodyn.solids.mesh import distinct as module
+from robodyn.solids.mesh.distinct import distinct, distinct_points, numbered
+
+RNG = np.random.default_rng(5)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 7, 1000])
+@pytest.mark.parametrize("most", [1, 30, 2**40, 2**53 + 1, 2**63 - 1])
+def test_keys_as_numpy_has_them(count: int, most: int) -> None:
+    keys = RNG.choice(RNG.integers(0, most, 100), count)
+    keys[:1] = most - 1
+    _, first, of = np.unique(keys, return_index=True, return_inverse=True)
+    found = distinct(keys)
+    assert np.array_equal(found.first, first)
+    assert np.array_equal(found.of, of)
+    if most == 30:
+        count, number = numbered(keys, most)
+        assert count == len(first)
+        assert np.array_equal(number, of)
+
+
+@pytest.mark.parametrize("collide", [False, True])
+@pytest.mark.parametrize("few", [0, 18])
+def test_points_by_their_coordinates(collide: bool, few: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_FEW_BITS", few)
+    points = RNG.integers(-3, 3, (500, 3)) / 7
+    points[:5] = points[5:10] + 1e-16
+    if collide:
+        monkeypatch.setattr(module, "hashed", lambda X: np.full((1, X.shape[-1]), 1 << 63, np.uint64))
+    _, first, of = np.unique(points, axis=0, return_index=True, return_inverse=True)
+    found = distinct_points(points)
+    assert np.array_equal(found.first, first)
+    assert np.array_equal(found.of, of.reshape(-1))
