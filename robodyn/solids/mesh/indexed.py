@@ -110,6 +110,12 @@ class Edges:
         total: Numbers = np.bincount(self.of.ravel(), self.way.ravel(), len(self.count)).astype(np.int64)
         return total
 
+    def boundary(self) -> tuple[Numbers, Numbers]:
+        """(b,) edges on the boundary, as often as they are, and (b, 2) vertices as faces that fill it pass them."""
+        balance = self.balance
+        edge = np.repeat(np.arange(len(balance)), np.abs(balance))
+        return edge, np.where(balance[edge, None] > 0, self.ends[edge, ::-1], self.ends[edge])
+
     def pairs(self) -> tuple[Numbers, Numbers, Mask]:
         """The two faces on each edge of exactly two, and whether they are wound alike (pass it opposite ways)."""
         two = self.count == 2

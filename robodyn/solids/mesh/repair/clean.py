@@ -116,15 +116,13 @@ _CELL = 4.0
 """Times this distance, the side of the cells in which near corners are sought."""
 
 
-def welded(mesh: Indexed) -> Indexed:
+def welded(mesh: Indexed, rim: Numbers) -> Indexed:
     """The mesh with corners on its rims made one where rounding may have parted them, without faces that vanish then.
 
-    The same object where there are none.
+    The same object where there are none. `rim`: (v,) these corners.
 
     Corners within 1e-6 of the surface's size share a cell of at least one of eight lattices, shifted by half a cell.
     """
-    edges = Edges.between(mesh.faces)
-    rim = np.unique(edges.ends[edges.count == 1])
     used = np.zeros(len(mesh.vertices), np.bool_)
     used[mesh.faces] = True
     points = mesh.vertices[rim]

@@ -46,6 +46,6 @@ def one_sided(shells: Shells) -> int:
     Open ones with rims put together where they nearly meet: caps on those of a Klein bottle would give it two sides.
     """
     if not shells.closed.all():
-        whole = welded(shells.mesh)
+        whole = welded(shells.mesh, shells.lone)
         shells = shells if whole is shells.mesh else wound(whole)[0]
     return shells.twisted

@@ -67,9 +67,10 @@ def filled(shells: Shells) -> Filling:
     plane the moments of what it then encloses do not depend on how it is cut.
     """
     mesh = shells.mesh
-    gaps = _gaps(shells)
+    face_areas = mesh.areas
+    gaps = _gaps(shells, face_areas)
     loose = [gap for gap in gaps if gap.share > LARGEST_OF_SHELL]
-    if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(mesh.areas.sum()):
+    if sum(gap.area for gap in loose) <= LARGEST_OF_ALL * float(face_areas.sum()):
         loose = []
     fill = [gap for gap in gaps if gap not in loose]
     caps = [cap for gap in fill for cap in gap.caps]
@@ -124,9 +125,9 @@ class _Gap:
         return [np.array(each, np.int64).reshape(-1, 3) for each in faces]
 
 
-def _gaps(shells: Shells) -> list[_Gap]:
+def _gaps(shells: Shells, face_areas: Floats) -> list[_Gap]:
     mesh = shells.mesh
-    own = np.bincount(shells.label, mesh.areas, shells.count).tolist()
+    own = np.bincount(shells.label, face_areas, shells.count).tolist()
     loops = _loops(shells)
     caps = {shell: [cap_of(mesh.vertices, loop) for loop in around] for shell, around in loops.items()}
     every = [cap for each in caps.values() for cap in each]
@@ -136,16 +137,12 @@ def _gaps(shells: Shells) -> list[_Gap]:
 
 
 def _loops(shells: Shells) -> dict[int, list[list[int]]]:
-    """Return the boundary loops of each open shell.
-
-    All are found at once: a vertex of several shells has another number in each, in the same order.
-    """
-    found: dict[int, list[list[int]]] = {shell: [] for shell in np.flatnonzero(~shells.closed).tolist()}
-    rows, many = np.flatnonzero(~shells.closed[shells.label]), len(shells.mesh.vertices)
-    names, faces = np.unique(shells.label[rows, None] * many + shells.mesh.faces[rows], return_inverse=True)
-    shell_of, vertex_of = names // many, names % many
-    for loop in boundary_loops(faces.reshape(-1, 3)):
-        found[int(shell_of[loop[0]])].append(vertex_of[loop].tolist())
+    """Return the boundary loops of each open shell."""
+    shell_of, starts, stops = shells.rim.T
+    found = {}
+    for shell in np.flatnonzero(~shells.closed).tolist():
+        first, last = np.searchsorted(shell_of, [shell, shell + 1])
+        found[shell] = _followed(starts[first:last].tolist(), stops[first:last].tolist())
     return found
 
 
@@ -175,17 +172,20 @@ def _with(shells: Shells, gaps: list[_Gap], caps: list[list[Numbers]], closed: l
     done[[gap.shell for gap in closed]] = True
     mesh = replace(shells.mesh, faces=np.concatenate([shells.mesh.faces, *(cap for each in caps for cap in each)]))
     labels = [np.full(sum(map(len, each)), gap.shell, np.int64) for gap, each in zip(gaps, caps, strict=True)]
-    return replace(shells, mesh=mesh, label=np.concatenate([shells.label, *labels]), closed=done)
+    rim = shells.rim[~done[shells.rim[:, 0]]]
+    return replace(shells, mesh=mesh, label=np.concatenate([shells.label, *labels]), closed=done, rim=rim)
 
 
 def boundary_loops(faces: Numbers) -> list[list[int]]:
     """The boundary as loops of vertices that pass none twice, in the direction that triangles filling them have."""
-    edges = Edges.between(faces)
-    balance = edges.balance
+    return _followed(*Edges.between(faces).boundary()[1].T.tolist())
+
+
+def _followed(starts: list[int], stops: list[int]) -> list[list[int]]:
+    """Return directed edges as loops that pass no vertex twice."""
     onward: dict[int, list[int]] = {}
-    for (a, b), excess in zip(edges.ends[balance != 0].tolist(), balance[balance != 0].tolist(), strict=True):
-        start, stop = (b, a) if excess > 0 else (a, b)
-        onward.setdefault(start, []).extend([stop] * abs(excess))
+    for start, stop in zip(starts, stops, strict=True):
+        onward.setdefault(start, []).append(stop)
     loops = []
     for begin in onward:
         path, place = [begin], {begin: 0}

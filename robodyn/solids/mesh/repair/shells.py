@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,12 +18,17 @@ class Shells:
         mesh: all of it.
         label: (m,) the shell of each face.
         closed: (k,) whether the boundary of each shell vanishes.
+        rim: (b, 3) the shell, the start and the end of each edge that is missing to close it, in this order of shells
+            and of edges.
+        lone: (v,) vertices of edges with one face, when shells were wound.
         twisted: faces of patches that have one side only, like a Moebius strip, and so no winding.
     """
 
     mesh: Indexed
     label: Numbers
     closed: Mask
+    rim: Numbers
+    lone: Numbers
     twisted: int = 0
 
     @property
@@ -46,9 +51,10 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
     label = np.full(len(mesh.faces), -1, np.int64)
     turned = np.zeros(len(mesh.faces), np.bool_)
     rows = np.arange(len(mesh.faces))
-    shells = 0
+    shells, lone = 0, np.zeros(0, np.int64)
     while rows.size:
         edges = Edges.between(mesh.faces[rows])
+        lone = lone if shells else np.unique(edges.ends[edges.count == 1])
         patch, turn, twisted = _patches(edges, len(rows))
         done = _closed(edges, patch, turn, twisted)
         turned[rows] = turn
@@ -59,13 +65,14 @@ def wound(mesh: Indexed) -> tuple[Shells, int]:
             break
         rows = rows[~done[patch]]
     open_rows = np.flatnonzero(label < 0)
-    closed = np.ones(shells, np.bool_)
+    closed, rim, one_sided = np.ones(shells, np.bool_), np.zeros((0, 3), np.int64), 0
     if open_rows.size:
         count, rest = _over_edges(edges)
         label[open_rows] = shells + rest
         closed = np.append(closed, np.zeros(count, np.bool_))
-    one_sided = int(twisted[patch].sum()) if open_rows.size else 0
-    return Shells(mesh.turned(turned), label, closed, one_sided), int(turned.sum())
+        rim = _rim(edges, turn, label[open_rows])
+        one_sided = int(twisted[patch].sum())
+    return Shells(mesh.turned(turned), label, closed, rim, lone, one_sided), int(turned.sum())
 
 
 def _patches(edges: Edges, faces: int) -> tuple[Numbers, Mask, Mask]:
@@ -98,6 +105,16 @@ def _closed(edges: Edges, patch: Numbers, turn: Mask, twisted: Mask) -> Mask:
     closed = ~twisted
     closed[unbalanced] = False
     return closed
+
+
+def _rim(edges: Edges, turn: Mask, label: Numbers) -> Numbers:
+    """Return what is missing to close shells that share no edge, see `Shells`."""
+    edge, ends = replace(edges, way=np.where(turn[:, None], -edges.way, edges.way)).boundary()
+    of_edge = np.empty(len(edges.count), np.int64)
+    of_edge[edges.of] = label[:, None]
+    rows = np.column_stack((of_edge[edge], ends))
+    found: Numbers = rows[np.argsort(rows[:, 0], kind="stable")]
+    return found
 
 
 def _over_edges(edges: Edges) -> tuple[int, Numbers]:
