@@ -287,6 +287,7 @@ DEFECTS = tuple(
         ("RD514", f'"grip" {_TO_AXIS}', f'"@grip" {_TO_AXIS.replace(_SLIDING, "")}'),
         ("RD515", 'upper="0.05"', 'upper="@50"'),
         ("RD515", _GRIP, _GRIP.replace("0.2", "@200")),
+        ("RD516", 'name="grip" type="prismatic"', 'name="grip" type="@revolute"'),
         ("RD601", '<cylinder radius="0.05" length="0.4"/>', "@<mesh/>"),
         ("RD609", _ROD_SEEN, f'{_ROD_SEEN}<collision>@<origin xyz="0 0 0.3"/><geometry>{_ROD}</geometry></collision>'),
         ("RD609", _ROD_SEEN, f"{_ROD_SEEN}@<collision><geometry>{_ROD}</geometry></collision>"),

@@ -64,6 +64,7 @@ PRECISE = {
     "RD513": r"continuous joint",
     "RD514": r"no axis|has no <axis>",
     "RD515": r"joints.limits: .*travels|(velocity|effort) limit|\bunits?\b",
+    "RD516": r"\brevolute\b|\bprismatic\b",
     "RD601": r"mesh .*not found|unreadable mesh",
     "RD603": r"outside|escapes",
     "RD606": r"must be positive|scale|without a valid size",

@@ -28,6 +28,9 @@ _OTHER, _OWN = 0.8, 0.5
 Of 1388 links of published robots with meshes for both, 12 have less than 0.4 (each has a collision mesh that stands
 elsewhere), and 1360 more than 0.8.
 """
+_UNLIKE = 0.2
+"""Shared volume at most of one mesh each for both, whatever else it fits: of the same links 10, all of them found by
+where they stand; the next has 0.22."""
 _SCALED, _EVEN = 1.25, 1.05
 """Least factor between sizes, and how far it may differ between axes."""
 
@@ -49,6 +52,7 @@ def _misfits(context: Context) -> Iterator[Misfit]:
         found = _foreign(link, felt, visual, context) if own and box and shared(own, box) <= _OWN else None
         found = found or _aside(link, felt, context) or _scaled(link, felt, context)
         found = found or misfit_of_primitive(felt, own, known, context) or _away(felt, own, context)
+        found = found or _unlike(felt, _of_kind(link, "visual"), own, box)
         if found is not None:
             yield found
 
@@ -120,6 +124,21 @@ def _away(felt: Sequence[GeometryView], own: Box | None, context: Context) -> Mi
             what = f"there are {gap:.3g} m between its collision {_named(shape)} and its visual"
             return Misfit(shape, what, "check the <origin> of both", gap, bound)
     return None
+
+
+def _unlike(
+    felt: Sequence[GeometryView], seen: Sequence[GeometryView], own: Box | None, box: Box | None
+) -> Misfit | None:
+    """Find a collision mesh that is hardly where the visual one is: it is turned, or one of them is another part's."""
+    if own is None or box is None or not (len(felt) == len(seen) == 1 and _is_mesh(felt[0]) and _is_mesh(seen[0])):
+        return None
+    fit = shared(own, box)
+    if fit > _UNLIKE:
+        return None
+    what = f"its collision mesh is not the part that its visual is: their boxes share {fit:.0%}"
+    return Misfit(
+        felt[0], what, "check the <origin> of both, and that neither is the mesh of another link", fit, _UNLIKE
+    )
 
 
 def _is_mesh(shape: GeometryView) -> bool:

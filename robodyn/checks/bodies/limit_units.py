@@ -77,11 +77,11 @@ def _efforts(context: Context) -> Iterator[LimitSlip]:
     found = [
         each
         for each in _given(context, "effort")
-        if each[0].type in _TURNING and each[2] < limits.most_effort and _limited(each[1], limits.most_velocity)
+        if each[0].type in _TURNING and each[2] < 1e3 * limits.most_effort and _limited(each[1], limits.most_velocity)
     ]
     values = sorted(value for _, _, value in found)
     jump = next((above for below, above in pairwise(values) if above >= _EFFORT_GAP * below), None)
-    large = [each for each in found if jump is not None and each[2] >= jump and not _power_of_ten(each[2])]
+    large = [each for each in found if jump is not None and each[2] >= jump and not _stand_in(each[2])]
     why = _apart(large, found, 1e3, _EFFORT_GAP, _EFFORT_BAND)
     for joint, limit, _ in large if why else ():
         yield LimitSlip(joint, limit.effort, 1e3, "N mm", "N m", why)
@@ -137,6 +137,6 @@ def _limited(limit: LimitView, most_velocity: float) -> bool:
     return limit.velocity.value is None or limit.velocity.value < most_velocity
 
 
-def _power_of_ten(value: float) -> bool:
-    power = log10(value)
-    return isclose(power, round(power), abs_tol=1e-12)
+def _stand_in(value: float) -> bool:
+    """Return whether a value is a power of ten, or all nines."""
+    return any(isclose(power, round(power), abs_tol=1e-12) for power in (log10(value), log10(value + 1.0)))

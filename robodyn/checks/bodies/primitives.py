@@ -21,9 +21,9 @@ _LARGE, _SEEN = 20.0, 0.01
 Of 2019 collision shapes of published robots with a visual, primitives are at most 1.4 times as large, but for two that
 surround marks of 3 mm.
 """
-_FITTING, _BETTER = 0.4, 2.0
+_FITTING, _BETTER, _MUCH_BETTER = 0.2, 2.0, 3.0
 """Volume that a cylinder with its numbers exchanged shares with what is seen over that of both, and how many times that
-as it stands. Of the same shapes two get better at all, from 0.32 to 0.5."""
+as it stands; below twice that volume much more. Of the same shapes two get better at all, from 0.32 to 0.5."""
 
 
 class Misfit(NamedTuple):
@@ -69,7 +69,8 @@ def _exchanged(felt: Sequence[GeometryView], own: Box | None, known: Solids) -> 
             continue
         other = around_known([*boxes[:k], _exchange(known[shape]).placed(STILL), *boxes[k + 1 :]])
         fit = 0.0 if other is None else shared(own, other)
-        if fit >= max(_FITTING, _BETTER * as_is):
+        better = _BETTER if fit >= 2 * _FITTING else _MUCH_BETTER
+        if fit >= max(_FITTING, better * as_is):
             what = (
                 "its collision cylinder fits what is seen with radius and length exchanged: their boxes then share "
                 f"{fit:.0%}, as it stands {as_is:.0%}"

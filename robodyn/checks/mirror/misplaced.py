@@ -48,7 +48,7 @@ def misplaced(context: Context) -> Iterator[Misplaced]:
     found = context.once(symmetry)
     if found is None:
         return
-    confirmed, heavy = found.by_right, _heavy(found)
+    confirmed, heavy = found.by_right, heavy_links(found)
     for left, right in found.named:
         joints = found.above[left], found.above[right]
         over = [joint.parent for joint in joints]
@@ -64,7 +64,7 @@ def misplaced(context: Context) -> Iterator[Misplaced]:
             yield one
 
 
-def _heavy(found: Symmetry) -> set[str]:
+def heavy_links(found: Symmetry) -> set[str]:
     """Return the links that have a mass or carry one."""
     heavy: set[str] = set()
     for link in found.links.values():

@@ -5,14 +5,16 @@ round. Where the axis of a joint is that image, equal positions of twins are mir
 where it is the image reversed, lower and upper change places and signs; on a part that is mounted on both sides either
 is right. Copying limits from left to right where the axes ask for a change of sign is a common slip: a knee then bends
 the wrong way. So is a joint that was fixed for a test, while its twin still moves; and an axis that is reversed, which
-also shows where front and hind legs are not turned alike. Twins are found as RD401 says. Ranges that RD503, RD504 or
+also shows where front and hind legs are not turned alike, or where all other joints of the limb that have their axes in
+the mirror plane, or across it, are turned the other way. Twins are found as RD401 says. Ranges that RD503, RD504 or
 RD507 report are not compared.
 """
 
+from collections.abc import Sequence
 from math import pi
 
 from robodyn.checks.examples import ARM_LIMIT, two_arms
-from robodyn.checks.mirror.directions import directions, unlike_the_other_legs
+from robodyn.checks.mirror.directions import directions, unlike_the_other_legs, unlike_their_limb
 from robodyn.checks.mirror.pairs import Pair, pairs
 from robodyn.checks.rule import Context, Fault, Faults, Severity, Stage, rule
 from robodyn.robot.urdf.elements import Span
@@ -36,7 +38,7 @@ _REMEDY = "correct the one of the two that is wrong, or allow it where the joint
     bad=('"0 -1 0"', '"0 1 0"'),
 )
 def check(context: Context) -> Faults:
-    unlike = context.once(unlike_the_other_legs)
+    unlike, odd = context.once(unlike_the_other_legs), context.once(unlike_their_limb)
     for pair in context.once(pairs):
         left, right = pair.left_joint, pair.right_joint
         view, twin = context.view.joint[right.name], f"{shown(left.name)} (line {left.line})"
@@ -50,6 +52,8 @@ def check(context: Context) -> Faults:
                 yield Fault(_axis(view), what, _REMEDY)
             elif other is not None and not ranges and not list(_range(other, context, "")):
                 yield _unlike(view, twin, other)
+            elif right.name in odd and not ranges:
+                yield _odd(view, twin, odd[right.name])
             yield from _magnitudes(pair, view, twin)
 
 
@@ -63,6 +67,15 @@ def _unlike(view: JointView, twin: str, other: Pair) -> Fault:
         f"it and its mirror twin {twin} are turned to each other as {others} are not: one of the four axes is reversed"
     )
     return Fault(_axis(view), what, "correct the one of the four that is wrong, or allow it where the legs differ")
+
+
+def _odd(view: JointView, twin: str, others: Sequence[Pair]) -> Fault:
+    named = " and ".join(shown(pair.right_joint.name) for pair in others[:2])
+    what = (
+        f"it and its mirror twin {twin} are turned to each other as those of the limb whose axes lie like theirs, "
+        f"{named} among {len(others)}, are not: one of the two axes is reversed"
+    )
+    return Fault(_axis(view), what, _REMEDY)
 
 
 def _kind(pair: Pair, view: View) -> Fault:

@@ -5,7 +5,7 @@ joints of which the speed is at least 8 times that of all others and among their
 which have round speeds from 45 on, and one of which turns within a range (a top, a wheel and a propeller may turn
 fast); efforts at least 100 times those of all others and among theirs when they are
 divided by 1000, which are N mm; and slides of more than 5 m that are 20 times the robot's longest offset between
-joints, or as fast per second, which are in mm. Powers of ten are stand-ins, and left to RD803.
+joints, or as fast per second, which are in mm. Powers of ten and all nines are stand-ins, and left to RD803.
 """
 
 from robodyn.checks.bodies.limit_units import limit_slips

@@ -3,7 +3,8 @@
 STL and OBJ have no unit, URDF reads them as metres, and CAD writes millimetres. A mesh longer than
 20 m and 20 times the longest distance between joints; or shorter than 1 mm in a robot 100 times as large; or about
 1000 times larger or smaller than the link's other mesh; or with factors that differ by 1000 between axes has the wrong
-unit. The other rules leave it out. The examples stand beside a file `millimetres.stl` of a part 200 mm long.
+unit, and so has one with a scale of 1000 that is not there to be measured. The other rules leave it out. The examples
+stand beside a file `millimetres.stl` of a part 200 mm long.
 """
 
 from robodyn.checks.meshes.units import mesh_slips

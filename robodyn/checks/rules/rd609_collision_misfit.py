@@ -5,7 +5,8 @@ mesh has the size of the visual one, and is not that of another link; and there 
 between the two. A simulator stops the robot at walls that nobody sees. Shapes that are simpler on purpose are not
 judged by their size, unless a box, cylinder or sphere is 20 times as large as what is seen, or a cylinder fits that by
 exchanging its radius and length; meshes of one part differ by up to 10 % in the sides of their boxes. A shape less
-than 15 % of its size or 1 cm away is passed over.
+than 15 % of its size or 1 cm away is passed over. One mesh each for both, whose boxes share at most a fifth of their
+volume, are two parts, or one that is turned.
 """
 
 from robodyn.checks.bodies.collision_fit import misfits

@@ -22,6 +22,7 @@ _COLLISION = '<collision><geometry><box size="0.1 0.1 0.25"/></geometry></collis
     Stage.TREE,
     good=a_shaped_link().replace("<visual>", f"{_COLLISION}\n    <visual>"),
     bad=('<collision><geometry><box size="0.1 0.1 0.25"/>', '<collision><geometry><box size="0.1 1e-6 0.25"/>'),
+    explains=("RD609",),
 )
 def check(context: Context) -> Faults:
     known = context.once(solids)

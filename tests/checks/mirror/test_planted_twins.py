@@ -159,6 +159,35 @@ def test_a_reversed_axis_shows_beside_the_other_legs(name: str) -> None:
         assert "the range is" in one.message or "one of the four axes is reversed" in one.message
 
 
+@pytest.mark.parametrize(
+    ("name", "joint"),
+    [
+        ("talos_full_v2", "leg_right_2_joint"),
+        ("g1_29dof_rev_1_0", "right_hip_pitch_joint"),
+        ("g1_29dof_rev_1_0", "right_wrist_yaw_joint"),
+        ("icub", "r_hip_roll"),
+        ("romeo_small", "RHipRoll"),
+    ],
+)
+def test_a_reversed_axis_shows_beside_the_others_of_the_limb(name: str, joint: str) -> None:
+    """Also where the range is the same both ways, or was turned with the axis."""
+    data, context = robot(name)
+    (pair,) = [pair for pair in context.once(pairs) if pair.right_joint.name == joint]
+    view = context.view.joint[joint]
+    edits = [*reversed_axis(pair, view), *ends_of_the_other_side(pair, view)]
+    for span, new in sorted(edits, key=lambda edit: -edit[0].start):
+        data = data[: span.start] + new.encode() + data[span.end :]
+    known = twin_findings(robot(name)[0])
+    (one,) = [
+        found
+        for found in twin_findings(data)
+        if (found.code, found.message) not in {(o.code, o.message) for o in known}
+    ]
+    assert one.code == "RD404"
+    assert joint in one.message
+    assert "one of the two axes is reversed" in one.message
+
+
 @pytest.mark.parametrize(("number", "slip"), [("0.118", "0.0118"), ("0.118", "0.128"), ("0.118", "1.18")])
 def test_where_legs_are_all_there_is(number: str, slip: str) -> None:
     """Two legs and nothing else: they are mirrored in a plane between them, but not the base."""

@@ -28,6 +28,10 @@ LIMITS = (
     Plant("RD515", "panda", "joint panda_finger_joint1", 'velocity="0.2"', 'velocity="200"', "mm/s"),
     Plant("RD515", "tiago_no_hand", "joint torso_lift_joint", 'velocity="0.07"', 'velocity="70"', "mm/s"),
     Plant("RD515", "tiago_pro", "joint torso_lift_joint", 'velocity="0.035"', 'velocity="35"', "mm/s"),
+    Plant("RD515", "ur3_robot", "joint shoulder_lift_joint", 'effort="330.0"', 'effort="330000"', "N mm"),
+    Plant("RD516", "panda", "joint panda_finger_joint2", 'type="prismatic"', 'type="revolute"', "0 to 0.04 at 0.2"),
+    Plant("RD516", "tiago_no_hand", "joint torso_lift_joint", 'type="prismatic"', 'type="revolute"', "20.1 degrees"),
+    Plant("RD516", "tiago_pro", "joint torso_lift_joint", 'type="prismatic"', 'type="revolute"', "as a slide does"),
 )
 _FLAT = 'scale="1 1 1e-9"'
 _FELT = "<collision>(.*?)"
@@ -55,6 +59,9 @@ FITS = (
     Plant("RD609", "ur5_robot", "link forearm_link", "collision/forearm.stl", "collision/wrist1.stl", "link 'wrist"),
     Plant("RD609", "kinova", "link j2s6s200_link_2", f"{_FELT}arm.dae", r"<collision>\1base.dae", "that of link"),
     Plant("RD609", "go2", "link FL_thigh", "collisions/thigh_convex.stl", "collisions/hip_convex.stl", "that of link"),
+    Plant("RD609", "ur10_robot", "link upper_arm_link", f"{_FELT}<geom", r'<collision><origin rpy="1.6 0 0"/><geom'),
+    Plant("RD609", "xarm7", "link link6", "<visual>(.*?)link6.stl", r"<visual>\1link2.stl", "not the part that its"),
+    Plant("RD605", "talos_full_v2_box", "link torso_2_link", '(n.STL" scale=).1 1 1', r'\1"1e3 1e3 1e3', "kilometres"),
 )  # fmt: skip
 TREE = (
     Plant("RD111", "panda", "joint panda_joint4", 'xyz="0.0825 0 0"', 'xyz="82.5 0 0"', "from those of 'panda_link3'"),
