@@ -53,6 +53,8 @@ class OtherUnit(NamedTuple):
 _FEWEST = 3
 """Links with mass and shapes that show the unit of a robot. The medians of 86 published robots with as many are 7 to
 3000 kg/m^3; drawn in millimetres they are 1e-9 of that."""
+_LIKELY = 10.0, 9000.0
+"""What a robot drawn in metres has in the median [kg/m^3], with room for one that is lighter or heavier."""
 Solids = Mapping[GeometryView, Solid]
 
 
@@ -74,7 +76,7 @@ def _sized(context: Context) -> Solids:
 
 def other_unit(context: Context) -> OtherUnit | None:
     """Return the unit that the lengths of the whole robot are in, if they are not metres."""
-    known, densities, limits = context.once(_sized), [], context.thresholds
+    known, densities = context.once(_sized), list[float]()
     for link in context.view.links:
         box, mass = box_of(real_shapes(link), known, STILL), link.inertial.mass.value if link.inertial else None
         volume = 0.0 if box is None else float((box.hi - box.lo).prod())
@@ -83,7 +85,7 @@ def other_unit(context: Context) -> OtherUnit | None:
     if len(densities) < _FEWEST:
         return None
     middle = median(densities)
-    found = (one for one in (1e3, 1e-3) if limits.least_density <= middle * one**3 <= limits.most_density)
+    found = (one for one in (1e3, 1e-3) if _LIKELY[0] <= middle * one**3 <= _LIKELY[1])
     return next((OtherUnit(one, middle) for one in found), None)
 
 

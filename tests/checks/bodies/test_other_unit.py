@@ -7,6 +7,7 @@ import re
 import pytest
 from helpers.example_robots import path_of
 
+from robodyn.checks.context import Thresholds
 from robodyn.checks.finding import Finding
 from robodyn.checks.run import Options, check_one, sifted
 
@@ -52,3 +53,9 @@ def test_it_is_named_once(stem: str, times: float) -> None:
 @pytest.mark.parametrize("times", [0.1, 10.0, 39.37, 100.0])
 def test_another_factor_is_not_named(times: float) -> None:
     assert "RD113" not in {one.code for one in severe("panda", times)}
+
+
+def test_it_does_not_depend_on_a_threshold_of_another_rule() -> None:
+    path = path_of("panda")
+    lenient = Options(thresholds=Thresholds(least_density=1e-30, most_density=1e30))
+    assert "RD113" not in {one.code for one in check_one(path.read_bytes(), lenient, str(path))}
