@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 
-from helpers.planted_everywhere import Case
+from helpers.planted_everywhere import SMALL_ROBOT, Case
 from helpers.simcheck import Verdict, unnumbered, verdicts
 from helpers.simcheck_words import precise
 from helpers.urdfdom import refused
@@ -77,4 +77,4 @@ def by_check_urdf(paths: Paths) -> str:
 
 def of_robots(cases: Sequence[Case], robots: Sequence[str] = ()) -> list[int]:
     """Return the numbers of those in the small robot, and in these published ones."""
-    return [k for k, case in enumerate(cases) if not case.packages or case.robot in robots]
+    return [k for k, case in enumerate(cases) if case.robot in (SMALL_ROBOT, *robots)]

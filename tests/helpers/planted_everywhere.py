@@ -27,6 +27,7 @@ from helpers.planted_ros_kinds import NEIGHBOURS, PLANTED
 ELEMENT = re.compile(r"<(link|joint)\s[^>]*?/>|<(link|joint)\s.*?</\2>", re.DOTALL)
 NAME = re.compile(r"\bname\s*=\s*[\"']([^\"']*)[\"']")
 ENDS = re.compile(r"<(?:parent|child)\s[^>]*\blink\s*=\s*[\"']([^\"']*)[\"']")
+SMALL_ROBOT = "small robot"
 UNREAD = "${not read}"
 """Stands in the small robot where nobody reads it; other programs take the file for a xacro by it."""
 
@@ -65,7 +66,7 @@ def small() -> Iterator[Case]:
     """Those of the small robot, which needs no other files."""
     before = HEALTHY.replace(UNREAD, "not read")
     for defect in DEFECTS:
-        yield Case(defect.code, "small robot", (before, ""), (defect.text.replace(UNREAD, "not read"), ""))
+        yield Case(defect.code, SMALL_ROBOT, (before, ""), (defect.text.replace(UNREAD, "not read"), ""))
 
 
 def real() -> Iterator[Case]:
