@@ -87,7 +87,9 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
         lanes: samples in a group: 8 or 16.
         fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.kernel`.
     """
-    writer = _Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
+    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
+    writer.write()
+    writer.flag()
     return FRAME.format(
         declared="\n".join(sorted(writer.code.declared)),
         lanes=lanes,
@@ -95,7 +97,7 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
     )
 
 
-class _Writer:
+class Writer:
     """Writes the body of the loop; an operand is the register that holds it, or a constant."""
 
     def __init__(self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int]) -> None:
@@ -104,9 +106,13 @@ class _Writer:
         self.angles: dict[int, tuple[str, str]] = {}
         self.quarters: list[str] = []
         self.parts = 0
+
+    def write(self) -> None:
+        """Writes the whole program; outputs are stored as soon as they are known."""
+        program, code = self.program, self.code
         homes: dict[int, list[int]] = defaultdict(list)
         for place, position in enumerate(program.outputs):
-            homes[position].append(first_row[""] + place)
+            homes[position].append(self.first_row[""] + place)
         products = set(self.fused.values())
         for k, (op, a, b) in enumerate(program.operations):
             self.values.append("" if k in products else self._value(k, op, a, b))
@@ -115,7 +121,6 @@ class _Writer:
                 code.do(f"store {code.vector} {self.values[k]}, ptr {address}, align {BYTES[code.scalar]}")
                 self._divide()
             self._divide()
-        self._flags()
 
     def _divide(self) -> None:
         """Begins a basic block where the last one is long enough."""
@@ -133,11 +138,14 @@ class _Writer:
         self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 3, i32 1)")
         return here
 
+    def _input(self, row: int) -> str:
+        vector, align = self.code.vector, BYTES[self.code.scalar]
+        return self.code.new(f"load {vector}, ptr {self._address(row, 0)}, align {align}, !invariant.load !0")
+
     def _value(self, k: int, op: str, a: Any, b: Any) -> str:
         code = self.code
         if op is INPUT:
-            address = self._address(self.first_row[a] + b, 0)
-            return code.new(f"load {code.vector}, ptr {address}, align {BYTES[code.scalar]}, !invariant.load !0")
+            return self._input(self.first_row[a] + b)
         if op is CONSTANT:
             return code.constant(a)
         if k in self.fused:
@@ -165,18 +173,21 @@ class _Writer:
             self.angles[argument] = sine_and_cosine(self.code, angle)
         return self.angles[argument]
 
-    def _flags(self) -> None:
-        """A byte of flags per 8 samples: the sum of the squares of all quarter turns exceeds that of the largest."""
+    def too_large(self) -> str:
+        """A bit per sample: the sum of the squares of all quarter turns exceeds that of the largest, or is NaN."""
         code, wide = self.code, self.code.doubles()
         if not self.quarters:
-            code.lines.append("  %some = or i64 %any, 0")
-            return
+            return "0"
         total = wide.two("fmul", self.quarters[0], self.quarters[0])
         for quarters in self.quarters[1:]:
             total = wide.fma(quarters, quarters, total)
         mask = wide.compare("ugt", total, wide.constant(LARGEST_QUARTER**2))
-        packed = code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
-        address = code.new(f"getelementptr i{code.lanes}, ptr %flags, i64 %i")
-        code.do(f"store i{code.lanes} {packed}, ptr {address}, align 1")
-        whole = code.new(f"zext i{code.lanes} {packed} to i64")
-        code.lines.append(f"  %some = or i64 %any, {whole}")
+        return code.new(f"bitcast {code.mask} {mask} to i{code.lanes}")
+
+    def flag(self) -> None:
+        """Writes the flags of a group, and %some."""
+        code, flags = self.code, self.too_large()
+        if self.quarters:
+            address = code.new(f"getelementptr i{code.lanes}, ptr %flags, i64 %i")
+            code.do(f"store i{code.lanes} {flags}, ptr {address}, align 1")
+        code.lines.append(f"  %whole = zext i{code.lanes} {flags} to i64\n  %some = or i64 %any, %whole")

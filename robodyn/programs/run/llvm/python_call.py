@@ -1,0 +1,291 @@
+"""A function of machine code as a callable of Python, without a layer of Python in between.
+
+CPython calls `call` as a method with fast arguments. It looks whether every argument is the array that is expected,
+hands the arrays' memory to the kernel and returns the array of results; whatever else it is given goes to a slower
+function, which converts it or says what is wrong with it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from robodyn.programs.run.llvm.build import built
+from robodyn.programs.run.llvm.machine import Function
+
+MOST_ARGUMENTS, MOST_DIMENSIONS = 8, 3
+_ALIGNED_ROWS, _WRITEABLE = 0x101, 0x400
+_TYPE, _DATA, _DIMENSIONS, _SHAPE, _DTYPE, _FLAGS = 8, 16, 24, 32, 56, 64
+"""Where an array's object holds these, in bytes; tuples hold their length and items at `_DATA` and `_DIMENSIONS`."""
+_EMPTY = 184
+"""The place of PyArray_Empty in NumPy's table of functions, which keeps its order from release to release."""
+
+_FIELDS = (
+    "kernel",
+    "count",
+    "array_type",
+    "dtype",
+    "out",
+    "empty",
+    "keep",
+    "drop",
+    "vectorcall",
+    "otherwise",
+    "dimensions",
+)
+_PLACE = {name: k for k, name in enumerate((*_FIELDS, "shape"))}
+_WIDTHS = _PLACE["shape"] + MOST_DIMENSIONS
+
+TEXT = """\
+define internal ptr @memory(ptr %o, ptr %table, i32 %dimensions, ptr %shape, i32 %flags) #0 {
+entry:
+  %type_at = getelementptr i8, ptr %o, i64 $TYPE
+  %type = load ptr, ptr %type_at
+  %array_type_at = getelementptr i64, ptr %table, i64 $array_type
+  %array_type = load ptr, ptr %array_type_at
+  %is_array = icmp eq ptr %type, %array_type
+  br i1 %is_array, label %array, label %other
+array:
+  %dtype_at = getelementptr i8, ptr %o, i64 $DTYPE
+  %dtype = load ptr, ptr %dtype_at
+  %double_at = getelementptr i64, ptr %table, i64 $dtype
+  %double = load ptr, ptr %double_at
+  %is_double = icmp eq ptr %dtype, %double
+  %flags_at = getelementptr i8, ptr %o, i64 $FLAGS
+  %given_flags = load i32, ptr %flags_at
+  %common = and i32 %given_flags, %flags
+  %plain = icmp eq i32 %common, %flags
+  %dimensions_at = getelementptr i8, ptr %o, i64 $DIMENSIONS
+  %given_dimensions = load i32, ptr %dimensions_at
+  %as_many = icmp eq i32 %given_dimensions, %dimensions
+  %fits = and i1 %is_double, %plain
+  %fits_all = and i1 %fits, %as_many
+  br i1 %fits_all, label %sizes, label %other
+sizes:
+  %shape_at = getelementptr i8, ptr %o, i64 $SHAPE
+  %given_shape = load ptr, ptr %shape_at
+  br label %size
+size:
+  %k = phi i32 [ 0, %sizes ], [ %k1, %next ]
+  %given_at = getelementptr i64, ptr %given_shape, i32 %k
+  %given = load i64, ptr %given_at
+  %wanted_at = getelementptr i64, ptr %shape, i32 %k
+  %wanted = load i64, ptr %wanted_at
+  %same = icmp eq i64 %given, %wanted
+  br i1 %same, label %next, label %other
+next:
+  %k1 = add i32 %k, 1
+  %more = icmp slt i32 %k1, %dimensions
+  br i1 %more, label %size, label %found
+found:
+  %data_at = getelementptr i8, ptr %o, i64 $DATA
+  %data = load ptr, ptr %data_at
+  ret ptr %data
+other:
+  ret ptr null
+}
+
+define ptr @call(ptr %self, ptr %given, i64 %count, ptr %names) #0 {
+entry:
+  %arrays = alloca [$ARRAYS x ptr]
+  %table_at = getelementptr i8, ptr %self, i64 $DATA
+  %table = load ptr, ptr %table_at
+  %count_at = getelementptr i64, ptr %table, i64 $count
+  %wanted = load i64, ptr %count_at
+  %as_many = icmp eq i64 %count, %wanted
+  br i1 %as_many, label %each, label %otherwise
+each:
+  %k = phi i64 [ 0, %entry ], [ %k1, %got ]
+  %one_at = getelementptr ptr, ptr %given, i64 %k
+  %one = load ptr, ptr %one_at
+  %place = add i64 %k, $WIDTHS
+  %width_at = getelementptr i64, ptr %table, i64 %place
+  %memory = call ptr @memory(ptr %one, ptr %table, i32 1, ptr %width_at, i32 $ALIGNED_ROWS)
+  %none = icmp eq ptr %memory, null
+  br i1 %none, label %otherwise, label %got
+got:
+  %array_at = getelementptr ptr, ptr %arrays, i64 %k
+  store ptr %memory, ptr %array_at
+  %k1 = add i64 %k, 1
+  %more = icmp slt i64 %k1, %count
+  br i1 %more, label %each, label %target
+target:
+  %to_at = getelementptr ptr, ptr %arrays, i64 %count
+  %dimensions_at = getelementptr i64, ptr %table, i64 $dimensions
+  %dimensions_64 = load i64, ptr %dimensions_at
+  %dimensions = trunc i64 %dimensions_64 to i32
+  %shape = getelementptr i64, ptr %table, i64 $shape
+  %keep_at = getelementptr i64, ptr %table, i64 $keep
+  %keep = load ptr, ptr %keep_at
+  %unnamed = icmp eq ptr %names, null
+  br i1 %unnamed, label %new, label %named
+named:
+  %length_at = getelementptr i8, ptr %names, i64 $DATA
+  %length = load i64, ptr %length_at
+  %single = icmp eq i64 %length, 1
+  br i1 %single, label %name, label %otherwise
+name:
+  %name_at = getelementptr i8, ptr %names, i64 $DIMENSIONS
+  %word = load ptr, ptr %name_at
+  %out_at = getelementptr i64, ptr %table, i64 $out
+  %out = load ptr, ptr %out_at
+  %is_out = icmp eq ptr %word, %out
+  br i1 %is_out, label %old, label %otherwise
+old:
+  %old_at = getelementptr ptr, ptr %given, i64 %count
+  %old_array = load ptr, ptr %old_at
+  %old_memory = call ptr @memory(ptr %old_array, ptr %table, i32 %dimensions, ptr %shape, i32 $WRITEABLE_ROWS)
+  %unfit = icmp eq ptr %old_memory, null
+  br i1 %unfit, label %otherwise, label %kept
+kept:
+  call void %keep(ptr %old_array)
+  br label %run
+new:
+  %dtype_at = getelementptr i64, ptr %table, i64 $dtype
+  %dtype = load ptr, ptr %dtype_at
+  call void %keep(ptr %dtype)
+  %empty_at = getelementptr i64, ptr %table, i64 $empty
+  %empty = load ptr, ptr %empty_at
+  %new_array = call ptr %empty(i32 %dimensions, ptr %shape, ptr %dtype, i32 0)
+  %failed = icmp eq ptr %new_array, null
+  br i1 %failed, label %nothing, label %made
+made:
+  %new_memory_at = getelementptr i8, ptr %new_array, i64 $DATA
+  %new_memory = load ptr, ptr %new_memory_at
+  br label %run
+run:
+  %result = phi ptr [ %old_array, %kept ], [ %new_array, %made ]
+  %result_memory = phi ptr [ %old_memory, %kept ], [ %new_memory, %made ]
+  store ptr %result_memory, ptr %to_at
+  %kernel = load ptr, ptr %table
+  %flag = call i64 %kernel(ptr %arrays)
+  %fine = icmp eq i64 %flag, 0
+  br i1 %fine, label %done, label %flagged
+flagged:
+  %drop_at = getelementptr i64, ptr %table, i64 $drop
+  %drop = load ptr, ptr %drop_at
+  call void %drop(ptr %result)
+  br label %otherwise
+otherwise:
+  %slow_at = getelementptr i64, ptr %table, i64 $otherwise
+  %slow = load ptr, ptr %slow_at
+  %vectorcall_at = getelementptr i64, ptr %table, i64 $vectorcall
+  %vectorcall = load ptr, ptr %vectorcall_at
+  %answer = call ptr %vectorcall(ptr %slow, ptr %given, i64 %count, ptr %names)
+  ret ptr %answer
+done:
+  ret ptr %result
+nothing:
+  ret ptr null
+}
+attributes #0 = { nounwind }
+"""
+
+
+def callable_of(
+    kernel: int, widths: Sequence[int], shape: tuple[int, ...], otherwise: Callable[..., Any], keep: object
+) -> Callable[..., Any]:
+    """Return a function of arrays of doubles (width,) that returns one of `shape`, or fills `out=` and returns it.
+
+    Args:
+        kernel: the address of `i64 kernel(double **arrays)`: of the arguments, then of the result. Where it does not
+            return 0, and for arguments that are no such arrays, `otherwise` is called with them.
+        keep: what must live as long as the function, as that which holds the kernel.
+
+    Raises:
+        ImportError, OSError, RuntimeError: there is no compiler, or objects of this Python are not laid out as usual.
+    """
+    if not _usual():
+        raise RuntimeError("objects of this Python are not laid out as usual")
+    if len(widths) > MOST_ARGUMENTS or not 0 < len(shape) <= MOST_DIMENSIONS:
+        raise ValueError("too many arguments or dimensions")
+    api = ctypes.pythonapi
+    functions = (api.Py_IncRef, api.Py_DecRef, api.PyObject_Vectorcall)
+    keep_one, drop, vectorcall = (ctypes.cast(each, ctypes.c_void_p).value for each in functions)
+    dtype, out = np.dtype(np.float64), sys.intern("out")
+    head = (kernel, len(widths), id(np.ndarray), id(dtype), id(out), _numpys_empty(), keep_one, drop, vectorcall)
+    sizes = (*shape, *(0,) * (MOST_DIMENSIONS - len(shape)))
+    table = np.array((*head, id(otherwise), len(shape), *sizes, *widths), np.uint64).view(_Table)
+    method = _Method(b"function", _call().address, _FAST | _KEYWORDS, None)
+    table.kept = (keep, otherwise, dtype, out, method, _call())
+    new = api.PyCFunction_NewEx
+    new.restype, new.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
+    found: Callable[..., Any] = new(ctypes.addressof(method), table, None)
+    return found
+
+
+class _Table(np.ndarray[Any, np.dtype[np.uint64]]):
+    """The numbers that `call` needs, with what must not end before they do."""
+
+    kept: object = None
+
+
+class _Method(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("address", ctypes.c_void_p),
+        ("flags", ctypes.c_int),
+        ("doc", ctypes.c_char_p),
+    )
+
+
+_KEYWORDS, _FAST = 0x0002, 0x0080
+
+
+@cache
+def _call() -> Function:
+    """Return the function that all callables share."""
+    numbers: dict[str, int] = {
+        "WRITEABLE_ROWS": _ALIGNED_ROWS | _WRITEABLE,
+        "ALIGNED_ROWS": _ALIGNED_ROWS,
+        "ARRAYS": MOST_ARGUMENTS + 1,
+        "WIDTHS": _WIDTHS,
+        "DIMENSIONS": _DIMENSIONS,
+        "SHAPE": _SHAPE,
+        "DTYPE": _DTYPE,
+        "FLAGS": _FLAGS,
+        "TYPE": _TYPE,
+        "DATA": _DATA,
+        **_PLACE,
+    }
+    text = TEXT
+    for name in sorted(numbers, key=len, reverse=True):
+        text = text.replace(f"${name}", str(numbers[name]))
+    return built("call", ("call", text), lambda: text)
+
+
+def _numpys_empty() -> int:
+    """Return the address of PyArray_Empty."""
+    from numpy._core import _multiarray_umath
+
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = ctypes.cast(pointer(_multiarray_umath._ARRAY_API, None), ctypes.POINTER(ctypes.c_void_p))  # type: ignore[attr-defined]
+    return int(table[_EMPTY] or 0)
+
+
+@cache
+def _usual() -> bool:
+    """Return whether CPython and NumPy lay arrays and tuples out as `call` takes them to."""
+    if sys.implementation.name != "cpython" or ctypes.sizeof(ctypes.c_void_p) != 8:
+        return False
+    array, pair = np.zeros((2, 3)), ("out", "in")
+
+    def word(thing: object, offset: int) -> int:
+        return ctypes.c_uint64.from_address(id(thing) + offset).value
+
+    as_array = (
+        word(array, _TYPE) == id(np.ndarray)
+        and word(array, _DATA) == array.ctypes.data
+        and word(array, _DIMENSIONS) & 0xFFFFFFFF == array.ndim
+        and word(array, _DTYPE) == id(array.dtype)
+        and word(array, _FLAGS) & 0xFFFFFFFF == array.flags.num
+    )
+    if not as_array or (ctypes.c_int64 * 2).from_address(word(array, _SHAPE))[:] != list(array.shape):
+        return False
+    return word(pair, _TYPE) == id(tuple) and word(pair, _DATA) == 2 and word(pair, _DIMENSIONS) == id(pair[0])
