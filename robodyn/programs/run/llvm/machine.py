@@ -139,8 +139,12 @@ class Function:
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target_machine(), use_lmm=True)
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
-        self.address = int(self._engine.get_function_address(name))
+        self.address = self.address_of(name)
         self._call = ctypes.CFUNCTYPE(ctypes.c_int64, *arguments)(self.address)
+
+    def address_of(self, name: str) -> int:
+        """Return the address of another function of the same file."""
+        return int(self._engine.get_function_address(name))
 
     def __call__(self, *arguments: int) -> int:
         """Calls it, without Python's lock."""

@@ -1,0 +1,158 @@
+"""Dynamics of one sample at a time: callables for control loops, optimizers and solvers of ODEs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
+from robodyn.dynamics.forward import acceleration_program
+from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics.plan import Plan, plan
+from robodyn.errors import InputError
+from robodyn.programs.program import Program
+from robodyn.programs.run.llvm.machine import compiler
+from robodyn.programs.run.numpy_blocks import NumpyBlocks
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
+from robodyn.support.wording import alternatives
+
+
+class _Kind(NamedTuple):
+    """What a function computes: its arguments, how many dimensions of n its result has, and its program."""
+
+    sources: tuple[str, ...]
+    shape: Callable[[int], tuple[int, ...]]
+    program: Callable[[Plan], Program]
+
+
+def _vector(n: int) -> tuple[int, ...]:
+    return (n,)
+
+
+def _matrix(n: int) -> tuple[int, ...]:
+    return (n, n)
+
+
+def _three(n: int) -> tuple[int, ...]:
+    return (3, n, n)
+
+
+_KINDS = {
+    "inverse_dynamics": _Kind(("q", "qd", "qdd"), _vector, Plan.torques),
+    "bias_forces": _Kind(
+        ("q", "qd"),
+        _vector,
+        lambda a: plan(a.model, a.scene, frozenset(("qdd", i) for i in range(a.model.n))).torques(),
+    ),
+    "forward_dynamics": _Kind(("q", "qd", "tau"), _vector, acceleration_program),
+    "mass_matrix": _Kind(("q",), _matrix, lambda a: mass_runner(a.model, a.scene).program),
+    "inverse_dynamics_derivatives": _Kind(("q", "qd", "qdd"), _three, inverse_derivatives),
+    "forward_dynamics_derivatives": _Kind(("q", "qd", "tau"), _three, forward_derivatives),
+}
+KINDS = tuple(_KINDS)
+
+
+class Function:
+    """A function of one sample: call it with arrays of doubles, in the order of `arguments`.
+
+    `f(q, qd, qdd)` returns a new array, `f(q, qd, qdd, out=tau)` writes to one, allocates nothing and returns it. Where
+    all arguments are contiguous arrays of float64 of the right shape the call is one of machine code, and any other
+    numbers are converted first. Results may be written over arguments.
+
+    Attributes:
+        kind: what it computes.
+        arguments: name and width of each argument.
+        shape: of the result.
+        address: of the C function `int64_t f(const double *q, ..., double *result)`, which returns 0, or 1 where an
+            angle exceeds 1.6e6 rad or is not finite, and is valid as long as this object lives; None where there is no
+            compiler, and the function is slow.
+    """
+
+    def __init__(self, kind: str, arguments: Mapping[str, int], shape: tuple[int, ...], program: Program) -> None:
+        self.kind, self.arguments, self.shape = kind, dict(arguments), shape
+        self.address: int | None = None
+        self._program = program
+        self._blocks = NumpyBlocks(program, arguments)
+
+    def __repr__(self) -> str:
+        return f"<{self.kind}({', '.join(f'{name}[{width}]' for name, width in self.arguments.items())})>"
+
+    def __call__(self, *given: ArrayLike, out: Floats | None = None) -> Floats:
+        """Return the result of one sample.
+
+        Raises:
+            InputError: too many or too few arguments, a shape that does not fit, an `out` that cannot be written to.
+        """
+        if len(given) != len(self.arguments):
+            raise InputError(f"{self.kind} of one sample has arguments {', '.join(self.arguments)}: {len(given)} given")
+        sources = {}
+        for (name, width), values in zip(self.arguments.items(), given, strict=True):
+            array = np.asarray(values, np.float64)
+            if array.shape != (width,):
+                raise InputError(f"{name} has shape {array.shape}, not {(width,)}: it is one sample")
+            sources[name] = array[None]
+        result = self._blocks(sources, 1).reshape(self.shape)
+        if out is None:
+            return result
+        if not isinstance(out, np.ndarray) or (out.shape, out.dtype) != (self.shape, result.dtype):
+            raise InputError(f"out is no array of float64 of shape {self.shape}")
+        if not out.flags.writeable:
+            raise InputError("out is read-only")
+        out[...] = result
+        return out
+
+
+def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
+    """Return the function of one sample that computes the same as `robodyn.<kind>` with this scene.
+
+    Args:
+        kind: "inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix", "inverse_dynamics_derivatives" or
+            "forward_dynamics_derivatives"; the matrices of the last two are stacked, (3, n, n).
+        scene: where its wrenches name columns, these are one more argument, in the order of `scene.columns`.
+
+    Raises:
+        InputError: there is no such kind.
+        SceneError: the scene does not fit the model.
+
+    Accuracy: as `robodyn.<kind>`, compiled.
+    """
+    if kind not in _KINDS:
+        raise InputError(
+            f"there is no function {kind!r} of one sample", remedy=alternatives(str(kind), KINDS, "functions")
+        )
+    return _function(plan(model, scene), kind)
+
+
+@lru_cache(maxsize=32)
+def _function(a_plan: Plan, kind: str) -> Function:
+    model, (sources, shape, program) = a_plan.model, _KINDS[kind]
+    widths = {source: model.nq if source == "q" else model.n for source in sources}
+    if a_plan.scene.columns:
+        widths["columns"] = len(a_plan.scene.columns)
+    slow = Function(kind, widths, shape(model.n), program(a_plan))
+    return slow if compiler().problem else _compiled(slow)
+
+
+def _compiled(slow: Function) -> Function:
+    """Return the same function by machine code: an instance of a class of its own, whose call is that code."""
+    from robodyn.programs.run.llvm.build import built
+    from robodyn.programs.run.llvm.one_sample import sample_kernel
+    from robodyn.programs.run.llvm.python_call import callable_of
+
+    program, widths = slow._program, slow.arguments
+    content = ("one sample", program.operations, program.outputs, tuple(widths.items()))
+    try:
+        kernel = built("arrays", content, lambda: sample_kernel(program, widths))
+        call = callable_of(kernel.address, list(widths.values()), slow.shape, slow, kernel)
+    except (OSError, RuntimeError):
+        return slow
+    own: dict[str, Any] = {"__call__": call, "__doc__": Function.__doc__, "__slots__": ()}
+    fast = type("Function", (Function,), own)(slow.kind, widths, slow.shape, program)
+    fast.address = kernel.address_of("sample")
+    return fast  # type: ignore[no-any-return]
