@@ -8,12 +8,12 @@ use it. Which one needs fewer operations depends on the output; see `jacobian`.
 from __future__ import annotations
 
 import operator
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import ADD, CONSTANT, COS, DIV, EXP, INPUT, MUL, NEG, SIGN, SIN, SQRT, SUB, Tape, Traced
-from robodyn.programs.vectors import Scalar, cos, exp, sign, sin, sqrt, total
+from robodyn.programs.vectors import Scalar, cos, exp, sign, sin, sqrt
 
 Direction = Mapping[Traced, Scalar]
 """How fast inputs change along a direction; those that it does not name stay as they are."""
@@ -34,7 +34,7 @@ def jacobian(outputs: Sequence[Scalar], directions: Sequence[Direction]) -> list
     """
     edges = _edges(outputs, directions)
     forwards = _forwards(outputs, directions, edges)
-    backwards = [_backwards(output, directions, edges) for output in outputs]
+    backwards = _backwards(outputs, directions, edges)
     return [
         pair[way] for pair, way in zip(zip(forwards, backwards, strict=True), _fewest(forwards, backwards), strict=True)
     ]
@@ -130,33 +130,37 @@ def _partials(node: Traced) -> tuple[Scalar, ...]:
     return (one[op](),)
 
 
-def _zero(x: Scalar) -> bool:
-    return not isinstance(x, Traced) and x == 0.0
+def _forwards(outputs: Sequence[Scalar], directions: Sequence[Direction], edges: _Edges) -> list[Row]:
+    rates: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    for k, direction in enumerate(directions):
+        for node, rate in direction.items():
+            rates[node][k] = rate
+    for node, operands in edges.items():
+        rates[node] = _combined((rates[operand], partial) for operand, partial in operands)
+    found = [rates.get(output, {}) if isinstance(output, Traced) else {} for output in outputs]
+    return [[row.get(k, 0.0) for k in range(len(directions))] for row in found]
 
 
-def _forwards(outputs: Sequence[Scalar], directions: Iterable[Direction], edges: _Edges) -> list[Row]:
-    columns = []
-    for direction in directions:
-        rates = dict(direction)
-        for node, operands in edges.items():
-            moved = [(rates[operand], partial) for operand, partial in operands if operand in rates]
-            rate = total(rate * partial for rate, partial in moved)
-            if not _zero(rate):
-                rates[node] = rate
-        columns.append([rates.get(output, 0.0) if isinstance(output, Traced) else 0.0 for output in outputs])
-    return [list(row) for row in zip(*columns, strict=True)] if columns else [[] for _ in outputs]
-
-
-def _backwards(output: Scalar, directions: Iterable[Direction], edges: _Edges) -> Row:
-    weights: dict[Traced, Scalar] = {output: 1.0} if isinstance(output, Traced) else {}
+def _backwards(outputs: Sequence[Scalar], directions: Sequence[Direction], edges: _Edges) -> list[Row]:
+    weights: dict[Traced, dict[int, Scalar]] = defaultdict(dict)
+    for i, output in enumerate(outputs):
+        if isinstance(output, Traced):
+            weights[output][i] = 1.0
     for node in reversed(edges):
-        weight = weights.get(node, 0.0)
-        if not _zero(weight):
+        if node in weights:
             for operand, partial in edges[node]:
-                weights[operand] = weights.get(operand, 0.0) + weight * partial
-    return [
-        total(weights[node] * rate for node, rate in direction.items() if node in weights) for direction in directions
-    ]
+                weights[operand] = _combined(((weights[operand], 1.0), (weights[node], partial)))
+    columns = [_combined((weights[node], rate) for node, rate in direction.items()) for direction in directions]
+    return [[column.get(i, 0.0) for column in columns] for i in range(len(outputs))]
+
+
+def _combined(parts: Iterable[tuple[Mapping[int, Scalar], Scalar]]) -> dict[int, Scalar]:
+    """Return the sum of rows of a sparse matrix, each times a factor."""
+    out: dict[int, Scalar] = {}
+    for row, factor in parts:
+        for k, x in row.items():
+            out[k] = out.get(k, 0.0) + x * factor
+    return {k: x for k, x in out.items() if isinstance(x, Traced) or x != 0.0}
 
 
 def _fewest(forwards: Sequence[Row], backwards: Sequence[Row]) -> list[bool]:

@@ -71,7 +71,7 @@ def inertial_wrenches(
         wd.append(joint.R.T @ wd_j + cross(w_in, joint.w) + joint.wd)
         a.append(joint.R.T @ (a_j + U_j @ joint.p) + 2.0 * cross(w_in, joint.v) + joint.a)
         U.append(skew(wd[-1]) + skew(w[-1]) @ skew(w[-1]))
-        f.append(body.m * a[-1] + U[-1] @ body.mc)
+        f.append(a[-1] * body.m + U[-1] @ body.mc)
         n.append(cross(body.mc, a[-1]) + euler(body.I, w[-1], wd[-1]))
     return [Wrench(*pair) for pair in zip(f, n, strict=True)]
 
