@@ -70,6 +70,29 @@ class PinocchioRobot:
             out.append(S.T @ (np.triu(M) + np.triu(M, 1).T) @ S)
         return np.array(out)
 
+    def derivatives(self, model, q, qd, qdd):
+        """d tau / dq and d tau / d qd of one sample by the chain rule, tau = S^T rnea(position, v, a).
+
+        With R the turn of a free base and a small turn t of it about its own axes: v = R^T v_ground and
+        a = R^T a_ground - w x v change by [v] t and ([R^T a_ground] - [w] [v]) t, a force R f by -R [f] t.
+        """
+        position, v, a = self.state(model, q, qd, qdd)
+        pin.computeRNEADerivatives(self.model, self.data, position, v, a)
+        data, S = self.data, self.reduction(model, q)
+        by_a = np.triu(data.M) + np.triu(data.M, 1).T
+        v_by_q, a_by_q, a_by_qd, turned = (np.zeros_like(S) for _ in range(4))
+        for joint in (body.joint for body in model.bodies if body.joint.kind == "floating"):
+            row, k = self.model.joints[self.model.getJointId(joint.name)].idx_v, joint.rate
+            R = pin.Quaternion(q[joint.coordinate + 3 : joint.coordinate + 7]).toRotationMatrix()
+            speed, w, turns, shifts = v[row : row + 3], qd[k : k + 3], slice(k, k + 3), slice(k + 3, k + 6)
+            v_by_q[row : row + 3, turns] = pin.skew(speed)
+            a_by_q[row : row + 3, turns] = pin.skew(R.T @ qdd[shifts]) - pin.skew(w) @ pin.skew(speed)
+            a_by_qd[row : row + 3, turns] = pin.skew(speed)
+            a_by_qd[row : row + 3, shifts] = -pin.skew(w) @ R.T
+            turned[shifts, turns] = -R @ pin.skew(data.tau[row : row + 3])
+        dq = S.T @ (data.dtau_dq @ S + data.dtau_dv @ v_by_q + by_a @ a_by_q) + turned[: model.n]
+        return dq, S.T @ (data.dtau_dv @ S + by_a @ a_by_qd)
+
     def wrenches(self, model, q, qd, qdd):
         """(samples, bodies, 6) force and moment on each body about its origin, in its axes."""
         out = []

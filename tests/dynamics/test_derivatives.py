@@ -1,0 +1,175 @@
+"""Derivatives of dynamics against differences with 100 digits, Pinocchio and closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.exact_rates import exact_rates
+from helpers.example_robots import cases
+from helpers.oracles import EPS, frictionless, random_state, robot, worst
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.sampled import sampled
+
+import robodyn
+from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
+from robodyn.dynamics.forward import acceleration_program
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import InputError, SceneError
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Friction, Loop, Scene
+
+SAMPLES = 3
+bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+
+
+def busy_state(moving_base):
+    model, rng = busy_robot(moving_base), np.random.default_rng(5)
+    return model, *random_state(model, rng, SAMPLES), {name: rng.uniform(-1, 1, SAMPLES) for name in BUSY_SCENE.columns}
+
+
+def tangent(model, q):
+    """How q changes along each rate, from the definition of a turn about the body's axes: q (w, 0) / 2."""
+    out = []
+    for joint in model.independent:
+        k = joint.coordinate
+        if joint.kind != "floating":
+            out.append({("q", k): 1})
+            continue
+        x, y, z, w = q[:, k + 3 : k + 7].T
+        for turn in ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z)):
+            out.append({("q", k + 3 + i): part / 2 for i, part in enumerate(turn)})
+        out += [{("q", k + i): 1} for i in range(3)]
+    return out
+
+
+def directions(model, q, last):
+    return [*tangent(model, q), *({(source, i): 1} for source in ("qd", last) for i in range(model.n))]
+
+
+def thirds(rates, n):
+    """The three matrices that stand beside each other."""
+    return np.moveaxis(rates.astype(float).reshape(len(rates), n, 3, n), 2, 0)
+
+
+@bases
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_every_effect_of_inverse_dynamics(moving_base, executor):
+    model, q, qd, qdd, columns = busy_state(moving_base)
+    found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor)
+    program = Plan(model, BUSY_SCENE).torques()
+    sources = {"q": q, "qd": qd, "qdd": qdd, "columns": np.column_stack(list(columns.values()))}
+    expected = thirds(exact_rates(program, directions(model, q, "qdd"), sources), model.n)
+    assert max(map(worst, found, expected)) <= 1e-14
+    assert (found.dqdd == np.swapaxes(found.dqdd, -1, -2)).all()
+
+
+@bases
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_every_effect_of_forward_dynamics(moving_base, executor):
+    model, q, qd, _, columns = busy_state(moving_base)
+    tau = np.random.default_rng(6).uniform(-5, 5, (SAMPLES, model.n))
+    found = forward_dynamics_derivatives(model, q, qd, tau, scene=BUSY_SCENE, columns=columns, executor=executor)
+    program = acceleration_program(Plan(model, BUSY_SCENE))
+    sources = {"q": q, "qd": qd, "tau": tau, "columns": np.column_stack(list(columns.values()))}
+    expected = thirds(exact_rates(program, directions(model, q, "tau"), sources), model.n)
+    condition = np.linalg.cond(robodyn.mass_matrix(model, q, scene=BUSY_SCENE)).max()
+    assert max(map(worst, found, expected)) <= 8 * EPS * condition
+    assert (found.dtau == np.swapaxes(found.dtau, -1, -2)).all()
+
+
+@bases
+@pytest.mark.parametrize("path", sampled(cases(), 3))
+def test_pinocchio(path, moving_base):
+    model, rng = load(path, moving_base=moving_base), np.random.default_rng(len(path.name))
+    other, (q, qd, qdd) = PinocchioRobot(path, free=moving_base), random_state(model, rng, 2)
+    found = inverse_dynamics_derivatives(model, q, qd, qdd, scene=frictionless(model))
+    expected = [other.derivatives(model, *sample) for sample in zip(q, qd, qdd, strict=True)]
+    largest = np.abs(robodyn.inverse_dynamics(model, q, qd, qdd, scene=frictionless(model))).max(initial=0)
+    for k, each in enumerate(("dq", "dqd")):
+        other_rates = np.array([pair[k] for pair in expected])
+        assert worst(getattr(found, each), other_rates, max(np.abs(other_rates).max(initial=0), largest)) <= 1e-12, each
+    assert worst(found.dqdd, other.mass_matrices(model, q)) <= 1e-12
+
+
+@bases
+@pytest.mark.parametrize("path", sampled(cases(), 3))
+def test_forward_undoes_inverse(path, moving_base):
+    """M d qdd = -d tau, at the accelerations that the torques make."""
+    model, rng = load(path, moving_base=moving_base), np.random.default_rng(len(path.name))
+    q, qd, qdd = random_state(model, rng, 2)
+    scene = frictionless(model)
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    M = robodyn.mass_matrix(model, q, scene=scene)
+    if np.linalg.cond(M).max(initial=1) > 1e9:
+        pytest.skip("the mass matrix of this robot leaves no digits")
+    forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene)
+    inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene)
+    for a, b in ((forward.dq, inverse.dq), (forward.dqd, inverse.dqd)):
+        largest = max(each.max(initial=0) for each in (np.abs(b), np.abs(M) @ np.abs(a), np.abs(tau)))
+        assert worst(M @ a, -b, largest) <= 1e-11
+    assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max(initial=1)) <= 1e-13
+
+
+def test_a_pendulum():
+    """tau = m l^2 qdd + d qd + m g l cos q."""
+    model = robot("pendulum")
+    q = np.linspace(-3, 3, 7)[:, None]
+    found = inverse_dynamics_derivatives(
+        model, q, 0.0, 0.0, scene=Scene(friction={model.joint_names[0]: Friction(0.3)})
+    )
+    weight = robodyn.inverse_dynamics(model, [[0.0]], 0.0, 0.0, scene=frictionless(model))[0, 0]
+    assert worst(found.dq[:, 0, 0], -weight * np.sin(q[:, 0])) <= 8 * EPS
+    assert (found.dqd == 0.3).all()
+
+
+def test_friction_has_a_slope_where_it_is_smooth():
+    model = robot("pendulum")
+    (name,) = model.joint_names
+    for slip, slope in ((0.0, 0.0), (0.1, 0.5 / 0.1)):
+        scene = Scene(friction={name: Friction(0.0, 0.5, -0.5)}, slip_speed=slip)
+        found = inverse_dynamics_derivatives(model, [0.0], [0.0], [0.0], scene=scene)
+        assert found.dqd[0, 0] == pytest.approx(slope, rel=1e-15)
+
+
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_shapes_and_out(executor):
+    model, q, qd, qdd, columns = busy_state(False)
+    whole = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor)
+    n = model.n
+    assert whole.dq.shape == (SAMPLES, n, n)
+    single = {name: values[0] for name, values in columns.items()}
+    one = inverse_dynamics_derivatives(model, q[0], qd[0], qdd[0], scene=BUSY_SCENE, columns=single, executor=executor)
+    assert one.dq.shape == (n, n)
+    assert max(map(worst, one, (x[0] for x in whole))) <= 8 * EPS
+    for order in "CF":
+        out = np.empty((SAMPLES, 3, n, n), order=order)
+        given = inverse_dynamics_derivatives(
+            model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, executor=executor, out=out
+        )
+        assert all(np.shares_memory(x, out) for x in given)
+        assert all((a == b).all() for a, b in zip(given, whole, strict=True))
+    in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, dtype=np.float32)
+    assert in_32.dq.dtype == np.float32
+    assert max(map(worst, in_32, whole)) <= 1e-5
+
+
+def test_the_threads_agree():
+    model, q, qd, qdd, columns = busy_state(True)
+    many = [np.resize(x, (3000, x.shape[1])) for x in (q, qd, qdd)]
+    more = {name: np.resize(x, 3000) for name, x in columns.items()}
+    one, two = (
+        inverse_dynamics_derivatives(model, *many, scene=BUSY_SCENE, columns=more, executor="compiled", threads=k)
+        for k in (1, 2)
+    )
+    assert all((a == b).all() for a, b in zip(one, two, strict=True))
+
+
+def test_refusals():
+    model, q, qd, qdd, _ = busy_state(False)
+    with pytest.raises(InputError, match="needs columns"):
+        inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE)
+    with pytest.raises(InputError, match="out has shape"):
+        inverse_dynamics_derivatives(model, q, qd, qdd, out=np.empty((SAMPLES, model.n, model.n)))
+    with pytest.raises(SceneError, match="loop"):
+        inverse_dynamics_derivatives(model, q, qd, qdd, scene=Scene(loops=(Loop("l", "tool"),)))

@@ -1,0 +1,133 @@
+"""Derivatives of programs against differences of their values with 60 digits."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from helpers.exact_rates import exact_rates
+from helpers.random_programs import programs, seeded
+from hypothesis import given, settings
+
+from robodyn.programs.derivative import again, derivative, jacobian
+from robodyn.programs.program import Program, trace
+from robodyn.programs.run.multiprecision import Multiprecision
+from robodyn.programs.scalar import CONSTANT, Tape
+from robodyn.programs.vectors import cos, exp, sign, sin, sqrt
+
+ROWS = 2
+
+
+def inputs_of(widths: dict[str, int]) -> list[tuple[str, int]]:
+    return [(source, i) for source, width in widths.items() for i in range(width)]
+
+
+def worst(program: Program, widths: dict[str, int], seed: int) -> mpmath.mpf:
+    """The largest error of a derivative with 50 digits, as a part of the largest that this output has."""
+    inputs = inputs_of(widths)
+    rng = np.random.default_rng(seed)
+    sources = {name: rng.uniform(-2.0, 2.0, (ROWS, width)) for name, width in widths.items()}
+    found = Multiprecision(derivative(program, inputs), digits=50)(sources, ROWS).reshape(ROWS, -1, len(inputs))
+    expected = exact_rates(program, [{each: 1} for each in inputs], sources)
+    return (abs(found - expected) / np.maximum(abs(expected).max(axis=2, keepdims=True), 1)).max()
+
+
+@pytest.mark.parametrize("operations", [4, 15, 60])
+@pytest.mark.parametrize("first", [0, pytest.param(25, marks=pytest.mark.slow)])
+def test_random_programs(operations: int, first: int) -> None:
+    for seed in range(first, first + 25):
+        assert worst(*seeded(seed, operations, True), seed) < 1e-35
+
+
+@settings(max_examples=30, deadline=None)
+@given(programs(True))
+def test_programs_that_shrink(drawn) -> None:
+    assert worst(*drawn, 3) < 1e-35
+
+
+@pytest.mark.parametrize(
+    ("function", "slope"),
+    [
+        (lambda x: 3.0 * x + 2.0, lambda x: 3.0),
+        (lambda x: x * x * x, lambda x: 3 * x * x),
+        (lambda x: 1.0 / x, lambda x: -1 / x**2),
+        (sqrt, lambda x: 0.5 / np.sqrt(x)),
+        (lambda x: sin(x) * cos(x), lambda x: np.cos(2 * x)),
+        (lambda x: exp(-(x * x)), lambda x: -2 * x * np.exp(-(x**2))),
+        (lambda x: x * x * sign(x), lambda x: 2 * np.abs(x)),
+        (sign, lambda x: 0.0),
+        (lambda x: 4.0, lambda x: 0.0),
+        (lambda x: x, lambda x: 1.0),
+    ],
+    ids=["line", "cube", "quotient", "root", "waves", "bell", "drag", "step", "constant", "itself"],
+)
+def test_functions_of_one_number(function, slope) -> None:
+    program = derivative(trace(lambda tape: [function(tape.input("x", 0))]), [("x", 0)])
+    for x in (0.3, 1.7):
+        (found,) = Multiprecision(program, digits=30)({"x": [[x]]}, 1)[0]
+        assert abs(float(found) - slope(x)) <= 1e-15 * max(abs(slope(x)), 1.0)
+
+
+def test_along_a_direction() -> None:
+    """The rate along (y, -x), by which x^2 + y^2 does not change."""
+
+    def outputs(tape: Tape):
+        x, y = tape.input("x", 0), tape.input("x", 1)
+        return [rate for row in jacobian([x * x + y * y, x * y], [{x: y, y: -x}]) for rate in row]
+
+    program = trace(outputs)
+    assert program.operations[program.outputs[0]][:2] == (CONSTANT, 0.0)
+    assert Multiprecision(program, digits=30)({"x": [[3.0, 5.0]]}, 1)[0][1] == 25 - 9
+
+
+def test_what_is_not_connected_costs_nothing() -> None:
+    """A chain of blocks: of 20 x 20 derivatives 20 are not zero."""
+    program = trace(lambda tape: [sin(tape.input("x", i)) for i in range(20)])
+    found = derivative(program, [("x", i) for i in range(20)])
+    assert found.size == 20
+    assert sum(found.operations[k][0] is not CONSTANT for k in found.outputs) == 20
+
+
+@pytest.mark.parametrize(("inputs", "outputs"), [(1, 30), (30, 1)])
+def test_the_shorter_way(inputs: int, outputs: int) -> None:
+    """One input: forwards; one output: backwards. Either way the derivative costs a few times the function."""
+
+    def chain(tape: Tape):
+        x = sum((sin(tape.input("x", i)) for i in range(inputs)), 0.0)
+        for _ in range(50):
+            x = x * x + sin(x)
+        return [x * float(k + 1) for k in range(outputs)]
+
+    program = trace(chain)
+    assert derivative(program, [("x", i) for i in range(inputs)]).size < 5 * program.size
+
+
+def test_a_row_each_its_own_way() -> None:
+    """One output of many inputs beside many outputs of one input: neither way alone is short."""
+
+    def both(tape: Tape):
+        many = sum((tape.input("x", i) for i in range(30)), 0.0)
+        one = tape.input("y", 0)
+        for _ in range(30):
+            many, one = many * sin(many), one * sin(one)
+        return [many, *(one * float(k + 2) for k in range(30))]
+
+    program = trace(both)
+    inputs = [*(("x", i) for i in range(30)), ("y", 0)]
+    assert derivative(program, inputs).size < 8 * program.size
+
+
+def test_second_derivatives() -> None:
+    program = trace(lambda tape: [sin(tape.input("x", 0) * tape.input("x", 1))])
+    inputs = [("x", 0), ("x", 1)]
+    found = Multiprecision(derivative(derivative(program, inputs), inputs), digits=40)({"x": [[0.7, 1.3]]}, 1)[0]
+    x, y = mpmath.mpf(0.7), mpmath.mpf(1.3)
+    s, c = mpmath.sin(x * y), mpmath.cos(x * y)
+    expected = [-y * y * s, c - x * y * s, c - x * y * s, -x * x * s]
+    assert max(abs(a - b) for a, b in zip(found, expected, strict=True)) < 1e-14
+
+
+def test_again_with_other_inputs() -> None:
+    program = trace(lambda tape: [tape.input("x", 0) * tape.input("y", 0)])
+    other = trace(lambda tape: again(program, tape, {("x", 0): 2.0}))
+    assert other.inputs == {("y", 0)}
