@@ -93,7 +93,7 @@ class Function:
             raise InputError(f"{self.kind} of one sample has arguments {', '.join(self.arguments)}: {len(given)} given")
         sources = {}
         for (name, width), values in zip(self.arguments.items(), given, strict=True):
-            array = np.asarray(values, np.float64)
+            array = _numbers(name, values)
             if array.shape != (width,):
                 raise InputError(f"{name} has shape {array.shape}, not {(width,)}: it is one sample")
             sources[name] = array[None]
@@ -106,6 +106,13 @@ class Function:
             raise InputError("out is read-only")
         out[...] = result
         return out
+
+
+def _numbers(name: str, values: ArrayLike) -> Floats:
+    try:
+        return np.asarray(values).astype(np.float64, casting="same_kind")
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is no array of numbers") from None
 
 
 def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:

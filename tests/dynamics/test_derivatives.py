@@ -101,14 +101,14 @@ def test_forward_undoes_inverse(path, moving_base):
     scene = frictionless(model)
     tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
     M = robodyn.mass_matrix(model, q, scene=scene)
-    if np.linalg.cond(M).max(initial=1) > 1e9:
-        pytest.skip("the mass matrix of this robot leaves no digits")
+    if not model.n or np.linalg.cond(M).max() > 1e9:
+        pytest.skip("the mass matrix of this robot leaves no digits, or there is none")
     forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene)
     inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene)
     for a, b in ((forward.dq, inverse.dq), (forward.dqd, inverse.dqd)):
         largest = max(each.max(initial=0) for each in (np.abs(b), np.abs(M) @ np.abs(a), np.abs(tau)))
         assert worst(M @ a, -b, largest) <= 1e-11
-    assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max(initial=1)) <= 1e-13
+    assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max()) <= 1e-13
 
 
 def test_a_pendulum():

@@ -1,0 +1,84 @@
+"""The Coriolis matrix: it makes the Coriolis torques, and M' - 2 C is skew-symmetric."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.exact_rates import exact_rates
+from helpers.oracles import frictionless, random_state, robot, worst
+from helpers.peers import pin
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.robot_catalogue import FOLDER
+
+import robodyn
+from robodyn.dynamics.coriolis import coriolis_matrix
+from robodyn.dynamics.inverse import mass_runner
+from robodyn.scene.scene import Scene
+
+SAMPLES = 4
+PAYLOADS = Scene(gravity=(0.0, 0.0, 0.0), payloads=BUSY_SCENE.payloads)
+
+
+@pytest.fixture(params=["busy", *(path.stem for path in sorted(FOLDER.glob("*.urdf")))])
+def name(request):
+    return request.param
+
+
+@pytest.fixture(params=[False, True], ids=["fixed", "free"])
+def case(name, request):
+    """A model and a scene."""
+    return (busy_robot(request.param), PAYLOADS) if name == "busy" else (robot(name, request.param), Scene())
+
+
+def test_it_makes_the_coriolis_torques(case):
+    model, scene = case
+    q, qd, _ = random_state(model, np.random.default_rng(1), SAMPLES)
+    C = coriolis_matrix(model, q, qd, scene=scene)
+    bias, rest = (robodyn.bias_forces(model, q, x, scene=_without_friction(model, scene)) for x in (qd, 0.0))
+    assert worst((C @ qd[..., None])[..., 0], bias - rest, (np.abs(C) @ np.abs(qd[..., None])).max(initial=0)) <= 1e-13
+
+
+def test_passivity(case):
+    model, scene = case
+    q, qd, _ = random_state(model, np.random.default_rng(2), SAMPLES)
+    C, n = coriolis_matrix(model, q, qd, scene=scene), model.n
+    rates = exact_rates(mass_runner(model, scene).program, [_along(model, q, qd)], {"q": q})[..., 0].astype(float)
+    skew = rates.reshape(SAMPLES, n, n) - 2 * C
+    assert worst(skew, -np.swapaxes(skew, -1, -2), np.abs(C).max(initial=0)) <= 1e-13
+
+
+def _without_friction(model, scene):
+    return replace(frictionless(model), gravity=scene.gravity, payloads=scene.payloads)
+
+
+def _along(model, q, qd):
+    """How q changes as the robot moves, from q' = q (w, 0) / 2 for a quaternion."""
+    out = {}
+    for joint in model.independent:
+        i, k = joint.coordinate, joint.rate
+        if joint.kind != "floating":
+            out["q", i] = qd[:, k]
+            continue
+        x, y, z, w = q[:, i + 3 : i + 7].T
+        a, b, c = qd[:, k : k + 3].T
+        turn = (w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c))
+        out |= {("q", i + j): qd[:, k + 3 + j] for j in range(3)}
+        out |= {("q", i + 3 + j): part / 2 for j, part in enumerate(turn)}
+    return out
+
+
+def test_pinocchio():
+    """On a fixed base there is one matrix of Christoffel's symbols."""
+    model = robot("puma560")
+    other = PinocchioRobot(FOLDER / "puma560.urdf")
+    q, qd, qdd = random_state(model, np.random.default_rng(3), SAMPLES)
+    for found, *sample in zip(coriolis_matrix(model, q, qd), q, qd, qdd, strict=True):
+        position, v, _ = other.state(model, *sample)
+        # Pinocchio's factorization is another; both make the same torques and the same M' - C - C^T = 0.
+        expected = pin.computeCoriolisMatrix(other.model, other.data, position, v)
+        S = other.reduction(model, sample[0])
+        assert worst(found @ sample[1], S.T @ expected @ S @ sample[1]) <= 1e-12
+        assert worst(found + found.T, S.T @ (expected + expected.T) @ S) <= 1e-12

@@ -1,0 +1,209 @@
+"""Functions of one sample: the numbers of the general calls, whatever they are called with, and no crash."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import sys
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import EPS, random_state, robot, worst
+
+import robodyn
+from robodyn.dynamics import function as functions
+from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
+from robodyn.dynamics.function import KINDS, function
+from robodyn.errors import InputError, SceneError
+from robodyn.programs.run.llvm import python_call
+from robodyn.scene.scene import Friction, Loop, Scene
+
+GENERAL = {
+    **{name: getattr(robodyn, name) for name in ("inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix")},
+    "inverse_dynamics_derivatives": inverse_dynamics_derivatives,
+    "forward_dynamics_derivatives": forward_dynamics_derivatives,
+}
+each_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+def called(kind, moving_base=False, scene=BUSY_SCENE):
+    """The function, its arguments, and what the general call returns."""
+    model, rng = busy_robot(moving_base), np.random.default_rng(7)
+    q, qd, qdd = (x[0] for x in random_state(model, rng, 1))
+    values = {"q": q, "qd": qd, "qdd": qdd, "tau": qdd, "columns": rng.uniform(-1, 1, len(scene.columns))}
+    found = function(model, kind, scene=scene)
+    given = [values[name] for name in found.arguments]
+    own = [x for name, x in zip(found.arguments, given, strict=True) if name != "columns"]
+    more = {"columns": dict(zip(scene.columns, values["columns"], strict=True))} if scene.columns else {}
+    more = {} if kind == "mass_matrix" else more
+    expected = np.stack(GENERAL[kind](model, *own, scene=scene, executor="compiled", **more))
+    return found, given, expected
+
+
+@each_kind
+@pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+def test_the_numbers_of_the_general_call(kind, moving_base):
+    found, given, expected = called(kind, moving_base)
+    result = found(*given)
+    assert (result.shape, result.dtype, result.flags.c_contiguous) == (found.shape, np.float64, True)
+    assert worst(result, expected) <= 8 * EPS
+
+
+@each_kind
+def test_written_to(kind):
+    found, given, _ = called(kind)
+    out = np.full(found.shape, np.nan)
+    before = sys.getrefcount(out)
+    assert found(*given, out=out) is out
+    assert sys.getrefcount(out) == before
+    assert (out == found(*given)).all()
+
+
+def test_over_an_argument():
+    found, given, _ = called("inverse_dynamics")
+    expected = found(*given)
+    for k in range(3):
+        mine = [x.copy() for x in given]
+        assert (found(*mine, out=mine[k]) == expected).all()
+
+
+@each_kind
+def test_other_numbers_are_converted(kind):
+    """Lists, integers, other types, views with gaps, read-only and unaligned arrays: by the slower way, to rounding."""
+    found, given, _ = called(kind)
+    whole = [np.round(x) for x in given]
+    expected = found(*whole)
+    for change in (list, tuple, lambda x: x.astype(np.float32), lambda x: x.astype(int), _gaps, _unaligned, _swapped):
+        assert worst(found(*map(change, whole)), expected) <= 1e-13
+    for x in whole:
+        x.flags.writeable = False
+    assert (found(*whole) == expected).all()
+
+
+def _gaps(x):
+    return np.repeat(x, 2)[::2]
+
+
+def _unaligned(x):
+    raw = np.zeros(x.nbytes + 1, np.uint8)
+    out = raw[1:].view(x.dtype)
+    out[:] = x
+    return out
+
+
+def _swapped(x):
+    return x.astype(x.dtype.newbyteorder())
+
+
+class Own(np.ndarray):
+    """Arrays of a class of their own."""
+
+
+def test_large_angles_are_reduced_with_care():
+    found, given, _ = called("inverse_dynamics")
+    model = busy_robot()
+    far = given[0] + 1e9
+    columns = dict(zip(BUSY_SCENE.columns, given[3], strict=True))
+    expected = robodyn.inverse_dynamics(model, far, *given[1:3], scene=BUSY_SCENE, columns=columns, executor="numpy")
+    assert (found(far, *given[1:]) == expected).all()
+    assert np.isnan(found(np.full(model.n, np.nan), *given[1:])).any()
+
+
+BAD = {
+    "too few": (lambda a: a[:-1], {}, "arguments q, qd, qdd, columns: 3 given"),
+    "too many": (lambda a: [*a, a[0]], {}, "5 given"),
+    "short": (lambda a: [a[0][:-1], *a[1:]], {}, r"q has shape \(4,\), not \(5,\)"),
+    "batch": (lambda a: [a[0][None], *a[1:]], {}, "it is one sample"),
+    "number": (lambda a: [0.0, *a[1:]], {}, r"q has shape \(\)"),
+    "words": (lambda a: ["elbow", *a[1:]], {}, "q is no array of numbers"),
+    "nothing": (lambda a: [None, *a[1:]], {}, "q is no array of numbers"),
+    "complex": (lambda a: [a[0] * 1j, *a[1:]], {}, "q is no array of numbers"),
+    "ragged": (lambda a: [[[1.0], 2.0], *a[1:]], {}, "q is no array of numbers"),
+    "short out": (lambda a: a, {"out": np.empty(6)}, "out is no array"),
+    "integers out": (lambda a: a, {"out": np.empty(5, int)}, "out is no array"),
+    "list out": (lambda a: a, {"out": [0.0] * 5}, "out is no array"),
+    "read-only out": (lambda a: a, {"out": np.broadcast_to(0.0, (5,))}, "read-only"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_calls(case):
+    change, more, words = BAD[case]
+    found, given, _ = called("inverse_dynamics")
+    with pytest.raises(InputError, match=words):
+        found(*change(list(given)), **more)
+    with pytest.raises(TypeError):
+        found(*given, to=np.empty(5))
+
+
+def test_a_gap_in_out():
+    found, given, _ = called("inverse_dynamics")
+    wide = np.zeros((2, found.shape[0]))
+    assert found(*given, out=wide[0]) is not None
+    every_other = np.zeros(2 * found.shape[0])[::2]
+    assert found(*given, out=every_other) is every_other
+    assert worst(every_other, wide[0]) <= 1e-13
+
+
+def test_the_c_function():
+    found, given, _ = called("forward_dynamics")
+    f = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_void_p] * (len(given) + 1))(found.address)
+    out = np.empty(found.shape)
+    assert f(*(x.ctypes.data for x in (*given, out))) == 0
+    assert (out == found(*given)).all()
+    assert f(*(x.ctypes.data for x in (given[0] + 1e9, *given[1:], out))) == 1
+
+
+def test_it_outlives_its_model():
+    found, given, _ = called("inverse_dynamics", scene=Scene(gravity=(0.1, 0.2, 0.3)))
+    expected = found(*given)
+    functions._function.cache_clear()
+    gc.collect()
+    call = found.__call__
+    del found
+    gc.collect()
+    assert (call(*given) == expected).all()
+
+
+def test_nothing_leaks():
+    found, given, _ = called("inverse_dynamics")
+    out = np.empty(found.shape)
+    calls = {
+        "new": lambda: found(*given),
+        "out": lambda: found(*given, out=out),
+        "converted": lambda: found(list(given[0]), *given[1:]),
+    }
+    for name, call in calls.items():
+        call()
+        before = [sys.getrefcount(x) for x in (*given, out, np.dtype(float))]
+        for _ in range(1000):
+            call()
+        after = [sys.getrefcount(x) for x in (*given, out, np.dtype(float))]
+        assert max(b - a for a, b in zip(before, after, strict=True)) < 20, name
+
+
+@pytest.mark.parametrize("case", ["no compiler", "another Python"])
+def test_without_machine_code(case, monkeypatch):
+    """The same results, slowly, and no address."""
+    fast, given, _ = called("inverse_dynamics")
+    functions._function.cache_clear()
+    if case == "no compiler":
+        monkeypatch.setattr(functions, "compiler", lambda: type("C", (), {"problem": "llvmlite is not installed"}))
+    else:
+        monkeypatch.setattr(python_call, "_usual", lambda: False)
+    slow, given, _ = called("inverse_dynamics")
+    functions._function.cache_clear()
+    assert slow.address is None
+    assert worst(slow(*given), fast(*given)) <= 1e-13
+
+
+def test_words():
+    model = robot("pendulum")
+    assert repr(function(model, "inverse_dynamics")) == "<inverse_dynamics(q[1], qd[1], qdd[1])>"
+    with pytest.raises(InputError, match=r"there is no function 'inverse_dynamic' of one sample.*inverse_dynamics"):
+        function(model, "inverse_dynamic")
+    with pytest.raises(SceneError, match="elbow"):
+        function(model, "inverse_dynamics", scene=Scene(friction={"elbow": Friction(0.1)}))
+    with pytest.raises(SceneError, match="loop"):
+        function(busy_robot(), "inverse_dynamics", scene=Scene(loops=(Loop("l", "tool"),)))

@@ -1,0 +1,106 @@
+"""The regressor: Y theta and the rest are the torques, and Y does not depend on theta."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.example_robots import cases
+from helpers.oracles import frictionless, random_state, robot, worst
+from helpers.peers import pin
+from helpers.pinocchio_robots import PinocchioRobot
+from helpers.sampled import sampled
+
+import robodyn
+from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.errors import SceneError
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Friction, Loop, Payload, Rotor, Scene
+
+SAMPLES = 3
+bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+
+
+def error(found, tau):
+    """Of Y theta + rest, as a part of the largest term."""
+    terms = np.abs(found.Y * found.theta).max(initial=0)
+    return worst((found.Y @ found.theta) + found.rest, tau, max(terms, np.abs(tau).max(initial=0)))
+
+
+@bases
+@pytest.mark.parametrize("slip_speed", [0.0, 0.2])
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_every_effect(moving_base, slip_speed, executor):
+    model, rng = busy_robot(moving_base), np.random.default_rng(4)
+    scene = replace(BUSY_SCENE, slip_speed=slip_speed)
+    state = random_state(model, rng, SAMPLES)
+    columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
+    found = regressor(model, *state, scene=scene, columns=columns, executor=executor)
+    assert found.Y.shape == (SAMPLES, model.n, len(found.names)) == (SAMPLES, model.n, len(found.theta))
+    assert error(found, robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)) <= 1e-14
+    alone = replace(scene, friction={}, rotor={}, payloads=(), gravity=(0.0, 0.0, 0.0))
+    assert np.abs(found.rest).max() > 0.1, alone
+
+
+@bases
+@pytest.mark.parametrize("path", sampled(cases(), 3))
+def test_published_robots(path, moving_base):
+    model = load(path, moving_base=moving_base)
+    state = random_state(model, np.random.default_rng(len(path.name)), 2)
+    found = regressor(model, *state)
+    assert not found.rest.any()
+    assert error(found, robodyn.inverse_dynamics(model, *state)) <= 1e-13
+
+
+@pytest.mark.parametrize("path", sampled(cases(), 3))
+def test_pinocchio(path):
+    """Its parameters of a body are ours: m, m c, then Ixx Ixy Iyy Ixz Iyz Izz about the joint's frame."""
+    model, other = load(path), PinocchioRobot(path)
+    q, qd, qdd = random_state(model, np.random.default_rng(1), 1)
+    found = regressor(model, q, qd, qdd, scene=frictionless(model))
+    theirs = pin.computeJointTorqueRegressor(other.model, other.data, *other.state(model, q[0], qd[0], qdd[0]))
+    S = other.reduction(model, q[0])
+    order = [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]
+    for body in model.bodies:
+        if body.joint.kind != "fixed":
+            first = 10 * (other.model.getJointId(body.joint.name) - 1)
+            columns = [found.names.index(f"{body.name}.{name}") for name in INERTIAL]
+            expected = S.T @ theirs[:, first : first + 10]
+            assert worst(found.Y[0][:, columns][:, order], expected, max(1e-300, np.abs(theirs).max())) <= 1e-12
+
+
+def test_what_is_linear_stays_so():
+    """Another mass, payload, friction and rotor: the same Y, and it makes the new torques too."""
+    model, state = robot("puma560"), random_state(robot("puma560"), np.random.default_rng(2), SAMPLES)
+    names = model.joint_names
+    one = Scene(
+        friction=dict.fromkeys(names, Friction(0.1, 0.2, -0.3, 0.5)), rotor=dict.fromkeys(names, Rotor(1e-4, 50.0))
+    )
+    two = replace(
+        one,
+        friction=dict.fromkeys(names, Friction(0.7, 0.1, -0.6, 0.9)),
+        rotor=dict.fromkeys(names, Rotor(3e-4, 20.0)),
+        payloads=(Payload(model.bodies[-1].name, 2.5, (0.1, 0.2, 0.3), (0.1, 0.0, 0.0, 0.2, 0.01, 0.3)),),
+    )
+    first, second = (regressor(model, *state, scene=scene) for scene in (one, two))
+    assert (first.Y == second.Y).all()
+    assert first.names == second.names
+    assert worst(first.Y @ second.theta, robodyn.inverse_dynamics(model, *state, scene=two)) <= 1e-13
+    assert (first.theta != second.theta).sum() == 10 + 5 * len(names)
+
+
+def test_names():
+    found = regressor(robot("pendulum"), [0.3], [0.1], [0.2])
+    body, joint = robot("pendulum").bodies[-1].name, robot("pendulum").joint_names[0]
+    expected = [f"{body}.{name}" for name in INERTIAL]
+    expected += [f"{joint}.{name}" for name in ("viscous", "forward", "backward", "rotor")]
+    assert list(found.names[-14:]) == expected
+    assert found.theta[found.names.index(f"{body}.m")] == robot("pendulum").bodies[-1].inertia.m
+
+
+def test_refusals():
+    model = busy_robot()
+    with pytest.raises(SceneError, match="loop"):
+        regressor(model, 0.0, 0.0, 0.0, scene=Scene(loops=(Loop("l", "tool"),)))
