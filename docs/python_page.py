@@ -18,6 +18,13 @@ import robodyn
 TOPICS = {
     "Read a robot and its surroundings": ("load", "Model", "load_scene", "read_motion", "motion"),
     "Compute": ("inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "momenta", "free_bodies", "dae"),
+    "Differentiate": (
+        "inverse_dynamics_derivatives",
+        "forward_dynamics_derivatives",
+        "coriolis_matrix",
+        "regressor",
+    ),
+    "One sample at a time": ("function",),
     "The commands as functions": ("torques", "simulate", "rollouts", "mass_properties", "check"),
 }
 """Names that are in none of these are listed last, as what a scene is made of."""

@@ -13,11 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robodyn.checks.project import check as check
+    from robodyn.dynamics.coriolis import coriolis_matrix as coriolis_matrix
+    from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
+    from robodyn.dynamics.derivatives import inverse_dynamics_derivatives as inverse_dynamics_derivatives
     from robodyn.dynamics.forward import forward_dynamics as forward_dynamics
+    from robodyn.dynamics.function import function as function
     from robodyn.dynamics.inverse import bias_forces as bias_forces
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
     from robodyn.dynamics.inverse import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
+    from robodyn.dynamics.regressor import regressor as regressor
     from robodyn.equations.dae.dae import dae as dae
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.errors import RobodynError as RobodynError
@@ -43,9 +48,13 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "checks.project": ("check",),
+    "dynamics.coriolis": ("coriolis_matrix",),
+    "dynamics.derivatives": ("forward_dynamics_derivatives", "inverse_dynamics_derivatives"),
     "dynamics.forward": ("forward_dynamics",),
+    "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
+    "dynamics.regressor": ("regressor",),
     "equations.dae.dae": ("dae",),
     "equations.free_body.bodies": ("free_bodies",),
     "errors": ("RobodynError",),

@@ -97,7 +97,7 @@ class Function:
             if array.shape != (width,):
                 raise InputError(f"{name} has shape {array.shape}, not {(width,)}: it is one sample")
             sources[name] = array[None]
-        result = self._blocks(sources, 1).reshape(self.shape)
+        result: Floats = np.float64(self._blocks(sources, 1)).reshape(self.shape)
         if out is None:
             return result
         if not isinstance(out, np.ndarray) or (out.shape, out.dtype) != (self.shape, result.dtype):

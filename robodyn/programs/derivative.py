@@ -79,13 +79,13 @@ FUNCTIONS: dict[str, Callable[..., Scalar]] = {
 """Each operation on scalars of any kind."""
 
 
-_Edges = Mapping[Traced, Sequence[tuple[Traced, Scalar]]]
+_Edges = dict[Traced, list[tuple[Traced, Scalar]]]
 """Of each operation, operands first: the operands that change along some direction, and its derivative by each."""
 
 
 def _edges(outputs: Iterable[Scalar], directions: Iterable[Direction]) -> _Edges:
     changing = {node for direction in directions for node in direction}
-    edges: dict[Traced, Sequence[tuple[Traced, Scalar]]] = {}
+    edges: _Edges = {}
     for node in _reached(outputs):
         operands = () if node.op is INPUT or node.op is CONSTANT else (node.a, node.b)
         found = [(operand, k) for k, operand in enumerate(operands) if operand in changing]

@@ -11,6 +11,7 @@ import ctypes
 import sys
 from collections.abc import Callable, Sequence
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -261,11 +262,10 @@ def _call() -> Function:
 
 def _numpys_empty() -> int:
     """Return the address of PyArray_Empty."""
-    from numpy._core import _multiarray_umath
-
+    api = import_module("numpy._core._multiarray_umath")._ARRAY_API
     pointer = ctypes.pythonapi.PyCapsule_GetPointer
     pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    table = ctypes.cast(pointer(_multiarray_umath._ARRAY_API, None), ctypes.POINTER(ctypes.c_void_p))  # type: ignore[attr-defined]
+    table = ctypes.cast(pointer(api, None), ctypes.POINTER(ctypes.c_void_p))
     return int(table[_EMPTY] or 0)
 
 
