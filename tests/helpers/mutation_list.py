@@ -63,7 +63,7 @@ MUTATIONS = {
         ("dynamics/recursions/newton_euler.py", "n[j] + R @ n[i] + cross(p, f_in)", "n[j] + R @ n[i]"),
         ("dynamics/recursions/newton_euler.py", "cross(body.mc, a[-1])", "cross(a[-1], body.mc)"),
         ("dynamics/recursions/newton_euler.py", "joint.R.T @ (a_j + U_j @ joint.p)", "joint.R.T @ a_j + U_j @ joint.p"),
-        ("dynamics/recursions/newton_euler.py", "body.m * a[-1] + U[-1] @ body.mc", "body.m * a[-1]"),
+        ("dynamics/recursions/newton_euler.py", "a[-1] * body.m + U[-1] @ body.mc", "a[-1] * body.m"),
         ("dynamics/recursions/newton_euler.py", "x * z - dy", "x * z + dy"),
         ("dynamics/recursions/newton_euler.py", "y * y - z * z", "z * z - y * y"),
         ("dynamics/recursions/newton_euler.py", "yy - xx", "xx - yy"),
