@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from typing import Any, TypeVar
 
@@ -35,6 +35,17 @@ class Program:
     def size(self) -> int:
         """Operations per sample."""
         return sum(self.counts.values())
+
+    @cached_property
+    def distinct(self) -> Program:
+        """The same program with each output once."""
+        return replace(self, outputs=tuple(dict.fromkeys(self.outputs)))
+
+    @cached_property
+    def homes(self) -> tuple[int, ...]:
+        """Of each output, its place among the outputs of `distinct`."""
+        place = {position: k for k, position in enumerate(self.distinct.outputs)}
+        return tuple(place[position] for position in self.outputs)
 
     @property
     def inputs(self) -> set[tuple[str, int]]:

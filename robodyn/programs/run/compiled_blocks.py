@@ -28,6 +28,8 @@ STEP = 8 * BLOCK
 """Samples that a thread takes at a time."""
 MOST_STREAMS = 64
 """More columns than these, or more than 8 at distances of whole pages, are gathered even where they are contiguous."""
+MOST_KEPT = 1 << 22
+"""Bytes of results that are written into the caches: more would drive each other out before they are read."""
 THREAD_WORK = 1 << 21
 """Operations that are worth a thread of their own: some 50 microseconds."""
 
@@ -57,7 +59,9 @@ class CompiledBlocks:
         self.program, self.widths, self.dtype = program, dict(widths), np.dtype(dtype)
         first_row = program.rows(widths)
         self.sources = [source for source in first_row if source]
-        self.rows = first_row[""] + len(program.outputs)
+        self.rows = first_row[""] + len(program.distinct.outputs)
+        self._homes = np.array(program.homes, np.int64)
+        self._in_order = np.arange(max(self.widths.values(), default=0), dtype=np.int64)
         content = content_of(program, widths, dtype, fused)
         self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
         self._share = _driver(SCALARS[self.dtype.name])
@@ -121,7 +125,8 @@ class CompiledBlocks:
 
     def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
         """Return what runs over the samples."""
-        fields = [_fields(each, self.rows <= MOST_STREAMS) for each in (*given, out)]
+        few = self.rows <= MOST_STREAMS
+        fields = [*(_fields(each, self._in_order, few) for each in given), _fields(out, self._homes, few)]
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
         functions = self._share.address, self._kernel.address
         job = Job(functions, fields, self.rows, PITCH * self.dtype.itemsize, STEP, BLOCK, samples, threads)
@@ -144,25 +149,26 @@ class CompiledBlocks:
 
 def content_of(program: Program, widths: Mapping[str, int], dtype: Any, fused: bool = True) -> object:
     """Return what the machine code of a program depends on."""
-    return program.operations, program.outputs, program.rows(widths), np.dtype(dtype).name, fused
+    return program.operations, program.distinct.outputs, program.rows(widths), np.dtype(dtype).name, fused
 
 
 def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float64, fused: bool = True) -> str:
     """Return the LLVM IR of a program's kernel."""
     scalar = SCALARS[np.dtype(dtype).name]
-    return kernel(program, program.rows(widths), scalar, LANES[scalar], fused)
+    return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar], fused)
 
 
-def _fields(given: Numbers, few: bool) -> Fields:
+def _fields(given: Numbers, homes: NDArray[np.int64], few: bool) -> Fields:
     """Return what the driver is told of an array."""
     sample_stride, column_stride = given.strides
     columns = given.shape[1]
     apart = columns <= 8 or column_stride % 4096 != 0
     direct = few and apart and sample_stride == given.itemsize
-    return _address(given), sample_stride, column_stride, columns, direct
+    stream = given.nbytes > MOST_KEPT
+    return _address(given), _address(homes), sample_stride, column_stride, columns, direct, stream
 
 
-def _address(given: Numbers) -> int:
+def _address(given: NDArray[Any]) -> int:
     return int(given.__array_interface__["data"][0])
 
 

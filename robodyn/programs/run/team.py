@@ -128,7 +128,7 @@ def _function(name: str, *arguments: type) -> Function:
     return built(name, "team", lambda: team(host().triple), *arguments)
 
 
-Fields = tuple[int, int, int, int, bool]
+Fields = tuple[int, int, int, int, int, bool, bool]
 """Of an array, as `robodyn.programs.run.llvm.driver.FIELDS` names them."""
 
 

@@ -18,8 +18,17 @@ from robodyn.programs.run.compiled_blocks import BLOCK
 pytestmark = needs_compiler
 
 
+@pytest.fixture(params=["kept in caches", "past the caches"])
+def way(request, monkeypatch):
+    """How copied results are written: as those of small arrays, and as those of large ones."""
+    if request.param == "past the caches":
+        monkeypatch.setattr(compiled_blocks, "MOST_STREAMS", 0)
+        monkeypatch.setattr(compiled_blocks, "MOST_KEPT", -1)
+    return request.param
+
+
 @pytest.mark.parametrize("layout", [name for name in LAYOUTS if name not in ("other bytes first", "fewer bits")])
-def test_output_array_of_any_layout(layout, monkeypatch):
+def test_output_array_of_any_layout(layout, way, monkeypatch):
     monkeypatch.setattr(compiled_blocks, "THREAD_WORK", 1)
     for samples in (1, 9, BLOCK, 1000):
         arrays = state(samples)
@@ -30,7 +39,7 @@ def test_output_array_of_any_layout(layout, monkeypatch):
 
 @pytest.mark.parametrize("step", [1, 2, -1])
 @pytest.mark.parametrize("order", "CF")
-def test_nothing_beside_the_output_is_written(order, step):
+def test_nothing_beside_the_output_is_written(order, step, way):
     for samples in (1, 7, 9, BLOCK + 5):
         table = np.full((samples * 2 + 40, 20), -7.0, order=order)
         inside = table[20 : 20 + samples * abs(step), 6:12][::step]
@@ -95,6 +104,20 @@ def test_outputs_that_are_inputs_constants_or_repeated():
         np.testing.assert_array_equal(found, np.column_stack(columns))
 
 
+@pytest.mark.parametrize("layout", [name for name in LAYOUTS if name not in ("other bytes first", "fewer bits")])
+def test_repeated_outputs_of_any_layout(layout, way):
+    """Each is computed once and copied to wherever it stands, from where it lies."""
+    run = compiled(lambda x, y: [x * y, 0.0, x + y, x * y, 0.0, y, x * y, y], 2)
+    x = np.random.default_rng(0).normal(size=(5 * BLOCK + 3, 2))
+    p, q = x.T
+    zeros = np.zeros(len(x))
+    expected = np.column_stack((p * q, zeros, p + q, p * q, zeros, q, p * q, q))
+    for samples in (1, 8, BLOCK, 3 * BLOCK, len(x)):
+        out = LAYOUTS[layout](np.full((samples, 8), -7.0))
+        assert run({"x": np.asfortranarray(x[:samples])}, samples, out) is out
+        np.testing.assert_array_equal(out, expected[:samples])
+
+
 def test_no_inputs_no_outputs_no_samples():
     found = compiled(lambda: [2.5, -1.0, 2.5], 0)({}, 300, None, 2)
     np.testing.assert_array_equal(found, np.broadcast_to([2.5, -1.0, 2.5], (300, 3)))
@@ -121,6 +144,7 @@ def test_many_columns(inputs, pages):
 GUARDED = """
 import ctypes, mmap
 import numpy as np
+from robodyn.programs.run import compiled_blocks
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.vectors import sin
 from robodyn.programs.program import trace
@@ -140,6 +164,7 @@ def placed(samples, columns, order):
     for first in (PAGE, PAGE + room - size):
         yield np.frombuffer(memory, np.float64, samples * columns, first).reshape((samples, columns), order=order)
 
+compiled_blocks.MOST_STREAMS, compiled_blocks.MOST_KEPT = WAY
 run = CompiledBlocks(trace(lambda t: [sin(t.input("x", 0)) * t.input("x", 1), t.input("x", 0)]), {"x": 2})
 for samples in (1, 7, 8, 9, 128, 131, 512):
     for order in "CF":
@@ -153,6 +178,9 @@ print("unharmed")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs mprotect")
-def test_nothing_beside_the_arrays_is_touched():
-    done = subprocess.run([sys.executable, "-c", GUARDED], check=False, capture_output=True, text=True)
+@pytest.mark.parametrize("limits", ["64, 1 << 22", "0, -1"])
+def test_nothing_beside_the_arrays_is_touched(limits):
+    done = subprocess.run(
+        [sys.executable, "-c", GUARDED.replace("WAY", limits)], check=False, capture_output=True, text=True
+    )
     assert done.stdout == "unharmed\n", done.stderr

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Sequence
+
 from robodyn.programs.run.llvm.code import BYTES, SUFFIXES
 
-FIELDS = ("address", "sample_stride", "column_stride", "columns", "direct")
-"""What the driver is told of an array, in 64 bits each: strides in bytes, `direct` 1 where columns are contiguous."""
+FIELDS = ("address", "homes", "sample_stride", "column_stride", "columns", "direct", "stream")
+"""What the driver is told of an array, in 64 bits each.
 
-POINTERS = ("share", "kernel", "arrays", "rooms", "flags", "common")
+`homes`: of each column the place among the kernel's; strides in bytes; `direct`: 1 where the kernel may work on
+contiguous columns themselves; `stream`: 1 where results are copied to contiguous columns past the caches.
+"""
+
+POINTERS = ("share", "kernel", "arrays", "rooms", "flags", "common", "address", "homes")
 NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "samples", "each", "parts")
-JOB = (*POINTERS, *NUMBERS)
+JOB = ("share", "kernel", "arrays", "rooms", "flags", "common", *NUMBERS)
 """What a job is, in 64 bits each, in this order."""
 
 TEXT = """\
@@ -18,7 +24,7 @@ declare void @llvm.masked.store.v{lanes}{suffix}.p0({vector}, ptr, i32, {mask})
 declare {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers}, i32, {mask}, {vector})
 declare void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector}, {pointers}, i32, {mask})
 
-define internal void @move(ptr %far, i64 %stride, ptr %near, i64 %count, i1 %out) #0 {{
+define internal void @read(ptr %far, i64 %stride, ptr %near, i64 %count) #0 {{
 entry:
   %one = insertelement {integers} poison, i64 %stride, i64 0
   %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
@@ -27,36 +33,21 @@ entry:
   br label %loop
 loop:
   %i = phi i64 [ 0, %entry ], [ %next, %more ]
-  %left = sub i64 %count, %i
-  %left1 = insertelement {integers} poison, i64 %left, i64 0
-  %lefts = shufflevector {integers} %left1, {integers} poison, <{lanes} x i32> zeroinitializer
-  %valid = icmp sgt {integers} %lefts, {numbers}
+{valid}
   %first = mul i64 %i, %stride
   %from = getelementptr i8, ptr %far, i64 %first
-  %each = getelementptr i8, ptr %from, {integers} %offsets
   %here = getelementptr {scalar}, ptr %near, i64 %i
-  br i1 %out, label %write, label %read
-read:
   br i1 %dense, label %load, label %gather
 load:
-  %near_values = call {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr %from, i32 {bytes}, {mask} %valid,
+  %loaded = call {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr %from, i32 {bytes}, {mask} %valid,
     {vector} zeroinitializer)
-  store {vector} %near_values, ptr %here, align {bytes}
+  store {vector} %loaded, ptr %here, align {bytes}
   br label %more
 gather:
-  %values = call {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers} %each, i32 {bytes}, {mask} %valid,
-    {vector} zeroinitializer)
-  store {vector} %values, ptr %here, align {bytes}
-  br label %more
-write:
-  %results = load {vector}, ptr %here, align {bytes}
-  br i1 %dense, label %store, label %scatter
-store:
-  call void @llvm.masked.store.v{lanes}{suffix}.p0({vector} %results, ptr %from, i32 {bytes}, {mask} %valid)
-  br label %more
-scatter:
-  call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
-    {mask} %valid)
+  %each = getelementptr i8, ptr %from, {integers} %offsets
+  %gathered = call {vector} @llvm.masked.gather.v{lanes}{suffix}.v{lanes}p0({pointers} %each, i32 {bytes},
+    {mask} %valid, {vector} zeroinitializer)
+  store {vector} %gathered, ptr %here, align {bytes}
   br label %more
 more:
   %next = add i64 %i, {lanes}
@@ -66,42 +57,75 @@ done:
   ret void
 }}
 
-define internal i64 @array(ptr %array, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %count, i1 %out,
-    i1 %after) #0 {{
+define internal void @write(ptr %far, i64 %stride, ptr %near, i64 %count, i64 %stream) #0 {{
 entry:
-  %address = load ptr, ptr %array
-  %a1 = getelementptr i64, ptr %array, i64 1
-  %sample_stride = load i64, ptr %a1
-  %a2 = getelementptr i64, ptr %array, i64 2
-  %column_stride = load i64, ptr %a2
-  %a3 = getelementptr i64, ptr %array, i64 3
-  %columns = load i64, ptr %a3
-  %a4 = getelementptr i64, ptr %array, i64 4
-  %contiguous = load i64, ptr %a4
+  %one = insertelement {integers} poison, i64 %stride, i64 0
+  %strides = shufflevector {integers} %one, {integers} poison, <{lanes} x i32> zeroinitializer
+  %offsets = mul {integers} %strides, {numbers}
+  %dense = icmp eq i64 %stride, {bytes}
+  %wanted = icmp ne i64 %stream, 0
+  %streaming = and i1 %dense, %wanted
+  %number = ptrtoint ptr %far to i64
+  %past = and i64 %number, 63
+  %behind = udiv i64 %past, {bytes}
+  %ahead = sub i64 0, %behind
+  %begin = select i1 %streaming, i64 %ahead, i64 0
+  br label %loop
+loop:
+  %i = phi i64 [ %begin, %entry ], [ %next, %more ]
+  %first = mul i64 %i, %stride
+  %to = getelementptr i8, ptr %far, i64 %first
+  %here = getelementptr {scalar}, ptr %near, i64 %i
+  %results = load {vector}, ptr %here, align {bytes}
+  %next = add i64 %i, {lanes}
+  %begun = icmp sge i64 %i, 0
+  %inside = icmp sle i64 %next, %count
+  %whole = and i1 %begun, %inside
+  %past_caches = and i1 %whole, %streaming
+  br i1 %past_caches, label %stream_out, label %partly
+stream_out:
+  store {vector} %results, ptr %to, align 64, !nontemporal !0
+  br label %more
+partly:
+{valid}
+  br i1 %dense, label %store, label %scatter
+store:
+  call void @llvm.masked.store.v{lanes}{suffix}.p0({vector} %results, ptr %to, i32 {bytes}, {mask} %valid)
+  br label %more
+scatter:
+  %each = getelementptr i8, ptr %to, {integers} %offsets
+  call void @llvm.masked.scatter.v{lanes}{suffix}.v{lanes}p0({vector} %results, {pointers} %each, i32 {bytes},
+    {mask} %valid)
+  br label %more
+more:
+  %again = icmp slt i64 %next, %count
+  br i1 %again, label %loop, label %done
+done:
+  ret void
+}}
+
+define internal i64 @place(ptr %array, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %count,
+    i1 %result) #0 {{
+entry:
+{array}
+{block}
   %partial = urem i64 %count, {lanes}
   %full = icmp eq i64 %partial, 0
-  %allowed = icmp ne i64 %contiguous, 0
-  %direct = and i1 %full, %allowed
-  %before = icmp eq i1 %out, %after
-  %moving = xor i1 %direct, true
-  %move = and i1 %before, %moving
-  %skip = mul i64 %start, %sample_stride
-  %block = getelementptr i8, ptr %address, i64 %skip
+  %allowed = icmp ne i64 %direct, 0
+  %stays = and i1 %full, %allowed
+  %leave = or i1 %stays, %result
   %some = icmp sgt i64 %columns, 0
   br i1 %some, label %loop, label %done
 loop:
   %c = phi i64 [ 0, %entry ], [ %next, %more ]
-  %place = add i64 %row, %c
-  %far = mul i64 %c, %column_stride
-  %column = getelementptr i8, ptr %block, i64 %far
+{home}
   %down = mul i64 %place, %pitch
   %near = getelementptr i8, ptr %work, i64 %down
-  %chosen = select i1 %direct, ptr %column, ptr %near
-  %entry_place = getelementptr ptr, ptr %table, i64 %place
+  %chosen = select i1 %stays, ptr %column, ptr %near
   store ptr %chosen, ptr %entry_place
-  br i1 %move, label %copy, label %more
+  br i1 %leave, label %more, label %copy
 copy:
-  call void @move(ptr %column, i64 %sample_stride, ptr %near, i64 %count, i1 %out)
+  call void @read(ptr %column, i64 %sample_stride, ptr %near, i64 %count)
   br label %more
 more:
   %next = add i64 %c, 1
@@ -110,6 +134,28 @@ more:
 done:
   %end = add i64 %row, %columns
   ret i64 %end
+}}
+
+define internal void @deliver(ptr %array, i64 %row, ptr %table, i64 %start, i64 %count) #0 {{
+entry:
+{array}
+{block}
+  br label %loop
+loop:
+  %c = phi i64 [ 0, %entry ], [ %next, %more ]
+{home}
+  %near = load ptr, ptr %entry_place
+  %there = icmp eq ptr %near, %column
+  br i1 %there, label %more, label %copy
+copy:
+  call void @write(ptr %column, i64 %sample_stride, ptr %near, i64 %count, i64 %stream)
+  br label %more
+more:
+  %next = add i64 %c, 1
+  %again = icmp slt i64 %next, %columns
+  br i1 %again, label %loop, label %done
+done:
+  ret void
 }}
 
 define internal void @run(ptr %kernel, ptr %arrays, i64 %count, ptr %table, ptr %work, i64 %pitch, ptr %flags,
@@ -139,8 +185,8 @@ array:
   %at = mul i64 %k, {array_bytes}
   %spec = getelementptr i8, ptr %arrays, i64 %at
   %is_result = icmp eq i64 %k, %last
-  %row1 = call i64 @array(ptr %spec, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
-    i1 %is_result, i1 false)
+  %row1 = call i64 @place(ptr %spec, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
+    i1 %is_result)
   %k1 = add i64 %k, 1
   %more = icmp slt i64 %k1, %count
   br i1 %more, label %array, label %ready
@@ -151,8 +197,7 @@ ready:
   %marks = getelementptr i8, ptr %flags, i64 %byte
   %some = call i64 %kernel(ptr %table, ptr %marks, i64 %groups)
   %total = or i64 %any, %some
-  %unused = call i64 @array(ptr %result, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
-    i1 true, i1 true)
+  call void @deliver(ptr %result, i64 %row, ptr %table, i64 %start, i64 %filled)
   br label %used
 used:
   %end = add i64 %start, %size
@@ -194,7 +239,31 @@ done:
 }}
 declare i64 @llvm.smin.i64(i64, i64)
 attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+!0 = !{{i32 1}}
 """
+
+VALID = """\
+  %i_first = insertelement {integers} poison, i64 %i, i64 0
+  %i_all = shufflevector {integers} %i_first, {integers} poison, <{lanes} x i32> zeroinitializer
+  %places = add {integers} %i_all, {numbers}
+  %count_first = insertelement {integers} poison, i64 %count, i64 0
+  %counts = shufflevector {integers} %count_first, {integers} poison, <{lanes} x i32> zeroinitializer
+  %valid = icmp ult {integers} %places, %counts"""
+"""Which of the samples from `%i` on are among the first `%count`; none before 0 is."""
+
+BLOCK = """\
+  %skip = mul i64 %start, %sample_stride
+  %block = getelementptr i8, ptr %address, i64 %skip"""
+"""Where the block that begins with sample `%start` lies in an array."""
+
+HOME = """\
+  %home_at = getelementptr i64, ptr %homes, i64 %c
+  %home = load i64, ptr %home_at
+  %place = add i64 %row, %home
+  %entry_place = getelementptr ptr, ptr %table, i64 %place
+  %far = mul i64 %c, %column_stride
+  %column = getelementptr i8, ptr %block, i64 %far"""
+"""Column `%c` of a block, and where the table says at what address the kernel works on it."""
 
 
 def driver(scalar: str, lanes: int) -> str:
@@ -206,29 +275,35 @@ def driver(scalar: str, lanes: int) -> str:
     number that is not 0 in the end if any sample is flagged, and after it the next sample of each part.
     Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
     are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
-    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there.
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. A result that several
+    columns share is computed once, and copied.
 
     Args:
         scalar: "double" or "float".
         lanes: samples in a group.
     """
-    return TEXT.format(
-        job="\n".join(_field(k, name) for k, name in enumerate(JOB) if name != "share"),
-        scalar=scalar,
-        suffix=SUFFIXES[scalar],
-        bytes=BYTES[scalar],
-        lanes=lanes,
-        lanes_less_one=lanes - 1,
-        array_bytes=8 * len(FIELDS),
-        vector=f"<{lanes} x {scalar}>",
-        integers=f"<{lanes} x i64>",
-        pointers=f"<{lanes} x ptr>",
-        mask=f"<{lanes} x i1>",
-        numbers=f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
-    )
+    names = {
+        "scalar": scalar,
+        "suffix": SUFFIXES[scalar],
+        "bytes": BYTES[scalar],
+        "lanes": lanes,
+        "lanes_less_one": lanes - 1,
+        "array_bytes": 8 * len(FIELDS),
+        "vector": f"<{lanes} x {scalar}>",
+        "integers": f"<{lanes} x i64>",
+        "pointers": f"<{lanes} x ptr>",
+        "mask": f"<{lanes} x i1>",
+        "numbers": f"<{', '.join(f'i64 {k}' for k in range(lanes))}>",
+    }
+    array, job = _loaded("array", FIELDS), _loaded("job", JOB, {"share"})
+    return TEXT.format(**names, array=array, job=job, block=BLOCK, home=HOME, valid=VALID.format(**names))
 
 
-def _field(k: int, name: str) -> str:
-    """Loads one of what a job is."""
-    kind = "ptr" if name in POINTERS else "i64"
-    return f"  %{name}_at = getelementptr i64, ptr %job, i64 {k}\n  %{name} = load {kind}, ptr %{name}_at"
+def _loaded(struct: str, fields: Sequence[str], unused: Container[str] = ()) -> str:
+    """Loads what a struct of 64-bit fields holds."""
+    lines = []
+    for k, name in enumerate(fields):
+        if name not in unused:
+            lines.append(f"  %{name}_at = getelementptr i64, ptr %{struct}, i64 {k}")
+            lines.append(f"  %{name} = load {'ptr' if name in POINTERS else 'i64'}, ptr %{name}_at")
+    return "\n".join(lines)
