@@ -22,12 +22,12 @@ LANES = {"double": 8, "float": 16}
 """Samples worked on at a time: one register of AVX-512. Half or twice as many were slower or equal, on AVX2 too."""
 BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
-PITCH = BLOCK + 8
-"""Numbers from one gathered column to the next: no power of two, or columns would share sets of the cache."""
+LINE = 64
+"""Bytes from one gathered column to the next, besides its own: no power of two, or columns share sets of the cache."""
 STEP = 8 * BLOCK
 """Samples that a thread takes at a time."""
-MOST_STREAMS = 64
-"""More columns than these, or more than 8 at distances of whole pages, are gathered even where they are contiguous."""
+MOST_STREAMS = 256
+"""More columns of results than these are copied to where they belong even where they are contiguous."""
 MOST_KEPT = 1 << 22
 """Bytes of results that are written into the caches: more would drive each other out before they are read."""
 THREAD_WORK = 1 << 21
@@ -125,11 +125,11 @@ class CompiledBlocks:
 
     def _bound(self, given: list[Numbers], samples: int, out: Numbers, threads: int) -> Callable[[], None]:
         """Return what runs over the samples."""
-        few = self.rows <= MOST_STREAMS
-        fields = [*(_fields(each, self._in_order, few) for each in given), _fields(out, self._homes, few)]
+        few = len(self.program.distinct.outputs) <= MOST_STREAMS
+        fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self._homes, few)]
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
         functions = self._share.address, self._kernel.address
-        job = Job(functions, fields, self.rows, PITCH * self.dtype.itemsize, STEP, BLOCK, samples, threads)
+        job = Job(functions, fields, self.rows, BLOCK * self.dtype.itemsize + LINE, STEP, BLOCK, samples, threads)
 
         def run() -> None:
             if job():
@@ -158,14 +158,12 @@ def kernel_of(program: Program, widths: Mapping[str, int], dtype: Any = np.float
     return kernel(program.distinct, program.rows(widths), scalar, LANES[scalar], fused)
 
 
-def _fields(given: Numbers, homes: NDArray[np.int64], few: bool) -> Fields:
+def _fields(given: Numbers, homes: NDArray[np.int64], few: bool = True) -> Fields:
     """Return what the driver is told of an array."""
     sample_stride, column_stride = given.strides
-    columns = given.shape[1]
-    apart = columns <= 8 or column_stride % 4096 != 0
-    direct = few and apart and sample_stride == given.itemsize
+    direct = few and sample_stride == given.itemsize
     stream = given.nbytes > MOST_KEPT
-    return _address(given), _address(homes), sample_stride, column_stride, columns, direct, stream
+    return _address(given), _address(homes), sample_stride, column_stride, given.shape[1], direct, stream
 
 
 def _address(given: NDArray[Any]) -> int:

@@ -123,7 +123,7 @@ class NumpySteps:
 def _kernel(program: Program, source: str, width: int, lanes: int, columns: int) -> Function:
     rows = {**program.rows({source: width, COLUMNS: columns}), source: 0, "": width, COLUMNS: 2 * width + 1}
     content = "repeated", program.operations, program.outputs, width, lanes
-    return built("kernel", content, lambda: kernel(program, rows, "double", lanes))
+    return built("kernel", content, lambda: kernel(program, rows, "double", lanes, calls=False))
 
 
 @cache

@@ -151,7 +151,7 @@ class Job:
             functions: addresses of the driver and of the kernel.
             fields: of the arrays, which the caller keeps; the last is written to.
             rows: columns of all of them.
-            pitch: bytes from one gathered column to the next.
+            pitch: bytes from one gathered column to the next; whole lines of the cache.
             step: samples that a thread takes at a time; block: that it gathers.
         """
         self._samples = samples
@@ -161,10 +161,11 @@ class Job:
         self._threads = len(parts)
         self._begin = array("q", (0, *parts))
         self._common, self._fields = self._begin[:], array("q", chain.from_iterable(fields))
-        table = -(-rows // LINE) * 8 * LINE
+        table = -(-2 * rows // LINE) * 8 * LINE
         room = table + rows * pitch
-        self._rooms = np.empty(self._threads * room, np.uint8)
+        self._rooms = np.empty(self._threads * room + 8 * LINE, np.uint8)
         rooms = int(self._rooms.__array_interface__["data"][0])
+        rooms += -rooms % (8 * LINE)
         places = (*functions, _place(self._fields), rooms, _place(self._flags), _place(self._common))
         numbers = len(fields), room, table, pitch, step, block, samples, each, self._threads
         self._job = array("q", (*places, *numbers))

@@ -18,6 +18,9 @@ NUMBERS = ("count", "room_bytes", "table_bytes", "pitch", "step", "size", "sampl
 JOB = ("share", "kernel", "arrays", "rooms", "flags", "common", *NUMBERS)
 """What a job is, in 64 bits each, in this order."""
 
+AHEAD = 512
+"""Bytes from the numbers in use to those called for, where columns are read as they lie."""
+
 TEXT = """\
 declare {vector} @llvm.masked.load.v{lanes}{suffix}.p0(ptr, i32, {mask}, {vector})
 declare void @llvm.masked.store.v{lanes}{suffix}.p0({vector}, ptr, i32, {mask})
@@ -104,7 +107,7 @@ done:
   ret void
 }}
 
-define internal i64 @place(ptr %array, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %count,
+define internal i64 @place(ptr %array, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %count, i64 %size,
     i1 %result) #0 {{
 entry:
 {array}
@@ -114,6 +117,15 @@ entry:
   %allowed = icmp ne i64 %direct, 0
   %stays = and i1 %full, %allowed
   %leave = or i1 %stays, %result
+  %far_block = mul i64 %size, %sample_stride
+  %distance = select i1 %stays, i64 {ahead}, i64 %far_block
+  %wanted = getelementptr i8, ptr %block, i64 %distance
+  %dense = icmp eq i64 %sample_stride, {bytes}
+  %in_rows = mul i64 %size, {bytes}
+  %apart = select i1 %dense, i64 %column_stride, i64 %in_rows
+  %streams = icmp ne i64 %stream, 0
+  %streaming = and i1 %streams, %result
+  %past_caches = select i1 %stays, i1 false, i1 %streaming
   %some = icmp sgt i64 %columns, 0
   br i1 %some, label %loop, label %done
 loop:
@@ -123,6 +135,11 @@ loop:
   %near = getelementptr i8, ptr %work, i64 %down
   %chosen = select i1 %stays, ptr %column, ptr %near
   store ptr %chosen, ptr %entry_place
+  %on = mul i64 %c, %apart
+  %later = getelementptr i8, ptr %wanted, i64 %on
+  %called = select i1 %past_caches, ptr %chosen, ptr %later
+  %second_place = getelementptr ptr, ptr %entry_place, i64 1
+  store ptr %called, ptr %second_place
   br i1 %leave, label %more, label %copy
 copy:
   call void @read(ptr %column, i64 %sample_stride, ptr %near, i64 %count)
@@ -186,7 +203,7 @@ array:
   %spec = getelementptr i8, ptr %arrays, i64 %at
   %is_result = icmp eq i64 %k, %last
   %row1 = call i64 @place(ptr %spec, i64 %row, ptr %table, ptr %work, i64 %pitch, i64 %start, i64 %filled,
-    i1 %is_result)
+    i64 %size, i1 %is_result)
   %k1 = add i64 %k, 1
   %more = icmp slt i64 %k1, %count
   br i1 %more, label %array, label %ready
@@ -260,7 +277,7 @@ HOME = """\
   %home_at = getelementptr i64, ptr %homes, i64 %c
   %home = load i64, ptr %home_at
   %place = add i64 %row, %home
-  %entry_place = getelementptr ptr, ptr %table, i64 %place
+  %entry_place = getelementptr [2 x ptr], ptr %table, i64 %place
   %far = mul i64 %c, %column_stride
   %column = getelementptr i8, ptr %block, i64 %far"""
 """Column `%c` of a block, and where the table says at what address the kernel works on it."""
@@ -275,7 +292,8 @@ def driver(scalar: str, lanes: int) -> str:
     number that is not 0 in the end if any sample is flagged, and after it the next sample of each part.
     Of the `count` arrays (`FIELDS`), the last is the result. Columns are handed to the kernel where they lie if they
     are contiguous and the block is a whole number of groups; else they are gathered into rows of the thread's own room,
-    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. A result that several
+    `pitch` bytes apart after a table of `table_bytes`, and results are scattered from there. What the kernel calls for
+    is `AHEAD` in the same column, or for arrays that are gathered a part of the next block. A result that several
     columns share is computed once, and copied.
 
     Args:
@@ -286,6 +304,7 @@ def driver(scalar: str, lanes: int) -> str:
         "scalar": scalar,
         "suffix": SUFFIXES[scalar],
         "bytes": BYTES[scalar],
+        "ahead": AHEAD,
         "lanes": lanes,
         "lanes_less_one": lanes - 1,
         "array_bytes": 8 * len(FIELDS),

@@ -47,8 +47,8 @@ ONE: dict[str, Callable[[Code, str], str]] = {
 PART = 500
 """Instructions in a basic block: LLVM's time grows faster than a block's length, and the code is no better for it."""
 
-AHEAD = 512
-"""Bytes from the numbers in use to those called for: a processor follows some tens of columns, a robot has more."""
+LEVEL = 2
+"""How near memory is brought, from 3 for the first cache down: what comes ahead would displace what is in use."""
 
 FRAME = """\
 declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
@@ -69,25 +69,30 @@ end:
 done:
   ret i64 %some
 }}
-attributes #0 = {{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
+attributes #0 = {{ nounwind "stackrealign" "prefer-vector-width"="512" "min-legal-vector-width"="512" }}
 !0 = !{{}}
 """
 
 
-def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True) -> str:
+def kernel(
+    program: Program, first_row: Mapping[str, int], scalar: str, lanes: int, fused: bool = True, calls: bool = True
+) -> str:
     """Return the LLVM IR of `i64 kernel(rows, flags, groups)`.
 
     `rows` points to an array of pointers: to the columns of the inputs, then to those of the outputs, each a column of
-    `groups * lanes` numbers. No output may overlap an input. Bit k of the flags of group i is set where an angle of its
-    sample k is too large to be reduced accurately, or is not finite; the function returns 0 where no flag is set.
+    `groups * lanes` numbers. No output may overlap an input. If the kernel calls for memory, every pointer is followed
+    by another, to a column of as many numbers that will be wanted next; it need not exist. Bit k of the flags of group
+    i is set where an angle of its sample k is too large to be reduced accurately, or is not finite; the function
+    returns 0 where no flag is set.
 
     Args:
         first_row: where in `rows` the columns of each source begin, and under "" those of the outputs.
         scalar: "double" or "float".
         lanes: samples in a group: 8 or 16.
         fused: form products inside the sums that use them; see `robodyn.programs.run.llvm.kernel`.
+        calls: call for the memory that will be wanted next, a line of the cache for every vector that is moved.
     """
-    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {})
+    writer = Writer(program, first_row, Code(scalar, lanes), fused_products(program) if fused else {}, calls)
     writer.write()
     writer.flag()
     return FRAME.format(
@@ -100,8 +105,10 @@ def kernel(program: Program, first_row: Mapping[str, int], scalar: str, lanes: i
 class Writer:
     """Writes the body of the loop; an operand is the register that holds it, or a constant."""
 
-    def __init__(self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int]) -> None:
-        self.program, self.first_row, self.code, self.fused = program, first_row, code, fused
+    def __init__(
+        self, program: Program, first_row: Mapping[str, int], code: Code, fused: Mapping[int, int], calls: bool
+    ) -> None:
+        self.program, self.first_row, self.code, self.fused, self.calls = program, first_row, code, fused, calls
         self.values: list[str] = []
         self.angles: dict[int, tuple[str, str]] = {}
         self.quarters: list[str] = []
@@ -130,13 +137,18 @@ class Writer:
             lines.append(f"  br label %part{self.parts}\npart{self.parts}:")
 
     def _address(self, row: int, writes: int) -> str:
-        """Return where a column's numbers of this group lie; those that follow are called for."""
-        place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {row}")
+        """Return where a column's numbers of this group lie; those that will be wanted are called for."""
+        if not self.calls:
+            return self._place(row)
+        ahead = self._place(2 * row + 1)
+        self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 {LEVEL}, i32 1)")
+        return self._place(2 * row)
+
+    def _place(self, entry: int) -> str:
+        """Return where this group's numbers lie in the column of an entry of `rows`."""
+        place = self.code.new(f"getelementptr ptr, ptr %rows, i64 {entry}")
         column = self.code.new(f"load ptr, ptr {place}, align 8, !invariant.load !0")
-        here = self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
-        ahead = self.code.new(f"getelementptr i8, ptr {here}, i64 {AHEAD}")
-        self.code.do(f"call void @llvm.prefetch.p0(ptr {ahead}, i32 {writes}, i32 3, i32 1)")
-        return here
+        return self.code.new(f"getelementptr {self.code.scalar}, ptr {column}, i64 %o")
 
     def _input(self, row: int) -> str:
         vector, align = self.code.vector, BYTES[self.code.scalar]

@@ -60,7 +60,7 @@ class _Sample(Writer):
     """Writes a program that works on one sample."""
 
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
-        super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program))
+        super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program), False)
         self.homes = {
             self.first_row[source] + column: (f"%source{k}", column)
             for k, (source, width) in enumerate(widths.items())

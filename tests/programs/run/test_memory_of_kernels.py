@@ -1,0 +1,93 @@
+"""How kernels reach memory: what they call for before it is wanted, and registers that are put by in whole lines."""
+
+from __future__ import annotations
+
+import re
+from ctypes import CFUNCTYPE, POINTER, c_int64, c_void_p
+
+import numpy as np
+import pytest
+from helpers.compiled_programs import needs_compiler, program_of
+from helpers.oracles import golden_model
+
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.run import compiled_blocks
+from robodyn.programs.run.compiled_blocks import BLOCK, CompiledBlocks, kernel_of
+from robodyn.programs.run.llvm.driver import AHEAD
+from robodyn.programs.run.llvm.machine import _target_machine, host
+from robodyn.scene.scene import Scene
+
+pytestmark = needs_compiler
+
+COLUMNS, SAMPLES = 3, 5 * BLOCK
+
+
+@pytest.fixture
+def tables(monkeypatch):
+    """What kernels are told, block by block: of each column, where its numbers are and what to call for."""
+    told, kept = [], []
+
+    @CFUNCTYPE(c_int64, POINTER(c_int64), c_void_p, c_int64)
+    def kernel(rows, flags, groups):
+        told.append(np.array(rows[: 4 * COLUMNS]).reshape(-1, 2))
+        return 0
+
+    class Job(compiled_blocks.Job):
+        def __init__(self, functions, *arguments):
+            kept.append(kernel)
+            super().__init__((functions[0], c_int64.from_buffer(kernel).value), *arguments)
+
+    monkeypatch.setattr(compiled_blocks, "Job", Job)
+    return told
+
+
+def run(x, out):
+    program = program_of(lambda *x: [-each for each in x], COLUMNS)
+    CompiledBlocks(program, {"x": COLUMNS})({"x": x}, SAMPLES, out)
+
+
+def test_columns_are_called_for_as_they_lie(tables):
+    x, out = np.zeros((COLUMNS, SAMPLES)).T, np.zeros((COLUMNS, SAMPLES)).T
+    run(x, out)
+    first = [array.ctypes.data + 8 * SAMPLES * k for array in (x, out) for k in range(COLUMNS)]
+    for block, told in enumerate(tables):
+        here = np.array(first) + 8 * BLOCK * block
+        np.testing.assert_array_equal(told, np.stack([here, here + AHEAD], axis=1))
+    assert len(tables) == SAMPLES // BLOCK
+
+
+def test_rows_are_called_for_a_block_ahead(tables):
+    """Together the columns that a kernel calls for are the rows of the next block, each number once."""
+    x, out = np.zeros((SAMPLES, COLUMNS)), np.zeros((SAMPLES, COLUMNS))
+    run(x, out)
+    for block, told in enumerate(tables):
+        for array, part in ((x, told[:COLUMNS]), (out, told[COLUMNS:])):
+            called = (part[:, 1:] + 8 * np.arange(BLOCK)).ravel()
+            following = array.ctypes.data + 8 * (block + 1) * BLOCK * COLUMNS
+            np.testing.assert_array_equal(np.sort(called), following + 8 * np.arange(BLOCK * COLUMNS))
+            assert (part[:, 0] % 64 == 0).all()
+
+
+def test_results_that_pass_the_caches_are_not_called_for(tables, monkeypatch):
+    monkeypatch.setattr(compiled_blocks, "MOST_STREAMS", 0)
+    monkeypatch.setattr(compiled_blocks, "MOST_KEPT", -1)
+    x, out = np.zeros((COLUMNS, SAMPLES)).T, np.zeros((COLUMNS, SAMPLES)).T
+    run(x, out)
+    for told in tables:
+        np.testing.assert_array_equal(told[:COLUMNS, 1], told[:COLUMNS, 0] + AHEAD)
+        np.testing.assert_array_equal(told[COLUMNS:, 1], told[COLUMNS:, 0])
+
+
+@pytest.mark.skipif(not host().triple.startswith("x86_64"), reason="reads assembly of x86-64")
+def test_registers_are_put_by_in_whole_lines():
+    """A vector on the stack that crosses a line of the cache costs twice."""
+    import llvmlite.binding as llvm
+
+    model = golden_model("tree15_bf2_skew0.3")
+    ir = kernel_of(Plan(model, Scene()).torques(), {"q": model.nq, "qd": model.n, "qdd": model.n})
+    assembly = _target_machine().emit_assembly(llvm.parse_assembly(ir))
+    size = 64 if "zmm" in assembly else 32
+    offsets = re.findall(r"v\w+.*?(-?\d*)\(%rsp\).*%[zy]mm|v\w+.*%[zy]mm\d+, (-?\d*)\(%rsp\)", assembly)
+    assert f"andq\t$-{size}, %rsp" in assembly
+    assert len(offsets) > 100
+    assert all(int(a or b or 0) % size == 0 for a, b in offsets)
