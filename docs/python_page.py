@@ -21,6 +21,8 @@ TOPICS = {
     "Differentiate": (
         "inverse_dynamics_derivatives",
         "forward_dynamics_derivatives",
+        "inverse_dynamics_derivative_entries",
+        "inverse_dynamics_second_derivatives",
         "coriolis_matrix",
         "regressor",
     ),

@@ -14,6 +14,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from robodyn.checks.project import check as check
     from robodyn.dynamics.coriolis import coriolis_matrix as coriolis_matrix
+    from robodyn.dynamics.derivative_entries import (
+        inverse_dynamics_derivative_entries as inverse_dynamics_derivative_entries,
+    )
     from robodyn.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
     from robodyn.dynamics.derivatives import inverse_dynamics_derivatives as inverse_dynamics_derivatives
     from robodyn.dynamics.forward import forward_dynamics as forward_dynamics
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
     from robodyn.dynamics.inverse import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
+    from robodyn.dynamics.second_derivatives import (
+        inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
+    )
     from robodyn.equations.dae.dae import dae as dae
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.errors import RobodynError as RobodynError
@@ -49,12 +55,14 @@ if TYPE_CHECKING:
 _HOMES = {
     "checks.project": ("check",),
     "dynamics.coriolis": ("coriolis_matrix",),
+    "dynamics.derivative_entries": ("inverse_dynamics_derivative_entries",),
     "dynamics.derivatives": ("forward_dynamics_derivatives", "inverse_dynamics_derivatives"),
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
     "dynamics.inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
     "dynamics.momenta": ("momenta",),
     "dynamics.regressor": ("regressor",),
+    "dynamics.second_derivatives": ("inverse_dynamics_second_derivatives",),
     "equations.dae.dae": ("dae",),
     "equations.free_body.bodies": ("free_bodies",),
     "errors": ("RobodynError",),

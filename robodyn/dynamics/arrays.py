@@ -99,6 +99,31 @@ def fill(
         out[...] = flat.reshape(out.shape)
 
 
+def tensors(
+    runner: Runner,
+    sources: Mapping[str, Floats],
+    shape: tuple[int, ...],
+    each: tuple[int, ...],
+    out: Floats | None = None,
+    executor: str = "auto",
+    threads: int | None = None,
+    dtype: DTypeLike = np.float64,
+) -> Floats:
+    """Return a program's outputs as one tensor of a shape `each` per sample: (*shape, *each), which is `out` if given.
+
+    Where it is not, each entry has its samples beside each other.
+    """
+    if out is None:
+        inner = tuple(range(len(each)))
+        out = np.moveaxis(np.empty((*each, *shape), dtype), inner, tuple(k - len(each) for k in inner))
+    out = target(out, (*shape, *each), dtype)
+    flat = out.reshape(*shape, prod(each))
+    fill(flat, runner, sources, executor, threads)
+    if not np.shares_memory(flat, out):
+        out[...] = flat.reshape(out.shape)
+    return out
+
+
 def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
     """Return the shape of the samples."""
     shapes = {*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra)}

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, fill, target
+from robodyn.dynamics.arrays import arrays_of, tensors
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner, runner_of
@@ -84,7 +84,8 @@ def inverse_dynamics_derivatives(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     runner = inverse_runner(plan(model, scene))
-    return InverseDerivatives(*_filled(runner, sources, shape, model.n, out, executor, threads, dtype))
+    whole = tensors(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
+    return InverseDerivatives(*(whole[..., k, :, :] for k in range(3)))
 
 
 def forward_dynamics_derivatives(
@@ -116,28 +117,8 @@ def forward_dynamics_derivatives(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     runner = forward_runner(plan(model, scene))
-    return ForwardDerivatives(*_filled(runner, sources, shape, model.n, out, executor, threads, dtype))
-
-
-def _filled(
-    runner: Runner,
-    sources: Mapping[str, Floats],
-    shape: tuple[int, ...],
-    n: int,
-    out: Floats | None,
-    executor: str,
-    threads: int | None,
-    dtype: DTypeLike,
-) -> list[Floats]:
-    """Return the three matrices that a program's outputs are."""
-    if out is None:
-        out = np.moveaxis(np.empty((3, n, n, *shape), dtype), (0, 1, 2), (-3, -2, -1))
-    out = target(out, (*shape, 3, n, n), dtype)
-    flat = out.reshape(*shape, 3 * n * n)
-    fill(flat, runner, sources, executor, threads)
-    if not np.shares_memory(flat, out):
-        out[...] = flat.reshape(out.shape)
-    return [out[..., k, :, :] for k in range(3)]
+    whole = tensors(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
+    return ForwardDerivatives(*(whole[..., k, :, :] for k in range(3)))
 
 
 @lru_cache(maxsize=16)

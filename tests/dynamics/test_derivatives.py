@@ -7,7 +7,7 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import cases
-from helpers.oracles import EPS, frictionless, random_state, robot, worst
+from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.sampled import sampled
 
@@ -26,21 +26,6 @@ bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "fre
 def busy_state(moving_base):
     model, rng = busy_robot(moving_base), np.random.default_rng(5)
     return model, *random_state(model, rng, SAMPLES), {name: rng.uniform(-1, 1, SAMPLES) for name in BUSY_SCENE.columns}
-
-
-def tangent(model, q):
-    """How q changes along each rate, from the definition of a turn about the body's axes: q (w, 0) / 2."""
-    out = []
-    for joint in model.independent:
-        k = joint.coordinate
-        if joint.kind != "floating":
-            out.append({("q", k): 1})
-            continue
-        x, y, z, w = q[:, k + 3 : k + 7].T
-        for turn in ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z)):
-            out.append({("q", k + 3 + i): part / 2 for i, part in enumerate(turn)})
-        out += [{("q", k + i): 1} for i in range(3)]
-    return out
 
 
 def directions(model, q, last):

@@ -64,3 +64,18 @@ def run(program, plan, q, qd, qdd, columns=None):
     q, qd, qdd = (np.atleast_2d(np.asarray(x, dtype=float)) for x in (q, qd, qdd))
     extra = np.empty((len(q), 0)) if columns is None else columns
     return runner_of(program, plan)({"q": q, "qd": qd, "qdd": qdd, "columns": extra}, len(q))
+
+
+def tangent(model, q):
+    """How q changes along each rate, from the definition of a turn about the body's axes: q (w, 0) / 2."""
+    out = []
+    for joint in model.independent:
+        k = joint.coordinate
+        if joint.kind != "floating":
+            out.append({("q", k): 1})
+            continue
+        x, y, z, w = q[:, k + 3 : k + 7].T
+        for turn in ((w, z, -y, -x), (-z, w, x, -y), (y, -x, w, -z)):
+            out.append({("q", k + 3 + i): part / 2 for i, part in enumerate(turn)})
+        out += [{("q", k + i): 1} for i in range(3)]
+    return out
