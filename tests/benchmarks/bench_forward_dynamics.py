@@ -39,7 +39,7 @@ def operations(name: str) -> tuple[int, int]:
 
 def peer(model, q, qd, tau):
     """`abaInParallel` of the same samples, and a function for its accelerations in the order of ours."""
-    other = pin.buildModelFromXML(bare_description(model.file))
+    other = pin.buildModelFromXML(bare_description(model))
     S, offset = following(model)
     moving = [body.joint.name for body in model.bodies if body.joint.kind != "fixed"]
     places = [other.joints[other.getJointId(name)] for name in moving]

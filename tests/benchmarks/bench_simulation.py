@@ -57,7 +57,7 @@ class Peer:
     """Pinocchio with the joints in our order."""
 
     def __init__(self, model):
-        self.other = pin.buildModelFromXML(bare_description(model.file))
+        self.other = pin.buildModelFromXML(bare_description(model))
         self.data, self.pool = self.other.createData(), pin.ModelPool(self.other, 1)
         self.rows = np.array([self.other.joints[self.other.getJointId(name)].idx_v for name in model.rates])
         self.simple = self.other.nq == self.other.nv == model.n

@@ -135,7 +135,7 @@ def scipys(system: System, method: str) -> Iterator[tuple[str, Run]]:
 
 def mujocos(system: System, integrator: str) -> Iterator[tuple[str, Run]]:
     """All steps in one call, in C."""
-    spec = mujoco.MjSpec.from_string(system.mjcf or bare_description(system.model.file))
+    spec = mujoco.MjSpec.from_string(system.mjcf or bare_description(system.model))
     spec.compiler.boundinertia = 2e-15
     for joint in spec.joints:
         joint.limited = 0
@@ -191,7 +191,7 @@ def _ending(system: System, run: Callable[..., Any], *how: Any) -> Any:
 
 
 def _by_aba(system: System) -> Callable[[float, Any], Any]:
-    model = pin.buildModelFromXML(bare_description(system.model.file))
+    model = pin.buildModelFromXML(bare_description(system.model))
     data, n = model.createData(), model.nv
     still, flat = np.zeros(n), model.nq == model.nv
     turning = [joint.nq == 2 for joint in model.joints[1:]]

@@ -24,6 +24,7 @@ TIMED = {
     "tables": "bench_tables",
     "startup": "bench_startup",
     "forward": "bench_forward_dynamics",
+    "gradients": "bench_derivatives",
     "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",
     "check": "bench_check",
