@@ -8,6 +8,7 @@ from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
 from helpers.example_robots import cases
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
+from helpers.oracles import ROBOTS as FOLDER
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.sampled import sampled
 
@@ -17,6 +18,7 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.assemble import load
+from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Friction, Loop, Scene
 
 SAMPLES = 3
@@ -94,6 +96,40 @@ def test_forward_undoes_inverse(path, moving_base):
         largest = max(each.max(initial=0) for each in (np.abs(b), np.abs(M) @ np.abs(a), np.abs(tau)))
         assert worst(M @ a, -b, largest) <= 1e-11
     assert worst(M @ forward.dtau, np.broadcast_to(np.eye(model.n), M.shape), np.linalg.cond(M).max()) <= 1e-13
+
+
+def scenes():
+    """Every robot of robots/ with the scenes that are named after it, its base fixed and free, where that goes."""
+    for scene in (None, *sorted(FOLDER.glob("*.toml"))):
+        for path in sorted(FOLDER.glob("*.urdf")):
+            if (scene is None or scene.stem.startswith(f"{path.stem}_")) and (scene or path).stem not in CLOSED:
+                for moving_base in (False, True):
+                    kind = "free" if moving_base else "fixed"
+                    yield pytest.param(path, scene, moving_base, id=f"{(scene or path).stem}-{kind}")
+
+
+CLOSED = ("crank_slider_pump", "four_bars_a02")
+"""Scenes that close loops."""
+OF_A_FREE_BASE = ("composite_throw", "satellite_deploy")
+"""Scenes that do not fit a fixed base."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("path", "scene_path", "moving_base"), list(scenes()))
+def test_robots_and_scenes(path, scene_path, moving_base):
+    model, scene = load(path, moving_base=moving_base), Scene() if scene_path is None else load_scene(scene_path)
+    if not model.n or (scene_path and scene_path.stem in OF_A_FREE_BASE and not moving_base):
+        pytest.skip("nothing moves, or the scene is of a free base")
+    rng = np.random.default_rng(0)
+    state, columns = random_state(model, rng, 2), {name: rng.uniform(-1, 1, 2) for name in scene.columns}
+    found = inverse_dynamics_derivatives(model, *state, scene=scene, columns=columns)
+    names = ("q", "qd", "qdd")
+    sources = {**dict(zip(names, state, strict=True)), "columns": np.column_stack([*columns.values(), state[1][:, :0]])}
+    program = Plan(model, scene).torques()
+    expected = thirds(exact_rates(program, directions(model, state[0], "qdd"), sources), model.n)
+    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
+    for a, b in zip(found, expected, strict=True):
+        assert worst(a, b, max(np.abs(b).max(), np.abs(tau).max())) <= 32 * EPS
 
 
 def test_a_pendulum():
