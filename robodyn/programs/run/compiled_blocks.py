@@ -22,6 +22,8 @@ LANES = {"double": 8, "float": 16}
 """Samples worked on at a time: one register of AVX-512. Half or twice as many were slower or equal, on AVX2 too."""
 BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
+LONG_BLOCK = 512
+"""Samples at a time of many with contiguous columns: what is copied to many columns is written in long stretches."""
 LINE = 64
 """Bytes from one gathered column to the next, besides its own: no power of two, or columns share sets of the cache."""
 STEP = 8 * BLOCK
@@ -127,9 +129,11 @@ class CompiledBlocks:
         """Return what runs over the samples."""
         few = len(self.program.distinct.outputs) <= MOST_STREAMS
         fields = [*(_fields(each, self._in_order) for each in given), _fields(out, self._homes, few)]
-        threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // BLOCK))
+        contiguous = all(each.strides[0] == each.itemsize for each in (*given, out))
+        block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
+        threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
         functions = self._share.address, self._kernel.address
-        job = Job(functions, fields, self.rows, BLOCK * self.dtype.itemsize + LINE, STEP, BLOCK, samples, threads)
+        job = Job(functions, fields, self.rows, block * self.dtype.itemsize + LINE, STEP, block, samples, threads)
 
         def run() -> None:
             if job():
