@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Mapping
-from functools import lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,22 +64,33 @@ class Function:
 
     `f(q, qd, qdd)` returns a new array, `f(q, qd, qdd, out=tau)` writes to one, allocates nothing and returns it. Where
     all arguments are contiguous arrays of float64 of the right shape the call is one of machine code, and any other
-    numbers are converted first. Results may be written over arguments.
+    numbers are converted first, in some microseconds. Results may be written over arguments. Functions can be pickled,
+    with their model and scene, and are built again where they are read.
 
     Attributes:
         kind: what it computes.
         arguments: name and width of each argument.
         shape: of the result.
-        address: of the C function `int64_t f(const double *q, ..., double *result)`, which returns 0, or 1 where an
-            angle exceeds 1.6e6 rad or is not finite, and is valid as long as this object lives; None where there is no
-            compiler, and the function is slow.
+        address: of the C function `int64_t f(const double *q, ..., double *result)`, which returns 0, or 1 where the
+            root of the sum of squares of all angles exceeds 1.6e6 rad or is not finite, and the result is not to be
+            used. Only as long as this object lives is there anything to call. None where there is no compiler, and
+            the function is slow.
     """
 
-    def __init__(self, kind: str, arguments: Mapping[str, int], shape: tuple[int, ...], program: Program) -> None:
+    def __init__(
+        self, a_plan: Plan, kind: str, arguments: Mapping[str, int], shape: tuple[int, ...], program: Program
+    ) -> None:
         self.kind, self.arguments, self.shape = kind, dict(arguments), shape
         self.address: int | None = None
-        self._program = program
-        self._blocks = NumpyBlocks(program, arguments)
+        self._plan, self._program = a_plan, program
+        self._code: Callable[..., int] | None = None
+
+    @cached_property
+    def _blocks(self) -> NumpyBlocks:
+        return NumpyBlocks(self._program, self.arguments)
+
+    def __reduce__(self) -> tuple[Callable[..., Function], tuple[Model, str]]:
+        return partial(function, scene=self._plan.scene), (self._plan.model, self.kind)
 
     def __repr__(self) -> str:
         return f"<{self.kind}({', '.join(f'{name}[{width}]' for name, width in self.arguments.items())})>"
@@ -96,8 +108,8 @@ class Function:
             array = _numbers(name, values)
             if array.shape != (width,):
                 raise InputError(f"{name} has shape {array.shape}, not {(width,)}: it is one sample")
-            sources[name] = array[None]
-        result: Floats = np.float64(self._blocks(sources, 1)).reshape(self.shape)
+            sources[name] = array
+        result = self._result(sources)
         if out is None:
             return result
         if not isinstance(out, np.ndarray) or (out.shape, out.dtype) != (self.shape, result.dtype):
@@ -107,10 +119,17 @@ class Function:
         out[...] = result
         return out
 
+    def _result(self, sources: Mapping[str, Floats]) -> Floats:
+        """Return the result of arrays of the right shape, by machine code unless there is none or it declines them."""
+        result: Floats = np.empty(self.shape, np.float64)
+        if self._code is None or self._code(*(x.ctypes.data for x in (*sources.values(), result))):
+            result[...] = self._blocks({name: array[None] for name, array in sources.items()}, 1).reshape(self.shape)
+        return result
+
 
 def _numbers(name: str, values: ArrayLike) -> Floats:
     try:
-        return np.asarray(values).astype(np.float64, casting="same_kind")
+        return np.asarray(values).astype(np.float64, order="C", casting="same_kind")
     except (TypeError, ValueError):
         raise InputError(f"{name} is no array of numbers") from None
 
@@ -129,7 +148,7 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
 
     Accuracy: as `robodyn.<kind>`, compiled.
     """
-    if kind not in _KINDS:
+    if not isinstance(kind, str) or kind not in _KINDS:
         raise InputError(
             f"there is no function {kind!r} of one sample", remedy=alternatives(str(kind), KINDS, "functions")
         )
@@ -142,7 +161,7 @@ def _function(a_plan: Plan, kind: str) -> Function:
     widths = {source: model.nq if source == "q" else model.n for source in sources}
     if a_plan.scene.columns:
         widths["columns"] = len(a_plan.scene.columns)
-    slow = Function(kind, widths, shape(model.n), program(a_plan))
+    slow = Function(a_plan, kind, widths, shape(model.n), program(a_plan))
     return slow if compiler().problem else _compiled(slow)
 
 
@@ -160,6 +179,7 @@ def _compiled(slow: Function) -> Function:
     except (OSError, RuntimeError):
         return slow
     own: dict[str, Any] = {"__call__": call, "__doc__": Function.__doc__, "__slots__": ()}
-    fast = type("Function", (Function,), own)(slow.kind, widths, slow.shape, program)
+    fast = type("Function", (Function,), own)(slow._plan, slow.kind, widths, slow.shape, program)
     fast.address = kernel.address_of("sample")
+    slow._code = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_void_p] * (len(widths) + 1))(fast.address)
     return fast  # type: ignore[no-any-return]
