@@ -72,9 +72,9 @@ class Function:
         arguments: name and width of each argument.
         shape: of the result.
         address: of the C function `int64_t f(const double *q, ..., double *result)`, which returns 0, or 1 where the
-            root of the sum of squares of all angles exceeds 1.6e6 rad or is not finite, and the result is not to be
-            used. Only as long as this object lives is there anything to call. None where there is no compiler, and
-            the function is slow.
+            root of the sum of squares of all angles exceeds 1.6e6 rad or is not finite, and nothing is written. Only
+            as long as this object lives is there anything to call. None where there is no compiler, and the
+            function is slow.
     """
 
     def __init__(

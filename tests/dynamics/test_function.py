@@ -169,6 +169,16 @@ def test_it_outlives_its_model():
     assert (call(*given) == expected).all()
 
 
+@pytest.mark.parametrize("k", range(3))
+def test_large_angles_over_an_argument(k):
+    """What machine code declines is computed from the arguments as they were, though the result goes over one."""
+    found, given, _ = called("inverse_dynamics")
+    given[0] = given[0] + 1e9
+    expected = found(*given)
+    mine = [x.copy() for x in given]
+    assert (found(*mine, out=mine[k]) == expected).all()
+
+
 def test_large_angles_together():
     """The C function declines angles by the root of the sum of their squares; the call computes them all the same."""
     found, given, _ = called("inverse_dynamics")

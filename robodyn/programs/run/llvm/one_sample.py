@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.code import Code
 from robodyn.programs.run.llvm.kernel import Writer, fused_products
+from robodyn.programs.scalar import CONSTANT, COS, INPUT, SIN
 
 FRAME = """\
 {declared}
 define i64 @sample({arguments}, ptr %to) #0 {{
 entry:
 {body}
-  %flag = zext i1 {flags} to i64
-  ret i64 %flag
+  ret i64 0
+{refused}
 }}
 define i64 @arrays(ptr %all) #0 {{
 entry:
@@ -30,16 +32,15 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
     """Return the LLVM IR of `i64 sample(const double *source..., double *to)`, and of `i64 arrays(double **all)`.
 
     There is an argument for every source of `widths`, in this order, and the outputs come last. All inputs are read
-    before the first output is written, so the arrays may overlap. The function returns 0, or 1 where an angle is too
-    large to be reduced accurately or is not finite; what it has written then is not to be used. `arrays` is the same
-    with the addresses of all arrays in one.
+    before the first output is written, so the arrays may overlap. The function returns 0, or 1 and writes nothing where
+    an angle is too large to be reduced accurately or is not finite. `arrays` is the same with the addresses of all
+    arrays in one.
 
     Args:
         widths: the numbers in the array of each source; the program may leave some alone.
     """
     writer = _Sample(program, widths)
     writer.write()
-    flags = writer.too_large()
     names = [f"%source{k}" for k in range(len(widths))]
     loads = (
         f"  {name}_at = getelementptr ptr, ptr %all, i64 {k}\n  {name} = load ptr, ptr {name}_at"
@@ -52,7 +53,7 @@ def sample_kernel(program: Program, widths: Mapping[str, int]) -> str:
         given=given,
         loads="\n".join(loads),
         body="\n".join(writer.code.lines),
-        flags=flags if writer.quarters else "false",
+        refused="refused:\n  ret i64 1" if writer.quarters else "",
     )
 
 
@@ -61,6 +62,7 @@ class _Sample(Writer):
 
     def __init__(self, program: Program, widths: Mapping[str, int]) -> None:
         super().__init__(program, program.rows(widths), Code("double", 1), fused_products(program), False)
+        self.early: dict[int, str] = {}
         self.homes = {
             self.first_row[source] + column: (f"%source{k}", column)
             for k, (source, width) in enumerate(widths.items())
@@ -70,6 +72,30 @@ class _Sample(Writer):
         self.homes |= {self.first_row[""] + place: ("%to", place) for place in range(len(program.outputs))}
         rows = (self.first_row[source] + column for source, column in sorted(program.inputs))
         self.inputs = {row: self.code.new(f"load <1 x double>, ptr {self._address(row, 0)}, align 8") for row in rows}
+
+    def write(self) -> None:
+        """Writes the angles, a way out where they are too large, and the rest."""
+        self.values = [""] * len(self.program.operations)
+        for k in self._below_angles():
+            self.early[k] = self.values[k] = self._value(k, *self.program.operations[k])
+            self._divide()
+        if self.quarters:
+            self.code.lines.append(f"  br i1 {self.too_large()}, label %refused, label %fine\nfine:")
+        self.values = []
+        super().write()
+
+    def _below_angles(self) -> list[int]:
+        """Return the positions of all sines and cosines, and of what they are computed from, in order."""
+        operations, needed = self.program.operations, set[int]()
+        for k in reversed(range(len(operations))):
+            op, a, b = operations[k]
+            if op is SIN or op is COS or k in needed:
+                needed.add(k)
+                needed.update(() if op in (INPUT, CONSTANT) else (x for x in (a, b) if x is not None))
+        return sorted(needed - set(self.fused.values()))
+
+    def _value(self, k: int, op: str, a: Any, b: Any) -> str:
+        return self.early[k] if k in self.early else super()._value(k, op, a, b)
 
     def _input(self, row: int) -> str:
         return self.inputs[row]
