@@ -150,7 +150,7 @@ def test_a_pendulum():
 def test_friction_has_a_slope_where_it_is_smooth():
     model = robot("pendulum")
     (name,) = model.joint_names
-    for slip, slope in ((0.0, 0.0), (0.1, 0.5 / 0.1)):
+    for slip, slope in ((0.0, 0.0), (1e-200, 0.0), (1e-150, 0.5 / 1e-150), (0.1, 0.5 / 0.1)):
         scene = Scene(friction={name: Friction(0.0, 0.5, -0.5)}, slip_speed=slip)
         found = inverse_dynamics_derivatives(model, [0.0], [0.0], [0.0], scene=scene)
         assert found.dqd[0, 0] == pytest.approx(slope, rel=1e-15)

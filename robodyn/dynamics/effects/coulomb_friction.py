@@ -29,7 +29,8 @@ def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     Returns:
         N m, along the motion: what the actuator must supply.
     """
-    s = qd / sqrt(qd * qd + slip_speed * slip_speed) if slip_speed else sign(qd)
+    square = slip_speed * slip_speed
+    s = qd / sqrt(qd * qd + square) if square else sign(qd)
     coulomb = (0.5 * (friction.forward - friction.backward)) * s + (0.5 * (friction.forward + friction.backward)) * (
         s * s
     )
