@@ -7,7 +7,7 @@ import ast
 from test_layers import MODULES
 
 ANY_SCALAR = (
-    *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance"),
+    *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.coriolis"),
     *("programs.vectors", "programs.dual", "robot.kinematics", "robot.configuration"),
     *(
         "dynamics.loops.closure",
