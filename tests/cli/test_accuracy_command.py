@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ROBOTS, run
-from helpers.hurried import hurry
 
 from robodyn.simulation.methods import METHODS
 
@@ -16,11 +15,7 @@ SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 
 
 @pytest.fixture(autouse=True)
-def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    hurry(monkeypatch)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
-    monkeypatch.setattr("robodyn.measure.timing.CACHED", 0.0)
+def _short_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.STEPS", (1.6e-2, 4e-3))
     monkeypatch.setattr("robodyn.measure.accuracy.simulation_ladder.TOLERANCES", (1e-4, 1e-8))
 

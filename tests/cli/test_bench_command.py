@@ -12,7 +12,6 @@ import click
 import pytest
 from helpers.command_line import ARM, ROBOTS, Outcome, run
 from helpers.compiled_programs import needs_compiler
-from helpers.hurried import hurry
 from helpers.peers import needs_peers
 
 from robodyn.cli import bench
@@ -27,8 +26,7 @@ TIMING = ["least", "median", "runs"]
 
 
 @pytest.fixture(autouse=True)
-def _hurry(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    hurry(monkeypatch)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 

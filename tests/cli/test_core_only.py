@@ -33,7 +33,7 @@ WORKS = (
     "scene init scara.urdf --out {out}/scene.toml",
     "info scara.urdf",
     "accuracy meshes/hub.stl",
-    "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.05",
+    "accuracy two_link_planar.urdf two_link_planar_swing_down.toml --duration 0.01",
     "rule",
     "bench scara.urdf --peers",
     "doctor",
@@ -65,7 +65,10 @@ class Absent:
             raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
 sys.meta_path.insert(0, Absent())
 sys.path.insert(0, {tests!r})
+import pytest
 from helpers.command_line import run
+from helpers.hurried import hurry
+hurry(pytest.MonkeyPatch())
 os.chdir({robots!r})
 found = {{}}
 for call in {calls!r}:

@@ -1,14 +1,16 @@
-"""Benchmarks in tests: every measurement as short as can be, for what is measured does not matter there."""
+"""Measurements in tests: as short as can be, for what is measured does not matter there."""
 
 from __future__ import annotations
 
 import pytest
 
-from robodyn.measure import timing as bench_timing
+from robodyn.measure import timing
+
+ONE_RUN = {"BUDGET": 0.0, "SHORT": 0.0, "TURN": 0.0, "ROUNDS": 1}
+ONE_RUN |= {"SPREAD_BUDGET": 0.0, "SPREAD_ROUNDS": 1, "CACHED": 0.0}
 
 
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One run in one round of everything."""
-    for name in ("BUDGET", "SHORT", "TURN"):
-        monkeypatch.setattr(bench_timing, name, 0.0)
-    monkeypatch.setattr(bench_timing, "ROUNDS", 1)
+    """Have everything that is timed run once, in one round."""
+    for name, value in ONE_RUN.items():
+        monkeypatch.setattr(timing, name, value)

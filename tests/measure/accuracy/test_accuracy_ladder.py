@@ -73,8 +73,8 @@ def test_spread_is_median_and_quartiles() -> None:
 
 
 def test_what_is_slow_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
     monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 2)
+    monkeypatch.setattr("robodyn.measure.timing.CACHED", 0.01)
     calls: list[str] = []
     act = {"act": lambda: calls.append("run")}
     assert timed(act)["act"][1].runs == 2

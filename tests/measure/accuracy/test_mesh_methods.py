@@ -28,12 +28,6 @@ TETRAHEDRON = np.array([(0, 0, 0), (5, 0, 0), (0, 4, 0), (0, 0, 3)], float)[
 I_TETRAHEDRON = np.array([[9.375, 2.5, 1.875], [2.5, 12.75, 1.5], [1.875, 1.5, 15.375]])
 
 
-@pytest.fixture(autouse=True)
-def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
-
-
 def error(moments) -> float:
     off = inertia(moments).astype(float) - I_TETRAHEDRON
     return max(abs(float(moments.volume) / 10 - 1), float(np.linalg.norm(off) / np.linalg.norm(I_TETRAHEDRON)))

@@ -30,9 +30,7 @@ PUSHED = replace(SWING, drive={"j1": Drive(torque="push")})
 
 
 @pytest.fixture(autouse=True)
-def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
+def _short_ladders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation_ladder, "STEPS", (1.6e-2, 4e-3))
     monkeypatch.setattr(simulation_ladder, "TOLERANCES", (1e-4, 1e-8))
 

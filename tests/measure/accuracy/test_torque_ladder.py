@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS
-from helpers.hurried import hurry
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.errors import InputError
@@ -22,13 +21,6 @@ from robodyn.trajectory.robot_motion import motion, read_motion
 SCARA, MOTION = ROBOTS / "scara.urdf", str(ROBOTS / "scara_pick_and_place.csv")
 
 pytest.importorskip("mpmath")
-
-
-@pytest.fixture(autouse=True)
-def _hurry(monkeypatch: pytest.MonkeyPatch) -> None:
-    hurry(monkeypatch)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_BUDGET", 0.0)
-    monkeypatch.setattr("robodyn.measure.timing.SPREAD_ROUNDS", 1)
 
 
 def test_scara() -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from helpers.compiled_programs import needs_compiler
 from helpers.example_robots import real
-from helpers.hurried import hurry
 from helpers.oracles import ROBOTS, robot
 from helpers.peers import needs_peers
 
@@ -28,11 +27,6 @@ from robodyn.scene.scene import Scene
 MISSING = "llvmlite is not installed; pip install llvmlite"
 SAMPLES = 300
 EPS = {"float64": np.finfo(np.float64).eps, "float32": np.finfo(np.float32).eps}
-
-
-@pytest.fixture(autouse=True)
-def _hurry(monkeypatch):
-    hurry(monkeypatch)
 
 
 def without_compiler(monkeypatch):

@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from helpers.example_robots import real
-from helpers.hurried import hurry
 from helpers.oracles import robot
 from helpers.peers import needs_peers
 from helpers.small_robots import joint, link, urdf
@@ -22,11 +21,6 @@ from robodyn.robot.assemble import load
 SAMPLES = 20
 GRAVITY = (1.0, -2.0, 3.0)
 ALL = ["Pinocchio", "Pinocchio", "MuJoCo", "Drake"]
-
-
-@pytest.fixture(autouse=True)
-def _hurry(monkeypatch):
-    hurry(monkeypatch)
 
 
 def peers_of(model):

@@ -35,6 +35,7 @@ def clock(monkeypatch):
     clock = Clock()
     for name, seconds in (("BUDGET", BUDGET), ("SHORT", SHORT), ("TURN", TURN)):
         monkeypatch.setattr(bench_timing, name, seconds)
+    monkeypatch.setattr(bench_timing, "ROUNDS", ROUNDS)
     monkeypatch.setattr(bench_timing, "perf_counter", lambda: clock.now)
     return clock
 
