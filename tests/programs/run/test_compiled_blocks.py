@@ -166,7 +166,9 @@ def test_a_thread_takes_over_what_others_leave(begin, busy_threads, monkeypatch)
     np.testing.assert_array_equal(bits(ready()(arrays, 4097, None, 3)), bits(right))
 
 
-def test_a_robot_in_blocks_and_at_once():
+@pytest.mark.parametrize("most_streams", [0, compiled_blocks.MOST_STREAMS], ids=["gathered", "in place"])
+def test_a_robot_in_blocks_and_at_once(most_streams, monkeypatch):
+    monkeypatch.setattr(compiled_blocks, "MOST_STREAMS", most_streams)
     model = golden_model("tree15_bf2_skew0.3")
     widths = {"q": model.nq, "qd": model.n, "qdd": model.n}
     program = Plan(model, Scene()).wrenches(joints=True)

@@ -105,15 +105,16 @@ def test_outputs_that_are_inputs_constants_or_repeated():
 
 
 @pytest.mark.parametrize("layout", [name for name in LAYOUTS if name not in ("other bytes first", "fewer bits")])
-def test_repeated_outputs_of_any_layout(layout, way):
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_repeated_outputs_of_any_layout(layout, dtype, way):
     """Each is computed once and copied to wherever it stands, from where it lies."""
-    run = compiled(lambda x, y: [x * y, 0.0, x + y, x * y, 0.0, y, x * y, y], 2)
-    x = np.random.default_rng(0).normal(size=(5 * BLOCK + 3, 2))
+    run = compiled(lambda x, y: [x * y, 0.0, x + y, x * y, 0.0, y, x * y, y], 2, dtype)
+    x = np.random.default_rng(0).normal(size=(5 * BLOCK + 3, 2)).astype(dtype)
     p, q = x.T
     zeros = np.zeros(len(x))
     expected = np.column_stack((p * q, zeros, p + q, p * q, zeros, q, p * q, q))
     for samples in (1, 8, BLOCK, 3 * BLOCK, len(x)):
-        out = LAYOUTS[layout](np.full((samples, 8), -7.0))
+        out = LAYOUTS[layout](np.full((samples, 8), -7.0, dtype))
         assert run({"x": np.asfortranarray(x[:samples])}, samples, out) is out
         np.testing.assert_array_equal(out, expected[:samples])
 
