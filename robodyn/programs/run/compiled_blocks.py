@@ -14,6 +14,7 @@ from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
 from robodyn.programs.run.llvm.machine import Function
+from robodyn.programs.run.llvm.team import LINE
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.team import Fields, Job
 
@@ -24,8 +25,6 @@ BLOCK = 128
 """Samples gathered at a time where an array's columns are not contiguous: their rows stay in the first cache."""
 LONG_BLOCK = 512
 """Samples at a time of many with contiguous columns: what is copied to many columns is written in long stretches."""
-LINE = 64
-"""Bytes from one gathered column to the next, besides its own: no power of two, or columns share sets of the cache."""
 STEP = 8 * BLOCK
 """Samples that a thread takes at a time."""
 MOST_STREAMS = 256
@@ -133,7 +132,9 @@ class CompiledBlocks:
         block = LONG_BLOCK if contiguous and samples >= 8 * LONG_BLOCK else BLOCK
         threads = max(1, min(threads, samples * self.program.size // THREAD_WORK, samples // block))
         functions = self._share.address, self._kernel.address
-        job = Job(functions, fields, self.rows, block * self.dtype.itemsize + LINE, STEP, block, samples, threads)
+        # No power of two apart, or gathered columns would share sets of the cache.
+        pitch = block * self.dtype.itemsize + 8 * LINE
+        job = Job(functions, fields, self.rows, pitch, STEP, block, samples, threads)
 
         def run() -> None:
             if job():
