@@ -131,6 +131,9 @@ MUTATIONS = {
     "dynamics/effects/test_shares.py": [
         ("dynamics/effects/limit_spring.py", "sign(x) * sign(x) + sign(x)", "sign(x) * sign(x) - sign(x)"),
     ],
+    "dynamics/test_function.py": [
+        ("programs/run/llvm/kernel.py", "homes[k]", "homes[k][:1]"),
+    ],
     "programs/run/test_compiled_blocks.py": [
         (
             "programs/run/llvm/functions.py",
@@ -165,7 +168,6 @@ MUTATIONS = {
     "programs/run/test_fusion.py": [
         ("programs/run/llvm/kernel.py", "x if op is ADD else code.neg(x)", "x"),
         ("programs/run/llvm/kernel.py", "z if op is ADD else code.neg(z)", "z"),
-        ("programs/run/llvm/kernel.py", "homes[k]", "homes[k][:1]"),
         ("programs/run/llvm/kernel.py", "op is MUL and k not in outputs", "op is MUL"),
         (
             "programs/run/llvm/kernel.py",
