@@ -39,6 +39,12 @@ def _methods(ctx: click.Context) -> Iterable[str]:
     return [method.name for method in METHODS]
 
 
+def _functions(ctx: click.Context) -> Iterable[str]:
+    from robodyn.equations.export.export import WORDS
+
+    return WORDS
+
+
 def _codes(ctx: click.Context) -> Iterable[str]:
     from robodyn.checks.catalogue import RULES
 
@@ -76,6 +82,7 @@ def _named(element: str, ctx: click.Context) -> Iterable[str]:
 LINKS, JOINTS = partial(_named, "link"), partial(_named, "joint")
 COMPLETED: dict[str | None, tuple[Names, str]] = {
     "method": (_methods, ""),
+    "what": (_functions, ""),
     "asked": (_codes_and_names, ""),
     "select": (_selected, ""),
     "ignore": (_codes, ""),

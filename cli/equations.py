@@ -1,4 +1,4 @@
-"""`robodyn equations`: the equations of motion of a robot, in numbers, in closed form or as C."""
+"""`robodyn equations`: the equations of motion of a robot, in numbers, or in closed form."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import click
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, PATH, QD, SCENE, VALUES, together
 from robodyn.cli.reports import answer
-from robodyn.cli.screen import show
-from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.dae.dae import dae
 from robodyn.equations.ode import ode
@@ -20,8 +18,8 @@ from robodyn.report.json.equations import closed_json, dae_json, ode_json
 from robodyn.report.renderers.latex_closed import closed_latex
 from robodyn.report.renderers.latex_dae import dae_latex
 
-FORMATS = ("text", "latex", "c", "json")
-ONLY = {"c": ("ode",), "latex": ("closed", "dae")}
+FORMATS = ("text", "latex", "json")
+ONLY = {"latex": ("closed", "dae")}
 """Formats that not all forms have."""
 _WRITERS: dict[str, Any] = {
     "ode": (ode_sections, ode_json, None),
@@ -29,6 +27,16 @@ _WRITERS: dict[str, Any] = {
     "closed": (closed_sections, closed_json, closed_latex),
 }
 """By form the functions for text, JSON and LaTeX."""
+
+
+class _Format(click.Choice):  # type: ignore[type-arg,unused-ignore]
+    """The formats; of C it says who writes it."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        other = "; robodyn export --to c writes C" if value == "c" else ""
+        return super().get_invalid_choice_message(value, ctx).rstrip(".") + other
+
+
 ASKED = together(
     click.option(
         "--form",
@@ -39,7 +47,7 @@ ASKED = together(
     AT,
     QD,
     click.option("--tau", type=VALUES, metavar="TAU", help="Torques for --form dae, likewise; default none."),
-    click.option("--format", "output", type=click.Choice(FORMATS), default="text", help="Default text."),
+    click.option("--format", "output", type=_Format(FORMATS), default="text", help="Default text."),
 )
 
 
@@ -50,32 +58,29 @@ def check_asked(form: str, output: str, **numbers: Any) -> None:
     if form not in forms:
         raise click.UsageError(f"--format {output} is for --form {' or '.join(forms)}", context)
     given = [name for name, value in numbers.items() if value]
-    if given and (form == "closed" or output in ("c", "latex")):
+    if given and (form == "closed" or output == "latex"):
         raise click.UsageError(f"--{given[0]} is for numbers: --form ode or dae as text or json", context)
     if "tau" in given and form != "dae":
         raise click.UsageError("--tau is for --form dae", context)
 
 
-@click.command("equations", short_help="Derive the equations of motion in numbers, letters, LaTeX or C.")
+@click.command("equations", short_help="Derive the equations of motion in numbers, letters or LaTeX.")
 @click.argument("urdf", type=PATH)
 @ASKED
 @SCENE
 def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> None:
-    """Derive M(q) qdd + bias = tau: in numbers at a configuration, in closed form for small robots, or as C functions;
-    and Newton's and Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
+    """Derive M(q) qdd + bias = tau: in numbers at a configuration, or in closed form for small robots; and Newton's and
+    Euler's laws of all bodies with constraints and reactions. A file named - is standard input.
 
     \b
     Examples:
       robodyn equations robots/puma.urdf --at 0.1,-0.5,0.3 --qd waist=1
       robodyn equations robots/two_link_planar.urdf --form closed --format latex
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
-      robodyn equations robots/puma560.urdf --format c > puma560.c
     """
     check_asked(form, output, at=at, qd=qd, tau=tau)
     check_names(urdf)
     model, scene = robot_in_scene(urdf, loops=form == "dae")
-    if output == "c":
-        return show(c_source(model, scene))
     found: Any
     if form == "dae":
         found = dae(model, scene, at, qd or (), tau or ())

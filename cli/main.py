@@ -15,7 +15,7 @@ from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 
 COMMANDS = (
-    *("torques", "simulate", "inertia", "check", "fbd", "equations"),
+    *("torques", "simulate", "inertia", "check", "fbd", "equations", "export"),
     *("scene", "info", "accuracy", "rule", "bench", "doctor"),
 )
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
     )
     from robodyn.equations.dae.dae import dae as dae
+    from robodyn.equations.export.export import export as export
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.errors import RobodynError as RobodynError
     from robodyn.loads.torques import torques as torques
@@ -64,6 +65,7 @@ _HOMES = {
     "dynamics.regressor": ("regressor",),
     "dynamics.second_derivatives": ("inverse_dynamics_second_derivatives",),
     "equations.dae.dae": ("dae",),
+    "equations.export.export": ("export",),
     "equations.free_body.bodies": ("free_bodies",),
     "errors": ("RobodynError",),
     "loads.torques": ("torques",),

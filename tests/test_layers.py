@@ -40,6 +40,9 @@ HEAVY = {
     "distributed",
     "matplotlib",
     "jinja2",
+    "casadi",
+    "jax",
+    "torch",
 }
 
 

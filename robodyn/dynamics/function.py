@@ -5,14 +5,12 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
-from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics import kinds
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
@@ -23,40 +21,8 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
 
-
-class _Kind(NamedTuple):
-    """What a function computes: its arguments, how many dimensions of n its result has, and its program."""
-
-    sources: tuple[str, ...]
-    shape: Callable[[int], tuple[int, ...]]
-    program: Callable[[Plan], Program]
-
-
-def _vector(n: int) -> tuple[int, ...]:
-    return (n,)
-
-
-def _matrix(n: int) -> tuple[int, ...]:
-    return (n, n)
-
-
-def _three(n: int) -> tuple[int, ...]:
-    return (3, n, n)
-
-
-_KINDS = {
-    "inverse_dynamics": _Kind(("q", "qd", "qdd"), _vector, Plan.torques),
-    "bias_forces": _Kind(
-        ("q", "qd"),
-        _vector,
-        lambda a: plan(a.model, a.scene, frozenset(("qdd", i) for i in range(a.model.n))).torques(),
-    ),
-    "forward_dynamics": _Kind(("q", "qd", "tau"), _vector, acceleration_program),
-    "mass_matrix": _Kind(("q",), _matrix, lambda a: mass_runner(a.model, a.scene).program),
-    "inverse_dynamics_derivatives": _Kind(("q", "qd", "qdd"), _three, inverse_derivatives),
-    "forward_dynamics_derivatives": _Kind(("q", "qd", "tau"), _three, forward_derivatives),
-}
-KINDS = tuple(_KINDS)
+KINDS = {name: kind for name, kind in kinds.KINDS.items() if len({result.axes for result in kind.results}) == 1}
+"""Those whose results are one array, or can be stacked."""
 
 
 class Function:
@@ -148,20 +114,19 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
 
     Accuracy: as `robodyn.<kind>`, compiled.
     """
-    if not isinstance(kind, str) or kind not in _KINDS:
+    if not isinstance(kind, str) or kind not in KINDS:
         raise InputError(
-            f"there is no function {kind!r} of one sample", remedy=alternatives(str(kind), KINDS, "functions")
+            f"there is no function {kind!r} of one sample", remedy=alternatives(str(kind), tuple(KINDS), "functions")
         )
     return _function(plan(model, scene), kind)
 
 
 @lru_cache(maxsize=32)
 def _function(a_plan: Plan, kind: str) -> Function:
-    model, (sources, shape, program) = a_plan.model, _KINDS[kind]
-    widths = {source: model.nq if source == "q" else model.n for source in sources}
-    if a_plan.scene.columns:
-        widths["columns"] = len(a_plan.scene.columns)
-    slow = Function(a_plan, kind, widths, shape(model.n), program(a_plan))
+    chosen = KINDS[kind]
+    shapes = list(chosen.shapes(a_plan).values())
+    shape = shapes[0] if len(shapes) == 1 else (len(shapes), *shapes[0])
+    slow = Function(a_plan, kind, chosen.widths(a_plan), shape, chosen.program(a_plan))
     return slow if compiler().problem else _compiled(slow)
 
 

@@ -86,10 +86,10 @@ def regressor(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     a_plan = plan(model, scene)
-    names, theta = zip(*_parameters(a_plan), strict=True)
+    names, theta = zip(*parameters(a_plan), strict=True)
     entries = _runner(a_plan)(sources, prod(shape), executor=executor, threads=threads)
-    rows = entries.reshape(*shape, model.n, len(names) + 1)
-    return Regressor(rows[..., :-1], np.array(theta), names, rows[..., -1])
+    Y, rest = np.split(entries.reshape(*shape, -1), [model.n * len(names)], axis=-1)
+    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
 
 
 @lru_cache(maxsize=16)
@@ -99,9 +99,9 @@ def _runner(a_plan: Plan) -> Runner:
 
 @traced
 def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
-    """The program of (Y, rest), n rows of p + 1."""
+    """The program of Y, row by row, and then of the rest."""
     refuse_loops(plan.scene)
-    theta = [tape.input("theta", k) for k, _ in enumerate(_parameters(plan))]
+    theta = [tape.input("theta", k) for k, _ in enumerate(parameters(plan))]
     sample = plan.sample(tape)
     linear = jacobian(_torques(plan, sample, iter(theta)), [{each: 1.0} for each in theta])
     others = [effect for effect in plan.effects if effect not in _LINEAR]
@@ -109,7 +109,7 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     for effect in others:
         massless = effect.add(massless, sample, plan.scene)
     rest = loads(sample, massless).tau
-    return [x for row, more in zip(linear, rest, strict=True) for x in (*row, more)]
+    return [*(x for row in linear for x in row), *rest]
 
 
 _MOTION = (gravity.EFFECT, inertia.EFFECT, coriolis.EFFECT, moving_base.EFFECT)
@@ -117,8 +117,8 @@ _LINEAR = (*_MOTION, payload.EFFECT, viscous_friction.EFFECT, coulomb_friction.E
 """The effects that the parameters stand for."""
 
 
-def _parameters(plan: Plan) -> Iterator[tuple[str, float]]:
-    """Yield name and value of every parameter, in the order in which `_torques` takes them."""
+def parameters(plan: Plan) -> Iterator[tuple[str, float]]:
+    """Yield name and value of every parameter, in the order of the columns of Y."""
     model, scene = plan.model, plan.scene
     sample = plan.sample(Tape())
     for body, (m, mc, I) in zip(model.bodies, applied([payload.EFFECT], sample, scene).inertias, strict=True):

@@ -28,7 +28,7 @@ PRODUCTS = 500_000
 """Of terms, for M and for each effect: some seconds at most."""
 LONGEST = 20_000
 """Operations of an entry that is not simplified."""
-REMEDY = "--form ode has numbers at a configuration, --format c the equations as code"
+REMEDY = "--form ode has numbers at a configuration, robodyn export writes them as code"
 STATES = 16
 TOLERANCE = 1e-12
 FLOOR = 1e-3

@@ -51,6 +51,9 @@ OPTIONAL = (
     Library("sympy", "sympy", "equations in closed form", "symbolic"),
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),
+    Library("casadi", "casadi", "use of what `export --to casadi` writes", "casadi"),
+    Library("jax", "jax", "use of what `export --to jax` writes", "jax"),
+    Library("torch", "torch", "use of what `export --to torch` writes", "torch"),
 )
 """What extras bring, each imported only by what needs it."""
 

@@ -13,7 +13,6 @@ from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.cli import equations
-from robodyn.equations.c_source import c_source
 
 PUMA, GRIPPER, PLANAR = (str(ROBOTS / f"{name}.urdf") for name in ("puma", "gripper", "two_link_planar"))
 SCENE = ("--scene", str(ROBOTS / "gripper.toml"))
@@ -78,9 +77,8 @@ def test_closed_text_and_json_say_the_same():
     assert found["check"]["largest_difference"] <= 1e-12
 
 
-def test_latex_and_c():
+def test_latex():
     assert "M_{12} &= 0.5 c_{2} + 0.4 \\\\\n" in shown(PLANAR, "--form", "closed", "--format", "latex")
-    assert shown(PUMA, "--format", "c") == c_source(robodyn.load(PUMA))
 
 
 def test_standard_input():
@@ -92,11 +90,10 @@ def test_standard_input():
 
 CALLS = {
     "--format latex": "--format latex is for --form closed or dae (try: robodyn equations --help)",
-    "--form closed --format c": "--format c is for --form ode (try",
     "--form closed --at 1,2,3": "--at is for numbers: --form ode or dae as text or json (try",
-    "--format c --qd waist=1": "--qd is for numbers: --form ode or dae as text or json (try",
+    "--format c": "invalid value for '--format': 'c' is not one of 'text', 'latex', 'json'; robodyn export --to c "
+    "writes C (try: robodyn equations --help)",
     "--form dae --format latex --tau 1,2,3": "--tau is for numbers: --form ode or dae as text or json (try",
-    "--form dae --format c": "--format c is for --form ode (try",
     "--tau 1,2,3": "--tau is for --form dae (try",
     "--form dae --tau elbw=1": "{}: no joint 'elbw' to set (did you mean 'elbow'?)",
     "--at 1,2": "{}: 2 values for 3 coordinates (in the order: 'waist', 'shoulder', 'elbow')",

@@ -37,6 +37,8 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
         ("robodyn simulate robots/puma.urdf --method ga", ["plain,gauss2", "plain,gauss4", "plain,gauss6"]),
+        ("robodyn export robots/puma.urdf --to ca", ["plain,casadi"]),
+        ("robodyn export robots/puma.urdf --what bias,fo", ["plain,bias,forward", "plain,bias,forward_derivatives"]),
         ("robodyn rule RD21", RD21),
         ("robodyn rule rd21", RD21),
         ("robodyn rule zero-", ["plain,zero-tensor", "plain,zero-axis"]),

@@ -13,7 +13,6 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.equations import closed as closed_module
-from robodyn.equations.c_source import c_source
 from robodyn.equations.closed import closed
 from robodyn.equations.ode import ode
 from robodyn.equations.trigonometric import Forms
@@ -75,8 +74,8 @@ def test_c_numpy_and_closed_form_agree(tmp_path):
     model, scene = load("gripper"), robodyn.load_scene(ROBOTS / "gripper.toml")
     q, qd, qdd = random_state(model, np.random.default_rng(3), 10)
     expected = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
-    library = compiled_c(c_source(model, scene), tmp_path)
-    assert worst(called(library.gripper_inverse_dynamics, [q, qd, qdd], model.n), expected) <= 1e-13
+    library = compiled_c(robodyn.export(model, "c", scene=scene), tmp_path)
+    assert worst(called(library.gripper_torques, [q, qd, qdd], model.n), expected) <= 1e-13
     assert worst(evaluated(closed(model, scene), q, qd, qdd), expected) <= 1e-13
 
 
@@ -129,7 +128,7 @@ def test_an_entry_that_fails_its_check_is_not_used(monkeypatch):
 
 
 def test_refusals(monkeypatch):
-    remedy = "--form ode has numbers at a configuration, --format c the equations as code"
+    remedy = "--form ode has numbers at a configuration, robodyn export writes them as code"
     with pytest.raises(InputError, match="7 coordinates are too many for a closed form, which goes up to 6") as error:
         closed(random_tree(1, 7, kinds=("revolute",)))
     assert error.value.remedy == remedy

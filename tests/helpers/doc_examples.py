@@ -88,12 +88,17 @@ def _quiet(block: str, folder: Path) -> str:
 
 def _session(names: dict[str, object], block: str, folder: Path) -> str:
     examples = doctest.DocTestParser().get_examples(block)
-    before = Path.cwd()
+    before, known = Path.cwd(), {*sys.modules}
     os.chdir(folder)
+    sys.path.insert(0, str(folder))  # as at a prompt: modules that commands have written can be imported
     try:
         return "".join(_prompted(example.source) + _shown(example.source, names) for example in examples)
     finally:
         os.chdir(before)
+        sys.path.remove(str(folder))
+        for name in {*sys.modules} - known:
+            if str(getattr(sys.modules[name], "__file__", "")).startswith(f"{folder}{os.sep}"):
+                del sys.modules[name]
 
 
 def _prompted(source: str) -> str:

@@ -12,7 +12,7 @@ from helpers.oracles import worst
 from helpers.random_programs import random_program
 
 from robodyn.errors import InputError
-from robodyn.programs.run.c_code import c_function, comment
+from robodyn.programs.export.c import c_function, comment
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.vectors import cos, exp, sign, sin
 
@@ -20,7 +20,9 @@ from robodyn.programs.vectors import cos, exp, sign, sin
 @needs_c
 def test_random_programs(tmp_path):
     drawn = [random_program(random.Random(seed), 60, tame=True) for seed in range(40)]
-    text = "".join(c_function(f"f{k}", program, widths, "out") for k, (program, widths) in enumerate(drawn))
+    text = "".join(
+        c_function(f"f{k}", program, widths, {"out": len(program.outputs)}) for k, (program, widths) in enumerate(drawn)
+    )
     library, rng = (
         compiled_c(f"#include <math.h>\n{text}", tmp_path, "-Wno-missing-prototypes"),
         np.random.default_rng(0),
@@ -38,7 +40,9 @@ def test_every_operation(tmp_path):
 
     program = program_of(function, 2)
     source = next(iter(program.inputs))[0]
-    library = compiled_c("#include <math.h>\n" + c_function("f", program, {source: 2}, "out"), tmp_path)
+    library = compiled_c(
+        "#include <math.h>\n" + c_function("f", program, {source: 2}, {"out": len(program.outputs)}), tmp_path
+    )
     states = np.array([[0.3, -2.0], [-1.5, 0.7], [0.0, 1e-3], [-0.0, 5.0]])
     expected = NumpyBlocks(program, {source: 2})({source: states}, len(states))
     found = called(library.f, [states], expected.shape[1])
@@ -50,7 +54,9 @@ def test_every_operation(tmp_path):
 def test_it_may_write_to_what_it_reads(tmp_path):
     program = program_of(lambda x, y: [y, x, x + y], 2)
     source = next(iter(program.inputs))[0]
-    library = compiled_c("#include <math.h>\n" + c_function("f", program, {source: 3}, "out"), tmp_path)
+    library = compiled_c(
+        "#include <math.h>\n" + c_function("f", program, {source: 3}, {"out": len(program.outputs)}), tmp_path
+    )
     values = np.array([2.0, 5.0, 0.0])
     library.f.restype = None
     library.f(values.ctypes, values.ctypes)
@@ -59,7 +65,7 @@ def test_it_may_write_to_what_it_reads(tmp_path):
 
 def test_a_constant_that_overflows():
     with pytest.raises(InputError, match="a constant of the equations overflows"):
-        c_function("f", program_of(lambda x: [x * float("inf")], 1), {"q": 1}, "out")
+        c_function("f", program_of(lambda x: [x * float("inf")], 1), {"q": 1}, {"out": 1})
 
 
 @pytest.mark.parametrize("text", ["*/ int x; /*", "??/", "*??/\n/", "Gr\u00fc\u00dfe \x1b", "/*/"])

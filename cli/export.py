@@ -1,0 +1,39 @@
+"""`robodyn export`: the dynamics of a robot as source code for other programs."""
+
+from __future__ import annotations
+
+import click
+
+from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import PATH, SCENE
+from robodyn.cli.screen import show
+from robodyn.equations.export.export import TARGETS, export
+
+
+@click.command("export", short_help="Write the dynamics as C, CasADi, JAX, PyTorch or NumPy.")
+@click.argument("urdf", type=PATH)
+@click.option("--to", required=True, type=click.Choice(list(TARGETS)), help="C99, or the library of a Python module.")
+@click.option(
+    "--what",
+    default="torques",
+    metavar="WHAT,...",
+    help="torques (default), mass_matrix, bias, forward, derivatives, forward_derivatives, regressor.",
+)
+@click.option("--out", type=PATH, metavar="FILE", help="Default standard output.")
+@SCENE
+def command(urdf: str, to: str, what: str, out: str | None) -> None:
+    """Write functions that compute the dynamics of a robot, a scene folded in, without robodyn: one C99 file, or a
+    Python module for CasADi, JAX, PyTorch or NumPy, which these differentiate, map and compile by their own means.
+    Its head says units, the order of joints and what derivatives are by. No library is needed to write.
+    A file named - is standard input.
+
+    \b
+    Examples:
+      robodyn export robots/puma560.urdf --to c --what torques,mass_matrix,bias,forward --out puma560.c
+      robodyn export robots/two_link_planar.urdf --to casadi --what forward --out arm.py
+      robodyn export robots/puma.urdf --scene robots/puma.toml --to jax --what derivatives,regressor > puma.py
+    """
+    check_names(urdf, output=out)
+    model, scene = robot_in_scene(urdf)
+    text = export(model, to, what, scene=scene, out=out)
+    show(text if out is None else f"written: {out}, {max(1, len(text) // 1000)} kB\n")

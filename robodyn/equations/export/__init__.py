@@ -1,0 +1,1 @@
+"""The dynamics of a robot as files of source code."""
