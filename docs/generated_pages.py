@@ -120,7 +120,7 @@ def commands_page() -> str:
         "",
         "`robodyn COMMAND --help` prints the same. [Exit status and errors](exit_status.md) are those of all commands.",
     ]
-    context = click.Context(main_command, info_name="robodyn")
+    context = click.Context(main_command, info_name="robodyn", **main_command.context_settings)
     for name in COMMANDS:
         command = main_command.get_command(context, name)
         assert command is not None

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from helpers.command_line import Outcome, command, motion, run, write_arm
 
-resource = pytest.importorskip("resource")
+pytest.importorskip("resource")
 
 FORMATS = ("csv", "parquet", "npz")
 ROWS = 2000
 SMALL_DISK = 20_000
 """Bytes: less than the table of `ROWS` rows takes in every format."""
+LIMITED = (
+    "import os, resource as r, sys; n = int(sys.argv[1]); r.setrlimit(r.RLIMIT_FSIZE, (n, n)); "
+    "os.execvp(sys.argv[2], sys.argv[2:])"
+)
+"""Runs a command whose files may have so many bytes."""
 OLD = b"an older result"
 
 
@@ -33,13 +39,8 @@ def refused(outcome: Outcome, line: str, *files: str) -> None:
 
 
 def on_small_disk(*args: str) -> Outcome:
-    done = subprocess.run(
-        command(*args),
-        capture_output=True,
-        check=False,
-        text=True,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL_DISK, SMALL_DISK)),
-    )
+    limited = [sys.executable, "-c", LIMITED, str(SMALL_DISK), *command(*args)]
+    done = subprocess.run(limited, capture_output=True, check=False, text=True)
     return Outcome(done.returncode, done.stdout, done.stderr)
 
 

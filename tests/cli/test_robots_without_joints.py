@@ -22,6 +22,7 @@ ANSWERED = [
     ("simulate", "copter.urdf", "--duration", "0.1", "--report", "r.html", *FREE),
     ("simulate", "copter.urdf", "--duration", "0.1", "--format", "json", *FREE),
     ("equations", "copter.urdf", *FREE),
+    ("export", "copter.urdf", "--to", "c", *FREE),
     ("fbd", "copter.urdf", *FREE),
     ("bench", "copter.urdf", "--samples", "10", *FREE),
 ]
@@ -29,7 +30,7 @@ REFUSED = [
     ("simulate", "copter.urdf"),
     ("equations", "copter.urdf"),
     ("equations", "copter.urdf", "--form", "dae"),
-    ("equations", "copter.urdf", "--format", "c"),
+    ("export", "copter.urdf", "--to", "c"),
     ("bench", "copter.urdf", "--samples", "10"),
     ("accuracy", "copter.urdf", "still.csv"),
     ("accuracy", "copter.urdf", "fixed.toml"),
