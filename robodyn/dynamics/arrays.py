@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from math import prod
 from types import MappingProxyType
 
@@ -16,12 +16,15 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
+_NO_COLUMNS = np.empty((0, 0))
+
 
 def zero_columns(sources: Mapping[str, Floats]) -> ZeroColumns:
     """Return the (source, column) pairs that are zero in every sample."""
     out = []
-    for source, rows in _rows(sources):
-        for column, first in enumerate(rows[0].tolist() if len(rows) else ()):
+    for source, values in sources.items():
+        rows = _different(values)
+        for column, first in enumerate(rows[0].tolist() if len(rows) and source != "columns" else ()):
             if first == 0.0 and not rows[:, column].any():
                 out.append((source, column))
     return frozenset(out)
@@ -32,15 +35,19 @@ def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
 
     There are few such patterns, so that calls with zeros in ever other columns share their programs.
     """
-    zero = [(source, rows.shape[1]) for source, rows in _rows(sources) if len(rows) and not rows.any()]
-    return frozenset((source, column) for source, count in zero for column in range(count))
+    zero = [source for source, rows in sources.items() if rows.size and rows.item(0) == 0.0 and source != "columns"]
+    if not zero:
+        return _NONE_ZERO
+    zero = [source for source in zero if not _different(sources[source]).any()]
+    return frozenset((source, column) for source in zero for column in range(sources[source].shape[1]))
 
 
-def _rows(sources: Mapping[str, Floats]) -> Iterator[tuple[str, Floats]]:
-    """Yield what may be zero of each source; one row where all are the same."""
-    for source, values in sources.items():
-        if source != "columns":
-            yield source, values[:1] if values.strides[0] == 0 else values
+_NONE_ZERO: ZeroColumns = frozenset()
+
+
+def _different(rows: Floats) -> Floats:
+    """Return the rows, but one where all are the same."""
+    return rows[:1] if rows.strides[0] == 0 else rows
 
 
 def arrays_of(
@@ -57,78 +64,62 @@ def arrays_of(
     """
     if np.dtype(dtype).type not in (np.float64, np.float32):
         raise InputError(f"dtype {np.dtype(dtype).name} is not offered", remedy="float64 or float32")
-    names = {name: model.coordinates if name == "q" else model.rates for name in given}
-    arrays = {name: _trailing(np.asarray(x, dtype), name, names[name]) for name, x in given.items()}
-    missing = [name for name in scene.columns if name not in columns]
-    if missing:
+    arrays = {}
+    for name, x in given.items():
+        arrays[name] = _trailing(np.asarray(x, dtype), name, model.coordinates if name == "q" else model.rates)
+    needed = scene.columns if scene.wrenches else ()
+    if missing := [name for name in needed if name not in columns]:
         raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
-    extra = [np.asarray(columns[name], dtype) for name in scene.columns]
+    extra = [np.asarray(columns[name], dtype) for name in needed]
     shape = _common_shape(arrays, extra)
     sources = {name: _matrix(array, shape) for name, array in arrays.items()}
-    for joint in model.independent:
-        if joint.kind == "floating" and _has_zero(sources["q"][:, joint.coordinate + 3 : joint.coordinate + 7]):
-            raise InputError(f"the quaternion of {joint.name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
+    for name, first in model.quaternions:
+        if _has_zero(sources["q"][:, first : first + 4]):
+            raise InputError(f"the quaternion of {name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
     sources["columns"] = (
-        _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else np.empty((0, 0))
+        _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else _NO_COLUMNS
     )
     return sources, shape
 
 
-def target(out: Floats | None, shape: tuple[int, ...], dtype: DTypeLike) -> Floats:
-    """Return the array to write to, which is `out` if given.
-
-    Raises:
-        InputError: it does not fit.
-    """
-    if out is None:
-        return np.empty(shape, dtype, order="F" if len(shape) == 2 else "C")
-    if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
-        found = f"shape {out.shape}, type {out.dtype}" + ("" if out.flags.writeable else ", read-only")
-        raise InputError(f"out has {found}, not {shape} and {np.dtype(dtype).name}")
-    return out
-
-
-def fill(
-    out: Floats, runner: Runner, sources: Mapping[str, Floats], executor: str = "auto", threads: int | None = None
-) -> None:
-    """Runs over all samples and writes to `out`, whose dtype is that of the arithmetic."""
-    samples = prod(out.shape[:-1])
-    flat = out.reshape(samples, out.shape[-1])
-    runner(sources, samples, flat, executor=executor, threads=threads, dtype=out.dtype)
-    if not np.shares_memory(flat, out):
-        out[...] = flat.reshape(out.shape)
-
-
-def tensors(
+def results(
     runner: Runner,
     sources: Mapping[str, Floats],
     shape: tuple[int, ...],
-    each: tuple[int, ...],
+    outputs: tuple[int, ...],
     out: Floats | None = None,
     executor: str = "auto",
     threads: int | None = None,
     dtype: DTypeLike = np.float64,
 ) -> Floats:
-    """Return a program's outputs as one tensor of a shape `each` per sample: (*shape, *each), which is `out` if given.
+    """Return what a program computes of all samples, (*shape, *outputs), written to `out` if given.
 
-    Where it is not, each entry has its samples beside each other.
+    Raises:
+        InputError: `out` does not fit.
     """
+    samples, whole = prod(shape), (*shape, *outputs)
     if out is None:
-        inner = tuple(range(len(each)))
-        out = np.moveaxis(np.empty((*each, *shape), dtype), inner, tuple(k - len(each) for k in inner))
-    out = target(out, (*shape, *each), dtype)
-    flat = out.reshape(*shape, prod(each))
-    fill(flat, runner, sources, executor, threads)
-    if not np.shares_memory(flat, out):
-        out[...] = flat.reshape(out.shape)
+        values: Floats = runner.run(sources, samples, executor=executor, threads=threads, dtype=dtype).values
+        return values.reshape(whole)
+    if not isinstance(out, np.ndarray):
+        raise InputError(f"out is no array but of type {type(out).__name__}")
+    if out.shape != whole or out.dtype != dtype or not out.flags.writeable:
+        found = f"shape {out.shape}, type {out.dtype}" + ("" if out.flags.writeable else ", read-only")
+        raise InputError(f"out has {found}, not {whole} and {np.dtype(dtype).name}")
+    flat = out.reshape(samples, prod(outputs))
+    runner.run(sources, samples, flat, executor=executor, threads=threads, dtype=dtype)
+    if not np.may_share_memory(flat, out):  # a copy is apart from it
+        out[...] = flat.reshape(whole)
     return out
 
 
 def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
     """Return the shape of the samples."""
-    shapes = {*(array.shape[:-1] for array in given.values()), *(array.shape for array in extra)}
+    shapes = [array.shape[:-1] for array in given.values()] + [array.shape for array in extra]
+    if shapes.count(shapes[0]) == len(shapes):
+        return shapes[0]
     try:
-        return shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+        return np.broadcast_shapes(*shapes)
     except ValueError:
         found = ", ".join(f"{name} {array.shape}" for name, array in given.items())
         raise InputError(f"the shapes do not go together: {found}") from None
@@ -136,13 +127,13 @@ def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple
 
 def _has_zero(quaternions: Floats) -> bool:
     """Return whether all four numbers of some row are zero."""
-    zero = quaternions[:, 3] == 0.0
-    return bool(zero.any()) and not quaternions[zero].any(axis=1).all()
+    w = quaternions[:, 3]
+    return bool(np.count_nonzero(w) < len(w) and not quaternions[w == 0.0].any(axis=1).all())
 
 
 def _trailing(values: Floats, name: str, names: tuple[str, ...]) -> Floats:
     if values.ndim == 0:
-        values = np.broadcast_to(values, (len(names),))
+        values = values.repeat(len(names))
     if values.shape[-1] != len(names):
         what = f"{name} has {values.shape[-1]} columns, the robot has {len(names)}"
         raise InputError(what, remedy=f"in this order: {', '.join(names)}")
@@ -150,6 +141,6 @@ def _trailing(values: Floats, name: str, names: tuple[str, ...]) -> Floats:
 
 
 def _matrix(array: Floats, shape: tuple[int, ...]) -> Floats:
-    columns = array.shape[-1]
-    whole = array if array.shape[:-1] == shape else np.broadcast_to(array, (*shape, columns))
-    return whole if len(shape) == 1 else whole.reshape(prod(shape), columns)
+    if array.shape[:-1] != shape:
+        array = np.broadcast_to(array, (*shape, array.shape[-1]))
+    return array if len(shape) == 1 else array.reshape(prod(shape), array.shape[-1]) if shape else array[None]

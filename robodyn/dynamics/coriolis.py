@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
-from math import prod
 
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import arrays_of
+from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import coriolis, payload
 from robodyn.dynamics.inverse import mass_runner, runner_of
 from robodyn.dynamics.plan import Plan, applied, loads, plan
@@ -51,8 +50,7 @@ def coriolis_matrix(
     Accuracy: 1e-14 of the largest entry of C for chains of up to 100 bodies.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd})
-    entries = _runner(plan(model, scene))(sources, prod(shape), executor=executor, threads=threads)
-    return entries.reshape(*shape, model.n, model.n)
+    return results(_runner(plan(model, scene)), sources, shape, (model.n, model.n), None, executor, threads)
 
 
 @lru_cache(maxsize=16)

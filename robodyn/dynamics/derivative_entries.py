@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from robodyn.dynamics.arrays import arrays_of, tensors
+from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.derivatives import InverseDerivatives, inverse_derivatives
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
@@ -74,7 +74,7 @@ def inverse_dynamics_derivative_entries(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     runner, places = _runner(plan(model, scene))
-    values = tensors(runner, sources, shape, (len(places[0]),), out, executor, threads, dtype)
+    values = results(runner, sources, shape, (len(places[0]),), out, executor, threads, dtype)
     return Entries(values, places[0], places[1], places[2], model.n)
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, tensors
+from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner, runner_of
@@ -84,7 +84,7 @@ def inverse_dynamics_derivatives(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     runner = inverse_runner(plan(model, scene))
-    whole = tensors(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
+    whole = results(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
     return InverseDerivatives(*(whole[..., k, :, :] for k in range(3)))
 
 
@@ -117,7 +117,7 @@ def forward_dynamics_derivatives(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
     runner = forward_runner(plan(model, scene))
-    whole = tensors(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
+    whole = results(runner, sources, shape, (3, model.n, model.n), out, executor, threads, dtype)
     return ForwardDerivatives(*(whole[..., k, :, :] for k in range(3)))
 
 

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, fill, target, zero_sources
+from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import mass_matrix, runner_of
@@ -117,10 +117,10 @@ def forward_dynamics(
     cond(M) times that. In float32, 1e-5 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
-    out = target(out, (*shape, model.n), dtype)
-    fill(out, acceleration_runner(plan(model, scene, zero_sources(sources))), sources, executor, threads)
-    _refuse_singular(model, scene, sources, out)
-    return out
+    runner = acceleration_runner(plan(model, scene, zero_sources(sources)))
+    qdd = results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
+    _refuse_singular(model, scene, sources, qdd)
+    return qdd
 
 
 @lru_cache(maxsize=16)
@@ -131,9 +131,8 @@ def acceleration_runner(a_plan: Plan) -> Runner:
 
 def _refuse_singular(model: Model, scene: Scene, sources: Mapping[str, Floats], qdd: Floats) -> None:
     """Raises where finite numbers have led to accelerations that are not."""
-    with np.errstate(all="ignore"):
-        if np.isfinite(qdd.sum()):
-            return
+    if np.count_nonzero(np.isfinite(qdd)) == qdd.size:
+        return
     finite = [np.isfinite(values).all(axis=1) for values in sources.values() if values.size]
     bad = np.all(finite, axis=0) & ~np.isfinite(qdd.reshape(-1, model.n)).all(axis=1)
     for k in np.flatnonzero(bad)[:1]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import prod
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, fill, target, zero_sources
+from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects import payload
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.plan import Plan, applied, plan
@@ -65,9 +64,8 @@ def inverse_dynamics(
     coefficient is zero. In float32, 1e-6 of the largest torque.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
-    out = target(out, (*shape, model.n), dtype)
-    fill(out, torque_runner(plan(model, scene, zero_sources(sources))), sources, executor, threads)
-    return out
+    runner = torque_runner(plan(model, scene, zero_sources(sources)))
+    return results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
 
 
 def bias_forces(
@@ -105,9 +103,7 @@ def mass_matrix(
     Accuracy: 1e-14 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q})
-    samples, n = prod(shape), model.n
-    entries = mass_runner(model, scene)(sources, samples, executor=executor, threads=threads)
-    return entries.reshape(*shape, n, n)
+    return results(mass_runner(model, scene), sources, shape, (model.n, model.n), None, executor, threads)
 
 
 @lru_cache(maxsize=16)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import prod
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import arrays_of, zero_sources
+from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects import rotor_inertia
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
@@ -114,7 +113,7 @@ def momenta(
     columns = dict.fromkeys(scene.columns, 0.0)  # wrenches carry no momentum
     sources, shape = arrays_of(model, {"q": q, "qd": qd}, scene, columns)
     runner = momentum_runner(plan(model, scene, zero_sources(sources)), view)
-    found = runner(sources, prod(shape), executor=executor, threads=threads).reshape(*shape, len(COLUMNS))
+    found = results(runner, sources, shape, (len(COLUMNS),), None, executor, threads)
     com, linear, angular = (found[..., 3 * k : 3 * k + 3] for k in range(3))
     return Momenta(_mass(model, scene), com, linear, angular, found[..., 9], found[..., 10])
 

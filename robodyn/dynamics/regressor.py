@@ -6,13 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
-from math import prod
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robodyn.dynamics.arrays import arrays_of
+from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import (
     coriolis,
     coulomb_friction,
@@ -85,16 +84,17 @@ def regressor(
     Accuracy: `Y theta + rest` within 1e-13 of the largest product of an entry of Y and its parameter.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
-    a_plan = plan(model, scene)
-    names, theta = zip(*parameters(a_plan), strict=True)
-    entries = _runner(a_plan)(sources, prod(shape), executor=executor, threads=threads)
-    Y, rest = np.split(entries.reshape(*shape, -1), [model.n * len(names)], axis=-1)
-    return Regressor(Y.reshape(*shape, model.n, len(names)), np.array(theta), names, rest)
+    runner, names, theta = _runner(plan(model, scene))
+    rows = results(runner, sources, shape, (model.n * (len(names) + 1),), None, executor, threads)
+    Y, rest = rows[..., : -model.n], rows[..., -model.n :]
+    return Regressor(Y.reshape(*shape, model.n, len(names)), theta.copy(), names, rest)
 
 
 @lru_cache(maxsize=16)
-def _runner(a_plan: Plan) -> Runner:
-    return runner_of(regressor_program(a_plan), a_plan)
+def _runner(a_plan: Plan) -> tuple[Runner, tuple[str, ...], Floats]:
+    """Return Y and the rest row by row, ready to run, and the parameters."""
+    names, theta = zip(*parameters(a_plan), strict=True)
+    return runner_of(regressor_program(a_plan), a_plan), names, np.array(theta)
 
 
 @traced

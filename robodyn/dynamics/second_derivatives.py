@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, tensors
+from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.derivatives import inverse_derivatives, moves
 from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
@@ -30,7 +30,7 @@ MOST_BEFORE = 30_000
 
 
 class SecondDerivatives(NamedTuple):
-    """How the derivatives of torques change: tensors (..., n, n, n).
+    """How the derivatives of torques change: results (..., n, n, n).
 
     Entry [i, j, k] of `a_b` is tau_i differentiated by a_j and then by b_k. Derivatives by q are rates as in
     `InverseDerivatives`; turns of a floating base do not commute, so that there `q_q` is not symmetric in j and k.
@@ -64,7 +64,7 @@ def inverse_dynamics_second_derivatives(
 
     Args:
         model, q, qd, qdd, scene, columns, executor, threads, dtype: as for `inverse_dynamics`.
-        out: (..., 4, n, n, n) of `dtype`, written to if given; the tensors are views of it.
+        out: (..., 4, n, n, n) of `dtype`, written to if given; the results are views of it.
 
     Raises:
         InputError: as `inverse_dynamics`; or the robot has so many joints that more than 100 000 operations are needed
@@ -74,7 +74,7 @@ def inverse_dynamics_second_derivatives(
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
     n, runner = model.n, _runner(plan(model, scene))
-    whole = tensors(runner, sources, shape, (4, n, n, n), out, executor, threads, dtype)
+    whole = results(runner, sources, shape, (4, n, n, n), out, executor, threads, dtype)
     return SecondDerivatives(*(whole[..., k, :, :, :] for k in range(4)))
 
 

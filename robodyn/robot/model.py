@@ -113,6 +113,11 @@ class Model(Frozen):
         return _names(self.independent, ("wx", "wy", "wz", "vx", "vy", "vz"))
 
     @cached_property
+    def quaternions(self) -> tuple[tuple[str, int], ...]:
+        """Names of the floating joints, and where in q their qx qy qz qw begin."""
+        return tuple((joint.name, joint.coordinate + 3) for joint in self.independent if joint.kind == "floating")
+
+    @cached_property
     def tips_first(self) -> tuple[int, ...]:
         """The entries of tau from the tips of the tree to its base, one branch after another."""
         rates = [body.joint.rate for body in reversed(self.bodies) if body.joint.kind != "fixed"]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.programs.program import Program
+from robodyn.programs.run.few_samples import FEW, FewSamples
 from robodyn.programs.run.llvm.build import built
 from robodyn.programs.run.llvm.driver import driver
 from robodyn.programs.run.llvm.kernel import kernel
@@ -17,6 +18,7 @@ from robodyn.programs.run.llvm.machine import Function
 from robodyn.programs.run.llvm.team import LINE
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.programs.run.team import Fields, Job
+from robodyn.support.threads import cores
 
 SCALARS = {"float64": "double", "float32": "float"}
 LANES = {"double": 8, "float": 16}
@@ -66,9 +68,10 @@ class CompiledBlocks:
         content = content_of(program, widths, dtype, fused)
         self._kernel = built("kernel", content, lambda: kernel_of(program, widths, dtype, fused))
         self._share = _driver(SCALARS[self.dtype.name])
+        self._rooms: list[FewSamples] = []
 
     def __call__(
-        self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int = 1
+        self, sources: Mapping[str, Numbers], samples: int, out: Numbers | None = None, threads: int | None = 1
     ) -> Numbers:
         """Return the outputs of the program for every sample.
 
@@ -76,7 +79,7 @@ class CompiledBlocks:
             sources: for each source an array (samples, columns), in any layout; contiguous columns are fastest.
             samples: how many.
             out: (samples, outputs) of the executor's dtype, in any layout, written to if given.
-            threads: at most so many work at a time; fewer where the work is small.
+            threads: at most so many work at a time, None is all cores; fewer where the work is small.
 
         Returns:
             (samples, outputs); where `out` is not given each column is contiguous.
@@ -88,14 +91,30 @@ class CompiledBlocks:
         result = np.empty((outputs, samples), self.dtype).T if out is None else out
         if samples == 0 or outputs == 0:
             return result
+        if samples <= FEW and self._few(sources, samples, result):
+            return result
         arrays = [self._plain(name, sources[name], samples) for name in self.sources]
         target = (
             result if out is None or self._fits(out, arrays, samples) else np.empty((outputs, samples), self.dtype).T
         )
-        self._bound(arrays, samples, target, threads)()
+        self._bound(arrays, samples, target, cores(threads))()
         if target is not result:
             result[...] = target
         return result
+
+    def _few(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
+        """Write the results of few samples; return whether that is done."""
+        try:
+            # Taken out while it is in use, so that two threads never share it.
+            room = self._rooms.pop()
+        except IndexError:
+            lanes = LANES[SCALARS[self.dtype.name]]
+            first_row = self.program.rows(self.widths)
+            room = FewSamples(self._kernel.address, first_row, self.widths, self.rows, self.dtype, lanes, self._homes)
+        done = room(sources, samples, out)
+        if done:
+            self._rooms.append(room)
+        return done
 
     def bound(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> Callable[[], None]:
         """`__call__` of one thread with these arguments: to be called often, as what they hold changes.

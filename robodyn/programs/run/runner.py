@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 PAIRS = "double-double"
 """The name of an executor that is never chosen by itself."""
 
+AS_ASKED = {executor: Choice(executor, "as asked") for executor in (*EXECUTORS, PAIRS)}
+READY = Choice("compiled", "its machine code is ready")
+
 
 class Run(NamedTuple):
     """What a call of a runner yields.
@@ -89,12 +92,14 @@ class Runner:
 
         Accuracy: as `NumpyBlocks` and `CompiledBlocks`.
         """
-        kind, workers = np.dtype(dtype).type, cores(threads)
+        kind = np.dtype(dtype).type
+        if threads is not None:
+            cores(threads)  # refuses those that cannot work
         if executor == PAIRS:
-            return Run(self._in_pairs(sources, samples, out), Choice(PAIRS, "as asked"))
+            return Run(self._in_pairs(sources, samples, out), AS_ASKED[PAIRS])
         chosen = self._chosen(executor, kind, samples, expected)
         if chosen.executor == "compiled":
-            return Run(self._compiled[kind](sources, samples, out, workers), chosen)
+            return Run(self._compiled[kind](sources, samples, out, threads), chosen)
         by_numpy = self._by_numpy(kind)
         with self._counting:
             self._samples += samples
@@ -117,8 +122,7 @@ class Runner:
         if executor not in EXECUTORS:
             remedy = alternatives(str(executor), EXECUTORS, "executors")
             raise InputError(f"there is no executor {executor!r}", remedy=remedy)
-        asked = Choice(executor, "as asked")
-        found = self._choice(kind, samples, expected) if executor == "auto" else asked
+        found = self._choice(kind, samples, expected) if executor == "auto" else AS_ASKED[executor]
         if found.executor == "compiled" and (problem := self._made(kind)):
             if executor == "compiled":
                 raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
@@ -131,11 +135,11 @@ class Runner:
         """Return the executor that suits the work: all that is expected, or all so far."""
         if self._problem:
             return Choice("numpy", self._problem)
+        if kind in self._compiled and not expected:
+            return READY
         size, block = self.program.size, self._by_numpy(kind).block
         if expected:
             return choice(Work(size, expected, 1, -(-expected // block)))
-        if kind in self._compiled:
-            return Choice("compiled", "its machine code is ready")
         with self._counting:
             work = Work(size, self._samples + samples, self._runs + 1, self._blocks + -(-samples // block))
         return choice(work)
