@@ -169,7 +169,8 @@ def test_jax(case, jax):
 def test_derivatives_by_jax(case, way, jax):
     def jacobians(export, model, scene, *given):
         torques = module_of(export(model, "jax", scene=scene)).torques
-        return jax.jit(jax.vmap(getattr(jax, way)(torques, argnums=(0, 1, 2))))(*given)
+        derivative = jax.vmap(getattr(jax, way)(torques, argnums=(0, 1, 2)))
+        return (derivative if case == "busy_free" else jax.jit(derivative))(*given)  # compiled in a minute
 
     derivative_of_torques(case, jacobians)
 
