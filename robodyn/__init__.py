@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from robodyn.equations.dae.dae import dae as dae
     from robodyn.equations.export.export import export as export
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
+    from robodyn.equations.linearized.linearize import linearize as linearize
     from robodyn.errors import RobodynError as RobodynError
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.assemble import load as load
@@ -67,6 +68,7 @@ _HOMES = {
     "equations.dae.dae": ("dae",),
     "equations.export.export": ("export",),
     "equations.free_body.bodies": ("free_bodies",),
+    "equations.linearized.linearize": ("linearize",),
     "errors": ("RobodynError",),
     "loads.torques": ("torques",),
     "robot.assemble": ("load",),

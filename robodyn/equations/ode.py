@@ -118,7 +118,7 @@ def ode(model: Model, scene: Scene = DEFAULT, at: Values = (), qd: Values = ()) 
         gravity=scene.gravity,
         coordinates=model.coordinates,
         rates=model.rates,
-        units=_units(model),
+        units=units_of(model),
         q=q,
         qd=speeds,
         M=M,
@@ -141,7 +141,8 @@ def _shares(model: Model, scene: Scene, q: Floats, qd: Floats) -> dict[str, Floa
     }
 
 
-def _units(model: Model) -> tuple[str, ...]:
+def units_of(model: Model) -> tuple[str, ...]:
+    """Return the units of the entries of tau, N m or N."""
     units = ["N m"] * model.n
     for joint in model.independent:
         if joint.kind == "prismatic":

@@ -88,14 +88,14 @@ def closed_state(model: Model, scene: Scene, at: Values | None, qd: Values) -> t
 
     Accuracy: all constraints of the single bodies within 1e-14 of the robot's extent.
     """
-    q, asked_q = _begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)
-    speeds, asked_qd = _begun(model.rates, rates(model, qd), qd, scene.initial_qd)
+    q, asked_q = begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)
+    speeds, asked_qd = begun(model.rates, rates(model, qd), qd, scene.initial_qd)
     asked = plan(model, replace(scene, initial_q=asked_q, initial_qd=asked_qd))
     q, speeds = np.split(closed_start(asked, np.concatenate((q, speeds))), [model.nq])
     return consistent(posed(model, scene, q.tolist(), speeds.tolist(), [0.0] * model.n))
 
 
-def _begun(
+def begun(
     names: tuple[str, ...], values: Floats, given: Values | None, start: Mapping[str, Entry]
 ) -> tuple[Floats, dict[str, Entry]]:
     """Return where the search begins, and what is to stay: what is given, or else the scene's initial values."""

@@ -1,0 +1,1 @@
+"""A robot near one state: linear equations, equilibria, modes."""

@@ -1,0 +1,116 @@
+"""The search for modes: eigenvalues of A, and bounds of their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from math import hypot, inf
+
+import numpy as np
+
+from robodyn.equations.linearized.modes import Mode, Modes
+from robodyn.equations.linearized.small_motion import SmallMotion
+from robodyn.equations.linearized.unheld import Split, split
+from robodyn.programs.eigenvalues import Complexes, general_eigen
+from robodyn.programs.linear import eigen, solve
+from robodyn.programs.vectors import product
+from robodyn.support.floats import Floats
+
+_ROUNDINGS = 16.0
+
+
+def modes_of(found: SmallMotion) -> Modes:
+    """Return the modes of A, drives closed.
+
+    What nothing holds (no stiffness) is split off first: its eigenvalues are zero to the last bit and not, as QR
+    iterations find a double zero, some 1e-8. The others are those of what is left.
+
+    Raises:
+        InputError: the eigenvalues overflow.
+
+    Accuracy: `error` of each: 16 roundings of the scaled A times the condition numbers of the scaled mass matrix and of
+        the eigenvalue, or the square root of that where two eigenvalues meet (Golub, Van Loan, *Matrix Computations*,
+        7.2), and what was cut off with the split.
+    """
+    return _Search(found).modes()
+
+
+class _Search:
+    """Attributes: parts: what is split off."""
+
+    def __init__(self, found: SmallMotion) -> None:
+        self.found, self.parts = found, split(found)
+
+    @cached_property
+    def rounding(self) -> float:
+        """Of A: solving with the mass matrix loses so much."""
+        size = np.sqrt(np.abs(np.diag(self.found.M)))
+        values = np.abs(eigen(self.found.M / np.outer(size, size))[0])
+        condition = values.max() / values.min() if values.min() else inf
+        return float(_ROUNDINGS * np.finfo(float).eps * condition)
+
+    def modes(self) -> Modes:
+        found, parts = self.found, self.parts
+        out = [_mode(found, 0j, 0.0, (parts.scale * row).astype(complex)) for row in parts.drift]
+        if len(parts.rest):
+            out += self._held(parts)
+        ordered = sorted(_marked(out), key=lambda mode: (hypot(mode.real, mode.imag), mode.real))
+        return Modes(tuple(ordered), found.at_rest)
+
+    def _held(self, parts: Split) -> list[Mode]:
+        both = np.concatenate((parts.scale, parts.scale))
+        A = self.found.A * both / both[:, None]
+        inner, cut = product(parts.rest, A, parts.rest.T), product(parts.rest, A, parts.basis.T)
+        pairs = general_eigen(inner)
+        lost = self.rounding * pairs.size + float(np.sqrt((cut * cut).sum()))
+        errors = np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))
+        whole = _completed(A, parts, pairs.values, pairs.right) * both[:, None]
+        n = len(self.found.M)
+        return [_mode(self.found, value, error, whole[:n, k]) for k, value, error in _paired(pairs.values, errors)]
+
+
+def _paired(values: Complexes, errors: Floats) -> list[tuple[int, complex, float]]:
+    """Return which eigenvalues stand for a mode each: one of every conjugate pair, and those that are real."""
+    out, left = [], sorted(range(len(values)), key=lambda k: -float(values[k].imag))
+    while left:
+        k = left.pop(0)
+        value, error = complex(values[k]), float(errors[k])
+        if value.imag > error:
+            left.remove(min(left, key=lambda j: abs(complex(values[j]) - value.conjugate())))
+            out.append((k, value, error))
+        else:
+            out.append((k, complex(value.real), error))
+    return out
+
+
+def _completed(A: Floats, parts: Split, values: Complexes, inner: Complexes) -> Complexes:
+    """Return eigenvectors of A from those of what is left of it: with their parts along what was split off."""
+    out = product(parts.rest.T, inner)
+    if len(parts.basis):
+        own = product(parts.basis, A, parts.basis.T)
+        given = product(product(parts.basis, A, parts.rest.T), inner)
+        one = np.eye(len(own))
+        for k, value in enumerate(values.tolist()):
+            a, b = value.real * one - own, value.imag * one
+            along = solve(np.block([[a, -b], [b, a]]), np.concatenate((given[:, k].real, given[:, k].imag)))
+            out[:, k] += product(parts.basis.T, along[: len(own)] + 1j * along[len(own) :])
+    return np.asarray(out)
+
+
+def _mode(found: SmallMotion, value: complex, error: float, along: Complexes) -> Mode:
+    shape = product(found.directions, along)
+    energy = np.abs(shape) * np.sqrt(np.maximum(found.inertia, 0.0))
+    most = int(np.argmax(energy > energy.max() * (1.0 - 1e-6)))
+    turned = shape / shape[most] if shape[most] else shape
+    shares = (energy / energy.max()) ** 2 if energy.max() else energy
+    return Mode(value.real, value.imag, error, tuple(map(complex, turned)), tuple(shares.tolist()))
+
+
+def _marked(modes: Sequence[Mode]) -> list[Mode]:
+    """Return the modes, those marked that share an eigenvalue within rounding."""
+
+    def near(a: Mode, b: Mode) -> bool:
+        return abs(complex(a.real, a.imag) - complex(b.real, b.imag)) <= a.error + b.error
+
+    return [replace(a, alike=any(a is not b and near(a, b) for b in modes)) for a in modes]

@@ -1,0 +1,109 @@
+"""The state at rest near a configuration: what drives and springs hold, and joints without either reach."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robodyn.equations.linearized.standing import Balance, Standing
+from robodyn.errors import InputError
+from robodyn.programs.linear import eigen, shortest, span
+from robodyn.programs.vectors import length, product
+from robodyn.support.floats import Floats, first_largest
+
+_STEPS, _HALVINGS = 60, 12
+_NEAR, _NEARLY = 1e-12, 1e-10
+"""Parts of the torques that balance: from where on one step is the last, and what is enough."""
+_DEPENDENT = 1e-10
+"""Directions in which the torques change by less than this part of the most are left alone: nothing holds there."""
+_AROUND = 0.5
+"""rad, or the same part of the robot's reach [m]: what Newton's method finds farther away is not near."""
+_SINKS, _LONGEST = 400, 0.3
+"""Steps downhill at most, and how long each may be, as `_AROUND`."""
+_SUNK = 1e-5
+"""A part of the torques that balance, from which Newton's method ends it."""
+
+
+def equilibrium_near(robot: Standing, q: Floats) -> Floats:
+    """Return q (nq,) at which the robot stays at rest.
+
+    Method: Newton's, the shortest step that makes the linear torques vanish, halved until it helps, which finds what is
+    near, stable or not. Where there is nothing near, the robot sinks, as if through something viscous, to a state that
+    is stable: Newton's steps with the absolute values of the stiffness' eigenvalues, which lead downhill past saddles
+    (Dauphin et al., "Identifying and attacking the saddle point problem", 2014). Newton's method ends it.
+
+    Raises:
+        InputError: none was found; the joint that is farthest from balance is named.
+
+    Accuracy: what is left of the torques is at most 1e-10 of those that balance, most often 1e-12.
+    """
+    found, here = _by_newton(robot, q, _AROUND)
+    if here.part > _NEARLY:
+        found, here = _by_newton(robot, _sunk(robot, q), _LONGEST)
+    if here.part <= _NEARLY:
+        return _as_begun(robot, q, found, here)
+    k = first_largest(np.abs(here.missing))
+    left = f"{abs(here.missing[k]):.3g} {robot.units[k]}"
+    what = f"no equilibrium is found: {left} at {robot.model.rates[k]} stay unbalanced"
+    raise InputError(what, remedy="give the joint a drive with kp or a spring, or begin elsewhere (--at)")
+
+
+def _as_begun(robot: Standing, q: Floats, found: Floats, here: Balance) -> Floats:
+    """Return what was found, with coordinates that rounding alone has moved where they were, or at 0, if as good."""
+    plain = np.where(np.abs(found - q) <= _NEAR, q, np.where(np.abs(found) <= _NEAR, 0.0, found))
+    return plain if robot.balance(plain).part <= max(here.part, _NEAR) else found
+
+
+def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balance]:
+    """Return where it ends, within this distance, and what is not balanced there."""
+    here, gone = robot.balance(q), np.zeros(robot.model.n)
+    for _ in range(_STEPS):
+        last, N = here.part <= _NEAR, here.directions
+        step = product(N, shortest(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT))
+        better = _first_that_helps(robot, q, here, step, around * robot.lengths, gone)
+        if better is None:
+            break
+        q, here, gone = better
+        if last:
+            break
+    return q, here
+
+
+def _first_that_helps(
+    robot: Standing, q: Floats, here: Balance, step: Floats, within: Floats, gone: Floats
+) -> tuple[Floats, Balance, Floats] | None:
+    """Return q, what is missing and how far it is after the step, halved until less is missing."""
+    for halving in range(_HALVINGS):
+        part = step * 0.5**halving
+        if (np.abs(gone + part) <= within).all() and (tried := robot.moved(q, part)) is not None:
+            there = robot.balance(tried)
+            if length(there.missing) < length(here.missing):
+                return tried, there, gone + part
+    return None
+
+
+def _sunk(robot: Standing, q: Floats) -> Floats:
+    """Return q after steps downhill, each accepted if the torques do work along it."""
+    here, longest = robot.balance(q), _LONGEST
+    for _ in range(_SINKS):
+        if here.part <= _SUNK:
+            break
+        step = _downhill(here, robot.lengths, longest)
+        tried = robot.moved(q, step)
+        there = None if tried is None else robot.balance(tried)
+        if tried is None or there is None or product(here.missing + there.missing, step) >= 0.0:
+            longest *= 0.25
+            continue
+        q, here, longest = tried, there, min(2.0 * longest, _LONGEST)
+    return q
+
+
+def _downhill(here: Balance, lengths: Floats, longest: float) -> Floats:
+    """Return the step (n,) that ends along each principal direction of the stiffness where its torque would vanish."""
+    N = span((here.directions / lengths[:, None]).T, 0.0).T * lengths[:, None]
+    S = product(N.T, here.stiffness, N)
+    values, V = eigen(0.5 * (S + S.T))
+    torque = product(V, product(N.T, here.missing))
+    felt = np.abs(torque) > _NEAR * here.scale
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = np.where(felt, np.clip(-torque / np.abs(values), -longest, longest), 0.0)
+    return np.asarray(product(N, product(along, V)))

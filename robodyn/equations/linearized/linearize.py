@@ -1,0 +1,188 @@
+"""A robot near one state: x' = A x + B u, with the drives of a scene closed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.dynamics.inverse import bias_forces
+from robodyn.equations.dae.closed import begun, closed_state
+from robodyn.equations.linearized.drives import following, positions
+from robodyn.equations.linearized.equilibrium import equilibrium_near
+from robodyn.equations.linearized.linearized import Linearized, in_steps
+from robodyn.equations.linearized.small_motion import SmallMotion
+from robodyn.equations.linearized.standing import Standing, standing
+from robodyn.equations.ode import check_equations
+from robodyn.errors import InputError
+from robodyn.programs.linear import solve
+from robodyn.programs.vectors import length, product
+from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
+from robodyn.robot.model import Model
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
+from robodyn.support.wording import listed
+
+_BALANCED = 1e-9
+"""Of the torques that balance: where less is missing, it is an equilibrium."""
+_CLEAR = 0.1
+"""Of the largest: a joint that moves less than so with what is left is no coordinate of a closed chain."""
+
+
+def linearize(
+    model: Model,
+    scene: Scene = DEFAULT,
+    at: Values | None = None,
+    qd: Values = (),
+    *,
+    equilibrium: bool = False,
+    step: float | None = None,
+) -> Linearized:
+    """Return the linear equations near a state.
+
+    `M dq'' = -(d ID/dq + kp) dq - (d ID/d qd + kd) dq' + du`, all derivatives exact. Without `equilibrium` the robot is
+    held where it is put: whatever torque is missing there is added, constant. With it, the nearest state at rest is
+    looked for that drives and springs hold and joints without either reach by themselves. Drives that follow a table
+    have their references where the joints are put.
+
+    With loops the same on the manifold of configurations that they allow: M, d ID/d qd and `d (ID - J^T lambda)/dq`,
+    lambda being constant, times N from the right and N^T from the left, with J N = 0.
+
+    Args:
+        at: coordinates in order or by name; the rest begins at the scene's initial values, else at zero, and moves so
+            that loops close. A base that moves stands upright at the ground's origin.
+        qd: of the rates, likewise, the rest zero. A closed chain is at rest.
+        equilibrium: whether to look for one near `at`.
+        step: s, for A and B of x(t + step) = A x(t) + B u, where u is constant from one step to the next.
+
+    Raises:
+        InputError: there are no equations, there is no equilibrium, the mass matrix is singular, or what comes out is
+            not finite.
+
+    Accuracy: A and B within cond(M) times 1e-14 of their largest entries, by blocks.
+    """
+    check_equations(model, scene)
+    with np.errstate(all="ignore"):
+        q, speeds = _state(model, scene, at, qd)
+        robot = standing(model, scene, q)
+        if equilibrium:
+            if speeds.any():
+                raise InputError("an equilibrium is at rest", remedy="leave out the speeds, or do not look for one")
+            q = equilibrium_near(robot, q)
+        found = _near(robot, q, speeds)
+        if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held)):
+            raise InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
+        if follow := following(scene):
+            what = f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"
+            found = replace(found, warnings=(what, *found.warnings))
+        return found if step is None else in_steps(found, step)
+
+
+def _state(model: Model, scene: Scene, at: Values | None, qd: Values) -> tuple[Floats, Floats]:
+    """Return where it is put, and its speeds."""
+    speeds = rates(model, qd)
+    if not scene.loops:
+        return begun(model.coordinates, configuration(model, () if at is None else at), at, scene.initial_q)[0], speeds
+    if speeds.any():
+        raise InputError("closed chains are linearized at rest", remedy="leave out the speeds (--qd)")
+    return closed_state(model, replace(scene, initial_qd={}), at, ())
+
+
+def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
+    """Return the linear equations at a state."""
+    model, moves = robot.model, bool(qd.any())
+    balance = robot.balance(q)
+    given = inverse_dynamics_derivatives(model, q, qd, 0.0, scene=robot.tree, executor="numpy")
+    drive = robot.drives.at(positions(model, q), qd)
+    held, stiffness = balance.missing, balance.stiffness
+    if moves:
+        held = bias_forces(model, q, qd, scene=robot.tree, executor="numpy") - drive
+        stiffness = given.dq + np.diag(robot.drives.kp)
+    balanced = not moves and balance.part <= _BALANCED
+    second = given.dqdd, given.dqd + np.diag(robot.drives.kd), stiffness
+    own, N = list(range(model.n)), np.eye(model.n)
+    if robot.chain is not None:
+        own, N = _coordinates(robot, balance.directions)
+        second = tuple(product(N.T, each, N) for each in second)
+    M, damping, stiffness = second
+    names = [model.rates[k] for k in own]
+    A, B = _first_order(model, qd, N, M, damping, stiffness)
+    inertia = np.diag(given.dqdd).copy()
+    return Linearized(
+        robot=model.name,
+        model=model,
+        states=(*(f"q_{name}" for name in names), *(f"qd_{name}" for name in names)),
+        inputs=tuple(f"tau_{name}" for name in model.rates),
+        A=A,
+        B=B,
+        q=q,
+        qd=qd,
+        drive=drive,
+        held=np.zeros(model.n) if balanced else held,
+        balanced=balanced,
+        motion=SmallMotion(N, M, damping, stiffness, A, B, inertia, _weight(robot, M, own), not moves),
+        warnings=(*_left_out(robot, qd), *beyond_limits(model, q), *model.notes),
+    )
+
+
+def _left_out(robot: Standing, qd: Floats) -> list[str]:
+    """Return what holds in truth and is not linear."""
+    scene, rubs = robot.tree, joints_with_friction(robot.model, robot.tree)
+    dry = [joint.name for _, joint, friction in rubs if friction.dry and not qd[joint.rate]]
+    if not dry or scene.slip_speed:
+        return []
+    return [f"Coulomb friction of {listed(dry)} is left out: at rest it jumps; slip_speed in the scene makes it smooth"]
+
+
+def _coordinates(robot: Standing, N: Floats) -> tuple[list[int], Floats]:
+    """Return the rates that are coordinates, driven ones and then first ones before others, and N in terms of them."""
+    left, own = N.copy(), []
+    order = sorted(range(len(N)), key=lambda k: (not robot.drives.kp[k] and not robot.drives.torque[k], k))
+    for _ in range(N.shape[1]):
+        sizes = np.sqrt((left * left).sum(axis=1))
+        k = next(k for k in order if sizes[k] >= _CLEAR * sizes.max())
+        own.append(k)
+        left -= np.outer(product(left, left[k] / sizes[k]), left[k] / sizes[k])
+        left[k] = 0.0
+    own.sort()
+    return own, np.asarray(solve(N[own].T, N.T).T)
+
+
+def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
+    """Return how stiff the weight can make each coordinate: what a joint carries, of mass m, is nearer to its axis than
+    I allows, `m r^2 <= I`, and makes at most `m g r`, g sqrt(m I)."""
+    model, scene = robot.model, robot.tree
+    carried = [body.inertia.m for body in model.bodies]
+    for payload in scene.payloads:
+        carried[model.links[payload.link].body] += payload.mass
+    for k in reversed(range(1, len(carried))):
+        carried[model.parents[k]] += carried[k]
+    mass = np.full(model.n, carried[0])
+    if robot.chain is None:
+        for k in reversed(range(len(carried))):
+            joint = model.bodies[k].joint
+            if joint.kind in ("revolute", "prismatic"):
+                mass[joint.rate] = carried[k]
+    return np.asarray(length(np.array(scene.gravity)) * np.sqrt(np.abs(mass[own] * np.diag(M))))
+
+
+def _first_order(
+    model: Model, qd: Floats, N: Floats, M: Floats, damping: Floats, stiffness: Floats
+) -> tuple[Floats, Floats]:
+    k, n = len(M), model.n
+    try:
+        solved = solve(M, np.hstack((-stiffness, -damping, N.T)))
+    except np.linalg.LinAlgError:
+        what = "the mass matrix is singular"
+        raise InputError(what, remedy="give every moving link a mass", file=model.file) from None
+    A, B = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, n))
+    A[:k, k:] = np.eye(k)
+    for joint in model.independent:
+        if joint.kind == "floating":  # a turn about axes that turn themselves
+            i = joint.rate
+            x, y, z = qd[i : i + 3]
+            A[i : i + 3, i : i + 3] = ((0, z, -y), (-z, 0, x), (y, -x, 0))
+    A[k:], B[k:] = solved[:, : 2 * k], solved[:, 2 * k :]
+    return A, B

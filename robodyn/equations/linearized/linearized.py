@@ -1,0 +1,78 @@
+"""The linear equations of a robot near a state, continuous or in steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from robodyn.equations.linearized.eigenmodes import modes_of
+from robodyn.equations.linearized.modes import Modes
+from robodyn.equations.linearized.small_motion import SmallMotion
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Linearized:
+    """x' = A x + B u near one state, x and u being differences from those of the state.
+
+    Attributes:
+        states: names of the entries of x, "q_elbow" and then "qd_elbow"; of a floating base turns about its axes and
+            shifts along the ground's; of a closed chain those of as many joints as can move by themselves.
+        inputs: names of the entries of u, torques beside those of the drives.
+        A, B: (2 k, 2 k), (2 k, n).
+        q, qd: (nq,), (n,) the state.
+        drive: (n,) torques of the drives there [N m or N].
+        held: (n,) torques that were added so that the robot does not accelerate [N m or N]; zero at an equilibrium.
+        balanced: whether it is an equilibrium.
+        motion: the equations of second order, and what modes rest on.
+        step: s, where A and B are those of steps.
+    """
+
+    robot: str
+    model: Model
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    A: Floats
+    B: Floats
+    q: Floats
+    qd: Floats
+    drive: Floats
+    held: Floats
+    balanced: bool
+    motion: SmallMotion
+    warnings: tuple[str, ...]
+    step: float | None = None
+
+    @cached_property
+    def modes(self) -> Modes:
+        """How it moves by itself, drives closed, and whether it is stable."""
+        return modes_of(self.motion)
+
+
+def in_steps(found: Linearized, step: float) -> Linearized:
+    """Return the same with A and B of x(t + step) = A x(t) + B u, where u is constant from one step to the next.
+
+    By the exponential of ((A, B), (0, 0)) step, in powers of it halved until it is small (Taylor's series of order 18,
+    squared again): both matrices at once, A singular or not. Van Loan 1978.
+    """
+    size, inputs = found.B.shape
+    whole = np.zeros((size + inputs, size + inputs))
+    whole[:size, :size], whole[:size, size:] = found.A * step, found.B * step
+    E = _exponential(whole)
+    return replace(found, A=E[:size, :size], B=E[:size, size:], step=step)
+
+
+def _exponential(X: Floats) -> Floats:
+    halvings = max(0, int(np.ceil(np.log2(max(float(np.abs(X).sum(axis=1).max()), 2.0**-60)))) + 1)
+    small = X / 2.0**halvings
+    term = out = np.eye(len(X))
+    for k in range(1, 19):
+        term = product(term, small) / k
+        out = out + term
+    for _ in range(halvings):
+        out = product(out, out)
+    return np.asarray(out)

@@ -1,0 +1,132 @@
+"""A robot at rest: the torques that are missing for it to stay so, and how they change with its configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
+from robodyn.dynamics.inverse import bias_forces
+from robodyn.dynamics.loops.closed_chain import ClosedChain
+from robodyn.dynamics.loops.closed_start import closed_near
+from robodyn.dynamics.loops.local_coordinates import moved, unit
+from robodyn.dynamics.loops.necessary import FEW, necessary
+from robodyn.dynamics.plan import plan
+from robodyn.equations.linearized.drives import Drives, drives_of, positions
+from robodyn.equations.ode import units_of
+from robodyn.errors import InputError
+from robodyn.programs.dual import Dual, rate_of
+from robodyn.programs.linear import across, shortest
+from robodyn.programs.vectors import length, product
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+
+class Balance(NamedTuple):
+    """What is missing at a configuration, beside what the loops carry.
+
+    Attributes:
+        missing: (n,) torques [N m or N].
+        directions: (n, k) in which it can move, columns orthonormal.
+        stiffness: (n, n) how torques change with q where what the loops carry stays the same.
+        scale: the largest of the torques that balance, or that the weight could make [N m].
+    """
+
+    missing: Floats
+    directions: Floats
+    stiffness: Floats
+    scale: float
+
+    @property
+    def part(self) -> float:
+        """How much is missing, of what balances."""
+        return length(self.missing) / self.scale if self.scale else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A robot in a scene at rest, its drives closed.
+
+    Attributes:
+        tree: the scene without its loops; chain: what they close, None without any.
+    """
+
+    model: Model
+    tree: Scene
+    drives: Drives
+    chain: ClosedChain | None
+
+    @cached_property
+    def units(self) -> tuple[str, ...]:
+        return units_of(self.model)
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """(n,) 1 for turns and the robot's reach [m] for shifts: how far is as far as one radian."""
+        return np.where(np.array(self.units) == "N", max(self.model.reach, 1e-9), 1.0)
+
+    def balance(self, q: Floats) -> Balance:
+        """Return what is missing at q.
+
+        With loops `missing = bias - drives - J^T lambda` is as short as it can be, and across all rows of J; its
+        derivative has that of J^T lambda in it, lambda being constant.
+        """
+        model = self.model
+        bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
+        given = self.drives.at(positions(model, q), np.zeros(model.n))
+        weight = model.total_mass * length(np.array(self.tree.gravity)) * model.reach
+        scale = max(weight, *(float(np.abs(x).max(initial=0.0)) for x in (bias, given)))
+        rates = inverse_dynamics_derivatives(model, q, 0.0, 0.0, scene=self.tree, executor="numpy")
+        missing, stiffness = bias - given, rates.dq + np.diag(self.drives.kp)
+        if self.chain is None:
+            return Balance(missing, np.eye(model.n), stiffness, scale)
+        J = self.chain.jacobian(self.chain.sample(q.tolist()))
+        multipliers = shortest(J.T, missing, FEW)
+        N = across(J, FEW).T
+        return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
+
+    def moved(self, q: Floats, step: Floats) -> Floats | None:
+        """Return q after a small move along the rates, loops closed again; None where they do not close."""
+        if self.chain is not None:
+            return closed_near(self.chain, q, step)
+        return np.array(unit(self.model, moved(self.model, q.tolist(), step.tolist())), dtype=float)
+
+
+def standing(model: Model, scene: Scene, q: Floats) -> Standing:
+    """Return the robot; q, at which loops are closed, says which of their equations depend on each other.
+
+    Raises:
+        InputError: its base moves and loops are closed; more motions are possible at q than nearby; or none is.
+    """
+    tree, drives = replace(scene, loops=()), drives_of(model, scene, q)
+    if not scene.loops:
+        return Standing(model, tree, drives, None)
+    if model.floating:
+        remedy = 'bolt the base down: leave out motion = "moving"'
+        raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
+    begun = dict(zip(model.coordinates, q.tolist(), strict=True))
+    chain = necessary(plan(model, replace(scene, initial_q=begun, initial_qd={})))
+    ways = len(across(chain.jacobian(chain.sample(q.tolist())), FEW))
+    if ways > model.n - chain.count:
+        what = f"the loops allow {ways} motions here and {model.n - chain.count} nearby, so that nothing is linear"
+        raise InputError(what, remedy="begin elsewhere (--at)", file=model.file)
+    if not ways:
+        raise InputError("nothing can move: the loops hold all joints", file=model.file)
+    return Standing(model, tree, drives, chain)
+
+
+def _carried(chain: ClosedChain, q: Floats, multipliers: Floats) -> Floats:
+    """Return d (J^T lambda) / dq (n, n), by dual numbers along each coordinate; bases do not move."""
+    n = chain.model.n
+    out = np.zeros((n, n))
+    for joint in chain.model.independent:
+        at: list[float | Dual] = list(q.tolist())
+        at[joint.coordinate] = Dual(float(q[joint.coordinate]), 1.0)
+        for row, multiplier in zip(chain.equations(chain.sample(at)).J, multipliers.tolist(), strict=True):
+            for rate, entry in row.items():
+                out[rate, joint.rate] += float(rate_of(entry)) * multiplier
+    return out

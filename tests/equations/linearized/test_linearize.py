@@ -1,0 +1,153 @@
+"""Linear equations near a state against closed forms, Drake and MuJoCo; equilibria; steps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import EPS, frictionless, robot, worst
+from helpers.robot_catalogue import FOLDER
+from scipy.linalg import expm
+
+import robodyn
+from robodyn.equations.linearized.linearize import linearize
+from robodyn.equations.linearized.linearized import in_steps
+from robodyn.errors import InputError
+from robodyn.scene.scene import Drive, Friction, Loop, Scene, Spring
+
+
+def free_of_columns(scene):
+    return replace(scene, wrenches=tuple(each for each in scene.wrenches if not each.columns))
+
+
+def test_a_hanging_pendulum():
+    """w^2 = m g l / I and 2 zeta w = d / I, as `doc` of the description has them: a point mass on a massless rod."""
+    model = robot("pendulum")
+    (name,) = model.joint_names
+    found = linearize(model, Scene(friction={name: Friction(0.3)}), [-1.2], equilibrium=True)
+    assert abs(found.q[0] + np.pi / 2) <= 4 * EPS
+    M = robodyn.mass_matrix(model, found.q)[0, 0]
+    weight = robodyn.bias_forces(model, [0.0], 0.0, scene=frictionless(model))[0]
+    assert worst(found.A, [[0.0, 1.0], [-weight / M, -0.3 / M]]) <= 4 * EPS
+    (mode,) = found.modes.modes
+    assert mode.frequency == pytest.approx(np.sqrt(weight / M) / (2 * np.pi), rel=1e-14)
+    assert mode.damping_ratio == pytest.approx(0.3 / (2 * np.sqrt(weight * M)), rel=1e-14)
+    assert not found.held.any()
+
+
+def test_it_is_held_where_it_is_put():
+    model = robot("puma560")
+    at = [0.1, -0.5, 0.3, 0.2, -0.4, 0.6]
+    found = linearize(model, at=at)
+    assert (found.held == robodyn.bias_forces(model, at, 0.0)).all()
+    assert not robodyn.forward_dynamics(model, at, 0.0, found.held).round(11).any()
+
+
+@pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+def test_the_accelerations_of_small_moves(moving_base):
+    """A and B are the derivatives of `forward_dynamics`, drives closed, with every effect of a scene on."""
+    model, scene = busy_robot(moving_base), free_of_columns(BUSY_SCENE)
+    names = ("j1", "slide", "finger")
+    scene = replace(scene, drive={name: Drive(0.5, 30.0, 4.0, 0.2, 0.1) for name in names})
+    rng = np.random.default_rng(3)
+    at, qd = (dict(zip(model.joint_names[-5:], rng.uniform(-1, 1, 5), strict=True)) for _ in range(2))
+    found = linearize(model, scene, at, qd)
+    n = model.n
+    kp, kd = (np.array([getattr(scene.drive.get(name), k, 0.0) for name in model.rates]) for k in ("kp", "kd"))
+    exact = robodyn.forward_dynamics_derivatives(model, found.q, found.qd, _torque(model, scene, found), scene=scene)
+    assert worst(found.A[n:, :n], exact.dq - exact.dtau * kp) <= 1e-10
+    assert worst(found.A[n:, n:], exact.dqd - exact.dtau * kd) <= 1e-10
+    assert worst(found.B[n:], exact.dtau) <= 1e-10
+    assert (found.A[:n, n:] == np.eye(n)).all()
+    assert not found.B[:n].any()
+
+
+def _torque(model, scene, found):
+    return robodyn.bias_forces(model, found.q, found.qd, scene=scene)
+
+
+@pytest.mark.parametrize("name", ["cylindrical", "scara", "two_link_spatial"])
+def test_drake(name):
+    """Drake's linear equations by its own automatic differentiation, gravity and viscous friction on."""
+    pytest.importorskip("pydrake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.systems.framework import OutputPortSelection
+    from pydrake.systems.primitives import FirstOrderTaylorApproximation
+
+    model = robot(name)
+    plant = MultibodyPlant(time_step=0.0)
+    Parser(plant).AddModels(str(FOLDER / f"{name}.urdf"))
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(model.bodies[0].name))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    rng = np.random.default_rng(len(name))
+    q, qd = rng.uniform(-1, 1, (2, model.n))
+    rows = [plant.GetJointByName(joint).velocity_start() for joint in model.joint_names]
+    state = np.zeros(2 * model.n)
+    state[rows], state[model.n + np.array(rows)] = q, qd
+    plant.SetPositionsAndVelocities(context, state)
+    scene = Scene(friction={joint.name: Friction(joint.damping) for joint in model.independent})
+    found = linearize(model, scene, q.tolist(), qd.tolist())
+    port = plant.get_applied_generalized_force_input_port()
+    held = np.zeros(model.n)
+    held[rows] = found.held
+    port.FixValue(context, held)
+    other = FirstOrderTaylorApproximation(plant, context, port.get_index(), OutputPortSelection.kNoOutput)
+    both = np.concatenate((rows, model.n + np.array(rows)))
+    assert worst(found.A, other.A()[np.ix_(both, both)]) <= 1e-12
+    assert worst(found.B, other.B()[np.ix_(both, rows)]) <= 1e-12
+
+
+def test_steps():
+    """The exponential by another program, a singular A (a free base) and a stiff one.
+
+    Its condition number is at least |X| (Higham, *Functions of Matrices*, 2008, chapter 10), here up to 4e6: whoever
+    computes it from an X that is rounded is off by so many roundings.
+    """
+    for model, scene in (
+        (robot("satellite", True), Scene(gravity=(0.0, 0.0, 0.0))),
+        (robot("puma560"), Scene(drive={name: Drive(kp=1e4, kd=50.0) for name in robot("puma560").joint_names})),
+    ):
+        found = linearize(model, scene)
+        n, m = found.B.shape
+        for step in (1e-6, 1e-3, 0.02):
+            stepped = in_steps(found, step)
+            X = np.block([[found.A, found.B], [np.zeros((m, n + m))]]) * step
+            expected, bound = expm(X), 4 * EPS * max(1.0, np.linalg.norm(X, 1))
+            assert worst(stepped.A, expected[:n, :n]) <= bound
+            assert worst(stepped.B, expected[:n, n:]) <= bound
+            assert stepped.step == step
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_equilibria_of_random_springs_and_drives(seed):
+    rng = np.random.default_rng(seed)
+    model = robot("puma560")
+    names = model.joint_names
+    scene = Scene(
+        spring={name: Spring(rng.uniform(20, 80), rng.uniform(-1, 1)) for name in names[:3]},
+        drive={name: Drive(kp=rng.uniform(20, 80), reference=rng.uniform(-1, 1)) for name in names[3:]},
+    )
+    found = linearize(model, scene, rng.uniform(-1, 1, 6).tolist(), equilibrium=True)
+    given = [scene.drive[name].kp * (scene.drive[name].reference - found.q[k + 3]) for k, name in enumerate(names[3:])]
+    tau = np.concatenate((np.zeros(3), given))
+    assert worst(robodyn.bias_forces(model, found.q, 0.0, scene=scene), tau) <= 1e-10
+    assert np.abs(np.linalg.eigvals(found.A).real.max()) < 1.0
+
+
+def test_a_floating_base_comes_to_rest_nowhere_under_gravity():
+    with pytest.raises(InputError, match=r"no equilibrium is found: 981 N at base_vz stay unbalanced"):
+        linearize(robot("satellite", True), Scene(), equilibrium=True)
+
+
+def test_refusals():
+    model = busy_robot()
+    with pytest.raises(InputError, match="wrenches name columns"):
+        linearize(model, BUSY_SCENE)
+    with pytest.raises(InputError, match="an equilibrium is at rest"):
+        linearize(model, qd={"j1": 0.1}, equilibrium=True)
+    with pytest.raises(InputError, match=r'loop "l" does not close: it is open by 1\.07 m'):
+        linearize(model, Scene(loops=(Loop("l", "tool"),)))

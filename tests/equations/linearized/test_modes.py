@@ -1,0 +1,240 @@
+"""Modes and stability against closed forms, other programs and the worst that there is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.example_robots import path_of
+from helpers.oracles import EPS, robot, worst
+from helpers.peers import mujoco
+from helpers.small_robots import built, joint, link, random_tree_parts, urdf
+
+import robodyn
+from robodyn.equations.linearized.linearize import linearize
+from robodyn.robot.assemble import load
+from robodyn.scene.scene import Drive, Friction, LimitSpring, Rotor, Scene, Spring
+
+G = 9.81
+NO_WEIGHT = Scene(gravity=(0.0, 0.0, 0.0))
+
+
+def rod(*more, mass=2.0, com=0.5, inertia=0.1, axis=(0, -1, 0), kind="continuous"):
+    """A rod on a pivot, its mass centre along x."""
+    arm = link("arm", mass, (com, 0, 0), (0, 0, 0, inertia, 0, inertia))
+    return built(link("base"), arm, joint("pivot", "base", "arm", kind, axis), *more)
+
+
+def test_double_pendulum():
+    """Two equal masses and rods: w^2 = (2 -+ sqrt 2) g / l, the lower rod at -+sqrt 2 times the upper's angle."""
+    found = linearize(robot("double_pendulum"), at=[0.1, -0.2], equilibrium=True)
+    assert not found.q.any()
+    slow, fast = found.modes.modes
+    for mode, sign in ((slow, 1), (fast, -1)):
+        assert mode.frequency == pytest.approx(np.sqrt((2 - sign * np.sqrt(2)) * G) / (2 * np.pi), rel=1e-14)
+        upper, lower = mode.shape
+        assert (lower / upper).real == pytest.approx(sign * np.sqrt(2) - 1, rel=1e-13)
+    assert (found.modes.verdict, found.modes.stable) == ("marginal", None)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.7, 15.0], ids=["undamped", "damped", "overdamped"])
+def test_spring_held_arm(damping):
+    """I q'' + d q' + k (q - rest) + m g c cos q = 0 about its equilibrium."""
+    model = rod()
+    scene = Scene(spring={"pivot": Spring(40.0, 0.3)}, friction={"pivot": Friction(damping)})
+    found = linearize(model, scene, [0.2], equilibrium=True)
+    q = float(found.q[0])
+    assert abs(40.0 * (q - 0.3) + 2.0 * G * 0.5 * np.cos(q)) <= 1e-12 * 40
+    inertia, stiffness = 0.1 + 2.0 * 0.25, 40.0 - 2.0 * G * 0.5 * np.sin(q)
+    assert worst(found.A, [[0, 1], [-stiffness / inertia, -damping / inertia]]) <= 4 * EPS
+    values = np.roots([inertia, damping, stiffness])
+    modes = found.modes
+    assert modes.verdict == ("stable" if damping else "marginal")
+    assert modes.margin == pytest.approx(-max(values.real), rel=1e-13, abs=1e-13)
+    if damping < 10.0:
+        (mode,) = modes.modes
+        assert mode.frequency == pytest.approx(np.sqrt(stiffness / inertia) / (2 * np.pi), rel=1e-14)
+        assert mode.damping_ratio == pytest.approx(damping / 2 / np.sqrt(stiffness * inertia), rel=1e-13)
+    else:
+        assert [mode.real for mode in modes.modes] == pytest.approx(sorted(values.real, reverse=True), rel=1e-13)
+        assert [mode.damping_ratio for mode in modes.modes] == [1.0, 1.0]
+
+
+def test_a_joint_that_a_drive_holds():
+    """Upright, kp - m g c is left of the stiffness: unstable below, stable above, and nothing is said in between."""
+    for kp, verdict in ((2.0 * G * 0.5 * 0.99, "unstable"), (2.0 * G * 0.5, "marginal"), (200.0, "stable")):
+        scene = Scene(drive={"pivot": Drive(kp=kp, kd=3.0, reference=np.pi / 2)})
+        found = linearize(rod(), scene, [np.pi / 2], equilibrium=True)
+        values = np.roots([0.6, 3.0, kp - 2.0 * G * 0.5])
+        assert sorted(mode.real for mode in found.modes.modes) == pytest.approx(
+            sorted(set(values.real)), rel=1e-12, abs=1e-9
+        )
+        assert found.modes.verdict == verdict
+        assert found.balanced
+
+
+def test_modes_are_what_a_motion_does():
+    """Eigenvalues and shapes of a robot with every effect, drives and mimic joints satisfy z' = A z."""
+    model = busy_robot()
+    scene = (
+        BUSY_SCENE.changed(None, held=False)
+        if False
+        else Scene(drive={name: Drive(kp=200.0, kd=4.0) for name in model.joint_names})
+    )
+    found = linearize(model, scene, equilibrium=True)
+    n, total = model.n, 0
+    for mode in found.modes.modes:
+        value, x = complex(mode.real, mode.imag), np.array(mode.shape)
+        z = np.concatenate((x, value * x))
+        assert np.abs(found.A @ z - value * z).max() <= 1e-12 * np.abs(found.A).max() * np.abs(z).max()
+        total += 2 if mode.oscillates else 1
+    assert total == 2 * n
+    expected = np.linalg.eigvals(found.A)
+    for mode in found.modes.modes:
+        assert np.abs(expected - complex(mode.real, mode.imag)).min() <= mode.error
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_mujoco(seed):
+    """mjd_transitionFD: steps of Euler's semi-implicit method, by differences of 1e-6."""
+    text = urdf(*random_tree_parts(np.random.default_rng(seed), 5, kinds=("revolute", "prismatic", "continuous")))
+    model, h = load(text), 1e-3
+    spec = mujoco.MjSpec.from_string(text.decode())
+    for each in spec.joints:
+        each.limited = 0
+    for name in model.joint_names:
+        spec.add_actuator(target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+    other = spec.compile()
+    other.opt.timestep = h
+    other.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_EULERDAMP | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    data, rng = mujoco.MjData(other), np.random.default_rng(seed)
+    dofs = np.array([other.joint(name).dofadr[0] for name in model.joint_names])
+    damping = rng.uniform(0.1, 2.0, model.n)
+    other.dof_damping[dofs], other.dof_frictionloss[:] = damping, 0.0
+    q, qd = rng.uniform(-1, 1, (2, model.n))
+    scene = Scene(friction={name: Friction(d) for name, d in zip(model.joint_names, damping, strict=True)})
+    found = linearize(model, scene, q.tolist(), qd.tolist())
+    data.qpos[dofs], data.qvel[dofs], data.ctrl[:] = q, qd, found.held
+    n = model.n
+    A, B = np.zeros((2 * n, 2 * n)), np.zeros((2 * n, n))
+    mujoco.mjd_transitionFD(other, data, 1e-6, True, A, B, None, None)
+    both = np.concatenate((dofs, n + dofs))
+    rates = np.hstack((found.A[n:], found.B[n:])) * h
+    rates[:, n : 2 * n] += np.eye(n)
+    expected = np.vstack((h * rates, rates))
+    expected[:n, :n] += np.eye(n)
+    rounding = 4 * EPS * max(np.abs(data.qpos).max(), np.abs(data.qvel).max(), 1.0) / 1e-6
+    assert worst(A[np.ix_(both, both)], expected[:, : 2 * n], scale=1.0) <= rounding
+    assert worst(B[both], expected[:, 2 * n :], scale=1.0) <= rounding
+
+
+def test_equal_modes_are_marked():
+    """Two alike arms beside each other: each frequency twice, and any mixture of the two is a mode."""
+    parts = [link("base")]
+    for name in ("left", "right"):
+        parts += [link(name, 1.0, (0, 0, -0.4)), joint(f"{name}_joint", "base", name, "continuous", (0, 1, 0))]
+    found = linearize(built(*parts), Scene(spring={"left_joint": Spring(3.0), "right_joint": Spring(3.0)}))
+    assert [mode.alike for mode in found.modes.modes] == [True, True]
+    shapes = np.array([mode.shape for mode in found.modes.modes])
+    assert np.abs(np.linalg.det(shapes)) >= 0.1
+
+
+def test_a_double_root():
+    """Critically damped: real, not a pair, and within the error that is said."""
+    model = rod(mass=1.0, com=0.0, inertia=1.0)
+    found = linearize(model, Scene(drive={"pivot": Drive(kp=1.0, kd=2.0)}))
+    for mode in found.modes.modes:
+        assert (mode.imag, mode.alike) == (0.0, True)
+        assert abs(mode.real + 1.0) <= mode.error <= 1e-5
+    assert found.modes.stable
+
+
+def test_a_free_robot_drifts():
+    """Eigenvalues are zero to the last bit; of a damped joint one is, and the other is -d / I."""
+    model = robot("satellite", True)
+    modes = linearize(model, NO_WEIGHT).modes
+    assert (len(modes.modes), modes.verdict, modes.margin) == (model.n, "marginal", None)
+    assert all(mode.free and mode.error == 0.0 for mode in modes.modes)
+    slowed = linearize(rod(axis=(0, 0, 1)), Scene(friction={"pivot": Friction(0.3)})).modes
+    assert [mode.free for mode in slowed.modes] == [True, False]
+    assert slowed.modes[1].real == pytest.approx(-0.3 / 0.6, rel=1e-14)
+    assert slowed.stable is None
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-3, 1e3, 1e9])
+def test_scales(scale):
+    """Frequencies of a pendulum do not depend on its mass, nor on that of what it hangs on."""
+    parts = [link("base"), link("cart", 1.0 / scale), joint("rail", "base", "cart", "prismatic", (0, 0, 1))]
+    parts += [link("bob", scale, (0, 0, -0.25)), joint("pivot", "cart", "bob", "continuous", (0, 1, 0))]
+    drive = {"rail": Drive(torque=G * (scale + 1 / scale), kp=9.0 * (scale + 1.0 / scale))}
+    found = linearize(built(*parts), Scene(drive=drive), equilibrium=True)
+    assert found.balanced
+    first, second = found.modes.modes
+    assert first.frequency == pytest.approx(3.0 / (2 * np.pi), rel=1e-12)
+    assert second.frequency == pytest.approx(np.sqrt(G / 0.25) / (2 * np.pi), rel=1e-12)
+    assert not first.free
+    assert not second.alike
+
+
+def test_a_small_stiffness_holds_and_a_rounded_right_angle_does_not():
+    """1.570796327 tilts an axis by 2e-10, and the weight holds nothing; a spring of as little holds, without weight."""
+    tilted = joint("pivot", "base", "arm", "continuous", (0, 1, 0), rpy=(1.570796327, 0, 0))
+    model = built(link("base"), link("arm", 2.0, (0.5, 0, 0), (0.1,) * 6), tilted)
+    assert [mode.free for mode in linearize(model).modes.modes] == [True]
+    soft = Scene(gravity=(0.0, 0.0, 0.0), spring={"pivot": Spring(1e-10)})
+    (mode,) = linearize(model, soft).modes.modes
+    assert mode.oscillates
+
+
+def test_stiff_and_soft_together():
+    """A drive of 1e9 beside a spring of 1e-3: the slow mode is found, and its error says how well."""
+    parts = [link("base"), link("a", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1)), link("b", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1))]
+    parts += [joint("ja", "base", "a", "continuous"), joint("jb", "base", "b", "continuous")]
+    scene = Scene(spring={"ja": Spring(1e-3)}, drive={"jb": Drive(kp=1e9, kd=1e3)})
+    slow, fast = linearize(built(*parts), scene).modes.modes
+    assert slow.imag == pytest.approx(np.sqrt(1e-3), rel=1e-9)
+    assert fast.imag == pytest.approx(np.sqrt(1e9 - 250e3), rel=1e-12)
+    assert abs(slow.imag - np.sqrt(1e-3)) <= slow.error
+
+
+@pytest.mark.parametrize("stem", ["ur5_robot", "panda", "anymal"])
+def test_real_robots_with_drives(stem):
+    """An equilibrium is found, all modes decay, and LAPACK's eigenvalues lie within the errors."""
+    model = robodyn.load(str(path_of(stem)))
+    scene = Scene(drive={name: Drive(kp=2000.0, kd=60.0) for name in model.joint_names})
+    found = robodyn.linearize(model, scene, equilibrium=True)
+    assert found.balanced
+    assert found.modes.stable
+    values = np.linalg.eigvals(found.A)
+    for mode in found.modes.modes:
+        assert np.abs(values - complex(mode.real, mode.imag)).min() <= mode.error
+
+
+def test_ur5_stretched_out_level():
+    """Half of its modes are held by nothing, none of them seems to grow by 1e-5 /s."""
+    modes = linearize(robodyn.load(str(path_of("ur5_robot")))).modes
+    assert modes.verdict == "marginal"
+    assert sum(mode.free for mode in modes.modes) == 5
+
+
+def test_a_state_that_moves_has_no_verdict():
+    found = linearize(robot("puma"), at=[0.1, 0.2, 0.3], qd=[1.0, -1.0, 0.5])
+    assert (found.modes.verdict, found.modes.stable, found.balanced) == ("moving", None, False)
+
+
+def test_dry_friction_is_said_to_be_left_out():
+    model = rod()
+    dry = Scene(friction={"pivot": Friction(0.1, 0.5, -0.5)})
+    (warning,) = linearize(model, dry).warnings
+    assert warning.startswith("Coulomb friction of 'pivot' is left out")
+    assert not linearize(model, dry, qd=[1.0]).warnings
+
+
+def test_motors_rotors_and_limits():
+    """A rotor adds inertia, and a limit's spring stiffness where the joint is beyond it."""
+    model = rod(kind="revolute")
+    upper = model.independent[0].upper
+    scene = Scene(gravity=(0.0, 0.0, 0.0), rotor={"pivot": Rotor(0.01, 10.0)}, limit_spring=LimitSpring(500.0, 2.0))
+    assert not linearize(model, scene).A[1].any()
+    found = linearize(model, scene, [upper + 0.01])
+    assert worst(found.A[1], [-500.0 / 1.6, -2.0 / 1.6]) <= 4 * EPS
