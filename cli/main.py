@@ -15,7 +15,7 @@ from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 
 COMMANDS = (
-    *("torques", "simulate", "inertia", "check", "fbd", "equations", "export"),
+    *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export"),
     *("scene", "info", "accuracy", "rule", "bench", "doctor"),
 )
 

@@ -30,6 +30,7 @@ COMMANDS = {
     "compare": ("inertia", "ROBOT", "--compare"),
     "fbd": ("fbd", "ROBOT", "--at", "0.1,0.2"),
     "equations": ("equations", "ROBOT", "--at", "0.1,0.2"),
+    "linearize": ("linearize", "ROBOT", "--at", "0.1,0.2"),
     "info": ("info", "ROBOT"),
     "check": ("check", "ROBOT", "--statistics"),
 }

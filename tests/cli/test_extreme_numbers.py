@@ -53,6 +53,7 @@ COMMANDS = [
     (*SIMULATE, "--rtol", "1e-4"),
     ("fbd", "robot.urdf"),
     ("equations", "robot.urdf", "--form", "dae"),
+    ("linearize", "robot.urdf", "--scene", "scene.toml"),
 ]
 NUMBER = re.compile(r"(?<=[ \"\[>])-?\d+(?:\.\d+)?(?=[ \"\],<\n])")
 FILES = {"robot.urdf": URDF, "scene.toml": SCENE, "part.stl": STL}

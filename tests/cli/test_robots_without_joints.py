@@ -22,6 +22,7 @@ ANSWERED = [
     ("simulate", "copter.urdf", "--duration", "0.1", "--report", "r.html", *FREE),
     ("simulate", "copter.urdf", "--duration", "0.1", "--format", "json", *FREE),
     ("equations", "copter.urdf", *FREE),
+    ("linearize", "copter.urdf", *FREE),
     ("export", "copter.urdf", "--to", "c", *FREE),
     ("fbd", "copter.urdf", *FREE),
     ("bench", "copter.urdf", "--samples", "10", *FREE),
@@ -29,6 +30,7 @@ ANSWERED = [
 REFUSED = [
     ("simulate", "copter.urdf"),
     ("equations", "copter.urdf"),
+    ("linearize", "copter.urdf"),
     ("equations", "copter.urdf", "--form", "dae"),
     ("export", "copter.urdf", "--to", "c"),
     ("bench", "copter.urdf", "--samples", "10"),

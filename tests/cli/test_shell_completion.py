@@ -37,6 +37,8 @@ def test_script(shell: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
         ("robodyn check --package-path mod", ["dir,mod"]),
         ("robodyn zebra --f", []),
         ("robodyn simulate robots/puma.urdf --method ga", ["plain,gauss2", "plain,gauss4", "plain,gauss6"]),
+        ("robodyn linearize robots/puma.urdf --eq", ["plain,--equilibrium"]),
+        ("robodyn linearize robots/puma.urdf --at waist=0.1,el", ["plain,waist=0.1,elbow="]),
         ("robodyn export robots/puma.urdf --to ca", ["plain,casadi"]),
         ("robodyn export robots/puma.urdf --what bias,fo", ["plain,bias,forward", "plain,bias,forward_derivatives"]),
         ("robodyn rule RD21", RD21),

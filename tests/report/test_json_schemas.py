@@ -34,6 +34,10 @@ COMMANDS = (
     ("equations", "equations robots/puma560.urdf"),
     ("equations_closed", "equations robots/two_link_planar.urdf --form closed"),
     ("equations_dae", "equations robots/gripper.urdf --form dae"),
+    ("linearize", "linearize robots/two_link_planar.urdf --equilibrium"),
+    ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),
+    ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),
+    ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
     ("bench", "bench robots/two_link_planar.urdf --samples 100"),
 )
 

@@ -1,0 +1,61 @@
+"""`robodyn linearize`: the linear equations of a robot near a state, and its modes."""
+
+from __future__ import annotations
+
+import io
+from functools import partial
+from typing import Any
+
+import click
+import numpy as np
+
+from robodyn.cli.files import check_names, robot_in_scene
+from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, SCENE
+from robodyn.cli.reports import REPORT, answer, get_ready
+from robodyn.equations.linearized.linearize import linearize
+from robodyn.equations.linearized.linearized import Linearized
+from robodyn.errors import InputError
+from robodyn.report.json.linearized import linearized_json
+from robodyn.report.linearized import linearized_page, linearized_sections
+from robodyn.support.files import write_whole
+
+
+@click.command("linearize", short_help="Linearize a robot near a state: A, B, modes, stability.")
+@click.argument("urdf", type=PATH)
+@AT
+@QD
+@click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at.")
+@click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between.")
+@click.option("--out", type=PATH, metavar="FILE", help="Write A, B, states and inputs: .npz.")
+@SCENE
+@REPORT
+@FORMAT
+def command(urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, out: str | None) -> None:
+    """Linearize x' = A x + B u near a state, x being positions and speeds and u torques, with the scene's drives and
+    springs closed; and list the modes: frequency, damping, time constant and what moves. Derivatives are exact.
+    Without --equilibrium the robot is held where --at puts it. A file named - is standard input.
+
+    \b
+    Examples:
+      robodyn linearize robots/pendulum.urdf --at 1.5707963267948966
+      robodyn linearize robots/puma.urdf --scene robots/puma_servo.toml --equilibrium --step 0.001 --out linear.npz
+    """
+    check_names(urdf, output=out)
+    if out is not None and not out.endswith(".npz"):
+        raise InputError("is no .npz file", remedy="--out FILE.npz", file=out)
+    get_ready()
+    model, scene = robot_in_scene(urdf, loops=True)
+    found = linearize(model, scene, at, qd or (), equilibrium=equilibrium, step=step)
+    text = linearized_json(found)
+    written = ""
+    if out is not None:
+        write_whole(out, _npz(found), "name another file")
+        written = f"\nwritten: {out}, A, B, states and inputs\n"
+    answer(linearized_sections(found), partial(linearized_page, found), written, json=lambda: text)
+
+
+def _npz(found: Linearized) -> bytes:
+    file = io.BytesIO()
+    arrays: dict[str, Any] = {key: getattr(found, key) for key in ("A", "B", "q", "qd", "drive", "held")}
+    np.savez(file, states=np.array(found.states), inputs=np.array(found.inputs), **arrays)
+    return file.getvalue()

@@ -1,0 +1,176 @@
+"""The result of `linearize`: the state, the modes in words, and whether it is stable."""
+
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Iterator, Sequence
+from math import inf, pi
+
+from robodyn.equations.linearized.linearized import Linearized
+from robodyn.equations.linearized.modes import Mode, Modes
+from robodyn.equations.ode import units_of
+from robodyn.report.document import (
+    Block,
+    Document,
+    Gallery,
+    Heading,
+    Paragraph,
+    Section,
+    Table,
+    Verdict,
+    data_blocks,
+    on_page,
+    paragraphs,
+    remarks,
+)
+from robodyn.report.json.linearized import linearized_json
+from robodyn.report.table import number
+from robodyn.support.wording import count
+
+_MOVES = 0.05
+"""Of the largest move in a mode: less is not named."""
+_NAMED = 4
+_SAME = 0.1
+"""Of half a turn: how far a phase may be from in step or against."""
+_PICTURED = 12
+"""Modes that have pictures, the slowest."""
+
+
+def linearized_sections(found: Linearized) -> Iterator[Section]:
+    """Yield the state and what holds it, the modes, and the verdict."""
+    verdict = stability(found.modes)
+    how = "an equilibrium" if found.balanced else "the state given"
+    sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
+    yield paragraphs([f"{found.robot}: linear about {how}, {sizes}", *_held(found), *_discrete(found)])
+    yield [Table("State", ("joint", "q", "qd", "drive", "torque added", "unit"), _state(found))]
+    rows = [_row(found, mode) for mode in found.modes.modes]
+    yield [Table("Modes, the slowest first", _HEAD, rows, _note(found.modes))]
+    yield paragraphs([f"{verdict.headline}.", *verdict.reasons])
+    yield remarks("warning", found.warnings)
+
+
+def linearized_page(found: Linearized, pictures: bool = True) -> Document:
+    """Return the same as a page, with pictures of the modes, and A and B as data."""
+    blocks: list[Block] = [stability(found.modes), *(_pictures(found) if pictures else [])]
+    blocks += [Heading("In numbers"), *on_page(linearized_sections(found), "Mode")]
+    blocks += data_blocks([("linear.json", linearized_json(found))], "robodyn linearize --format json prints it")
+    return Document(found.robot, "Linear equations near a state, and modes", tuple(blocks))
+
+
+def _pictures(found: Linearized) -> list[Block]:
+    from robodyn.report.pictures.modes import mode_figure
+
+    modes, names = found.modes.modes, found.model.rates
+    shown = [
+        mode_figure(found.model, found.q, mode.shape, f"{_figures(mode)}: {moves(names, mode)}", f"mode {k}")
+        for k, mode in enumerate(modes[:_PICTURED])
+    ]
+    some = [Paragraph(f"The slowest {_PICTURED} of {len(modes)} modes.")] if len(modes) > _PICTURED else []
+    return [Heading("Mode shapes"), *some, Gallery(tuple(shown))]
+
+
+def stability(modes: Modes) -> Verdict:
+    """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
+    if modes.verdict == "moving":
+        return Verdict("neutral", "No verdict on stability: the state moves", ("The modes are those of this instant.",))
+    if modes.verdict == "unstable":
+        worst = max(modes.modes, key=lambda mode: mode.real)
+        grows = f"The fastest grows by a factor of e in {worst.time_constant:.4g} s."
+        some = sum(mode.real > mode.error for mode in modes.modes)
+        return Verdict("bad", f"Unstable: {count(some, 'mode grows', 'modes grow')}", (grows,))
+    if modes.verdict == "stable":
+        assert modes.margin is not None, "there are modes, and all are held"
+        slowest = f"The slowest decays to 1/e in {1 / modes.margin:.4g} s, a margin of {modes.margin:.4g} /s."
+        return Verdict("good", "Stable: every small push dies away", (slowest,))
+    free = sum(mode.free for mode in modes.modes)
+    steady = sum(mode.undecided and not mode.free for mode in modes.modes)
+    words = [f"{count(free, 'mode is', 'modes are')} held by nothing"] if free else []
+    words += [f"{count(steady, 'mode is', 'modes are')} not damped within rounding"] if steady else []
+    return Verdict("doubtful", f"Neither stable nor unstable: {' and '.join(words)}")
+
+
+def _held(found: Linearized) -> list[str]:
+    if not found.held.any():
+        return []
+    if not found.motion.at_rest:
+        return ["the torques added keep its speeds constant; they stay as they are in the linear equations"]
+    k = int(abs(found.held).argmax())
+    most = f"{found.held[k]:.4g} {units_of(found.model)[k]} at {found.model.rates[k]}"
+    return [
+        f"it is no equilibrium: constant torques are added that hold it, {most} the largest; "
+        "--equilibrium looks for a state without them"
+    ]
+
+
+def _discrete(found: Linearized) -> list[str]:
+    if found.step is None:
+        return []
+    return [f"A and B are those of steps of {found.step:.6g} s, inputs held in between; modes are those of A before"]
+
+
+def _state(found: Linearized) -> list[tuple[str, ...]]:
+    names, n = found.model.coordinates, len(found.qd)
+    floating = len(names) - n
+    base = zip(names[: 7 * bool(floating)], found.q.tolist(), strict=False)
+    rows: list[tuple[str, ...]] = [(name, f"{x:.6g}", "", "", "", "") for name, x in base]
+    largest = float(max(abs(found.held).max(initial=0.0), abs(found.drive).max(initial=0.0)))
+    units = units_of(found.model)
+    for k, name in enumerate(found.model.rates):
+        position = "" if k < 6 * bool(floating) else f"{found.q[k + floating]:.6g}"
+        given = (number(float(each[k]), largest) for each in (found.drive, found.held))
+        rows.append((name, position, f"{found.qd[k]:.6g}", *given, units[k]))
+    return rows
+
+
+_HEAD = ("mode", "frequency [Hz]", "damping ratio", "time constant [s]", "eigenvalue [1/s]", "what moves")
+
+
+def _row(found: Linearized, mode: Mode) -> tuple[str, ...]:
+    value = f"{0.0 if mode.undecided else mode.real:.4g}" + (f" +- {mode.imag:.4g}i" if mode.oscillates else "")
+    return (
+        _kind(mode),
+        f"{mode.frequency:.4g}" if mode.oscillates else "-",
+        f"{mode.damping_ratio:.3g}" if mode.oscillates else "-",
+        "-" if mode.time_constant == inf else f"{mode.time_constant:.4g}",
+        value,
+        moves(found.model.rates, mode),
+    )
+
+
+def _kind(mode: Mode) -> str:
+    if mode.free:
+        return "held by nothing"
+    grows = mode.real > 0.0 and not mode.undecided
+    if mode.oscillates:
+        return "oscillates and grows" if grows else "oscillates, undamped" if mode.undecided else "oscillates"
+    return "undecided" if mode.undecided else "grows" if grows else "decays"
+
+
+def _figures(mode: Mode) -> str:
+    """Return what kind of mode it is, with its figures."""
+    if mode.oscillates:
+        return f"{mode.frequency:.4g} Hz, damping ratio {mode.damping_ratio:.3g}"
+    return _kind(mode) if mode.undecided else f"{_kind(mode)}, time constant {mode.time_constant:.4g} s"
+
+
+def moves(names: Sequence[str], mode: Mode) -> str:
+    """Return which joints move how much, in step or against each other, those with most kinetic energy first."""
+    order = sorted(range(len(names)), key=lambda k: (-round(mode.shares[k], 6), k))
+    least = _MOVES * max(map(abs, mode.shape))
+    shown = [k for k in order if abs(mode.shape[k]) >= least and mode.shares[k] > 0][:_NAMED]
+    words = [f"{names[k]} {abs(mode.shape[k]):.3g}{_phase(mode.shape[k]) if i else ''}" for i, k in enumerate(shown)]
+    return ", ".join(words) + ("; any mixture with its like" if mode.alike else "")
+
+
+def _phase(entry: complex) -> str:
+    angle = phase(entry)
+    if abs(angle) <= _SAME * pi:
+        return ""
+    if abs(angle) >= (1 - _SAME) * pi:
+        return " against"
+    return f" {'ahead' if angle > 0 else 'behind'} by {abs(angle) * 180 / pi:.0f} deg"
+
+
+def _note(modes: Modes) -> str:
+    error = max((mode.error for mode in modes.modes), default=0.0)
+    return f"Eigenvalues are within {error:.1g} /s. What moves: rad or m of each joint per 1 of the first."
