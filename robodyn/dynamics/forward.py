@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, applied, plan
@@ -117,15 +117,16 @@ def forward_dynamics(
     cond(M) times that. In float32, 1e-5 of the largest entry.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "tau": tau}, scene, columns or {}, dtype)
-    runner = acceleration_runner(plan(model, scene, zero_sources(sources)))
+    runner = acceleration_runner(model, scene, zero_sources(sources))
     qdd = results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
     _refuse_singular(model, scene, sources, qdd)
     return qdd
 
 
 @lru_cache(maxsize=16)
-def acceleration_runner(a_plan: Plan) -> Runner:
-    """Return the plan's qdd, ready to run."""
+def acceleration_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
+    """Return qdd of their plan, ready to run."""
+    a_plan = plan(model, scene, zero_columns)
     return runner_of(acceleration_program(a_plan), a_plan)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
@@ -64,7 +65,7 @@ def inverse_dynamics(
     coefficient is zero. In float32, 1e-6 of the largest torque.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
-    runner = torque_runner(plan(model, scene, zero_sources(sources)))
+    runner = torque_runner(model, scene, zero_sources(sources))
     return results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
 
 
@@ -107,8 +108,9 @@ def mass_matrix(
 
 
 @lru_cache(maxsize=16)
-def torque_runner(a_plan: Plan) -> Runner:
-    """Return the plan's tau, ready to run."""
+def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
+    """Return tau of their plan, ready to run."""
+    a_plan = plan(model, scene, zero_columns)
     return runner_of(a_plan.torques(), a_plan)
 
 

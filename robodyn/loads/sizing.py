@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.inverse import mass_matrix, torque_runner
-from robodyn.dynamics.plan import plan
 from robodyn.loads.bearings import BearingPass
 from robodyn.loads.motors import MotorPass, train_of
 from robodyn.loads.result import JointLoad
@@ -83,7 +82,7 @@ class SizingPass:
     def _static_runner(self) -> Runner:
         """Return the torques of standing still in each pose."""
         rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
-        return torque_runner(plan(self.model, self.scene, rates))
+        return torque_runner(self.model, self.scene, rates)
 
     @property
     def figures(self) -> Iterator[Floats]:

@@ -20,7 +20,7 @@ from helpers.oracles import worst
 
 import robodyn
 from robodyn.dynamics.inverse import torque_runner
-from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.plan import Plan
 from robodyn.measure.speed.executors import available, build_times, laid_out, random_sources
 from robodyn.measure.speed.peers import bare_scene, following, library_tasks
 from robodyn.measure.speed.result import Timing
@@ -73,7 +73,7 @@ def joints(name: str) -> str:
 
 def builds(name: str) -> tuple[Timing, Timing, Timing | None]:
     """Tracing, making machine code, and loading it from the cache."""
-    runner = torque_runner(plan(*described(name)))
+    runner = torque_runner(*described(name))
     compiled = next(way for way in available() if way.name == "compiled")
     return repeated(Plan(*described(name)).torques), *build_times(compiled, runner.program, runner.widths)
 

@@ -324,7 +324,7 @@ MUTATIONS = {
         ("loads/motors.py", "np.interp(speed, speeds, torques, right=0.0)", "np.interp(speed, speeds, torques)"),
         ("loads/motors.py", "carried * carried * carried * np.abs(qd)", "carried * carried * carried"),
         ("loads/motors.py", "size / np.maximum(peak, self.least)", "size - peak"),
-        ("loads/sizing.py", "plan(self.model, self.scene, rates)", "plan(self.model, self.scene)"),
+        ("loads/sizing.py", "torque_runner(self.model, self.scene, rates)", "torque_runner(self.model, self.scene)"),
     ],
     "loads/test_sizing_blocks.py": [
         (

@@ -12,7 +12,6 @@ from functools import partial
 import numpy as np
 
 from robodyn.dynamics.inverse import torque_runner
-from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.speed.libraries import LIBRARIES, Gravity, States, Task
 from robodyn.measure.speed.result import PeerBench, PeersBench, Timing
@@ -44,7 +43,7 @@ def compared(
             tasks += library_tasks(name, model, gravity, sources)
         except Exception as error:  # whatever another library raises is its answer
             missing.append(PeerBench(name, problem=_problem(name, error)))
-    runner = torque_runner(plan(model, bare_scene(model, gravity)))
+    runner = torque_runner(model, bare_scene(model, gravity))
     executor = "numpy" if compiler().problem else "compiled"
     tau = np.empty((samples, model.n), order="F")
     watch("libraries in turn")

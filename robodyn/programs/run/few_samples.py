@@ -49,15 +49,15 @@ class FewSamples:
             lanes: samples in a group.
             homes: the row of each output, from the first of them on.
         """
-        memory = np.zeros((rows, FEW), dtype)
+        memory, first = np.zeros((rows, FEW), dtype), first_row[""]
         self._table = memory.ctypes.data + memory.strides[0] * np.repeat(np.arange(rows), 2)  # no memory ahead
         self._flags = np.zeros(FEW // 8, np.uint8)
         self._places = ctypes.c_void_p(self._table.ctypes.data), ctypes.c_void_p(self._flags.ctypes.data)
         self._kernel, self._lanes, self._dtype = _KERNEL(kernel), lanes, memory.dtype
-        starts = ((source, first, widths[source]) for source, first in first_row.items() if source)
-        self._inputs = [(source, memory[first : first + width].T) for source, first, width in starts]
-        self._outputs = memory[first_row[""] :].T
-        self._homes = homes
+        starts = ((source, start, widths[source]) for source, start in first_row.items() if source)
+        self._inputs = [(source, memory[start : start + width].T) for source, start, width in starts]
+        self._outputs = memory[first:].T
+        self._homes = homes if len(homes) > rows - first else None  # None: each row is one output, in their order
         self._parts: dict[int, _Parts] = {}
 
     def __call__(self, sources: Mapping[str, Numbers], samples: int, out: Numbers) -> bool:
@@ -80,7 +80,7 @@ class FewSamples:
             rows[...] = given
         if self._kernel(*self._places, -(-samples // self._lanes)):
             return False
-        out[...] = outputs[:, self._homes]
+        out[...] = outputs if self._homes is None else outputs.take(self._homes, 1)
         return True
 
     def _part(self, samples: int) -> _Parts:

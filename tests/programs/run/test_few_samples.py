@@ -21,9 +21,13 @@ def blocks(dtype=np.float64):
     return CompiledBlocks(PROGRAM, {"x": 2}, dtype)
 
 
+REPEATED = program_of(lambda x, y: [x * y, x.sin(), x * y, x + y, x.sin()], 2)
+
+
+@pytest.mark.parametrize("program", [PROGRAM, REPEATED])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_the_bits_of_many_samples(dtype):
-    code, x = blocks(dtype), X.astype(dtype)
+def test_the_bits_of_many_samples(dtype, program):
+    code, x = CompiledBlocks(program, {"x": 2}, dtype), X.astype(dtype)
     many = code({"x": x}, len(x))
     for samples in [*range(1, FEW + 2), 3, 1]:
         for start in (0, 5):
