@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from functools import lru_cache
 from math import prod
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -13,10 +15,14 @@ from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.errors import InputError
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
+DOUBLE = np.dtype(np.float64)
 _NO_COLUMNS = np.empty((0, 0))
+_OTHERS = {"c": "complex ones", "U": "text", "S": "text", "O": "other objects", "M": "dates", "m": "times"}
+"""What arrays hold that are none of real numbers, by the kind of their dtype."""
 
 
 def zero_columns(sources: Mapping[str, Floats]) -> ZeroColumns:
@@ -38,11 +44,16 @@ def zero_sources(sources: Mapping[str, Floats]) -> ZeroColumns:
     zero = [source for source, rows in sources.items() if rows.size and rows.item(0) == 0.0 and source != "columns"]
     if not zero:
         return _NONE_ZERO
-    zero = [source for source in zero if not _different(sources[source]).any()]
-    return frozenset((source, column) for source in zero for column in range(sources[source].shape[1]))
+    return _whole(tuple((s, sources[s].shape[1]) for s in zero if not np.count_nonzero(_different(sources[s]))))
 
 
 _NONE_ZERO: ZeroColumns = frozenset()
+
+
+@lru_cache
+def _whole(sources: tuple[tuple[str, int], ...]) -> ZeroColumns:
+    """Return all columns of sources with so many; the same object, for its hash is looked up at every call."""
+    return frozenset((source, column) for source, count in sources for column in range(count))
 
 
 def _different(rows: Floats) -> Floats:
@@ -62,24 +73,60 @@ def arrays_of(
     Args:
         given: q, and what else there is by coordinate.
     """
-    if np.dtype(dtype).type not in (np.float64, np.float32):
-        raise InputError(f"dtype {np.dtype(dtype).name} is not offered", remedy="float64 or float32")
+    refuse_others(model, scene)
+    kind = DOUBLE if dtype is np.float64 else _offered(dtype)
     arrays = {}
-    for name, x in given.items():
-        arrays[name] = _trailing(np.asarray(x, dtype), name, model.coordinates if name == "q" else model.rates)
+    for name, values in given.items():
+        array, names = numbers(name, values, kind), model.coordinates if name == "q" else model.rates
+        arrays[name] = array if array.ndim else array.repeat(len(names))
+        if arrays[name].shape[-1] != len(names):
+            what = f"{name} has {array.shape[-1]} columns, the robot has {len(names)}"
+            raise InputError(what, remedy=f"in this order: {', '.join(names)}")
     needed = scene.columns if scene.wrenches else ()
+    if needed and not isinstance(columns, Mapping):
+        raise InputError("columns is no mapping", remedy="pass columns={name: values}")
     if missing := [name for name in needed if name not in columns]:
         raise InputError(f"the scene needs columns {', '.join(missing)}", remedy="pass them as columns={name: values}")
-    extra = [np.asarray(columns[name], dtype) for name in needed]
+    extra = {name: numbers(name, columns[name], kind) for name in needed}
     shape = _common_shape(arrays, extra)
-    sources = {name: _matrix(array, shape) for name, array in arrays.items()}
+    if shape:
+        sources = {name: _matrix(array, shape) for name, array in arrays.items()}
+    else:
+        sources = {name: array[None] for name, array in arrays.items()}
     for name, first in model.quaternions:
         if _has_zero(sources["q"][:, first : first + 4]):
             raise InputError(f"the quaternion of {name} is zero", remedy="no turn is qx qy qz qw = 0 0 0 1")
-    sources["columns"] = (
-        _matrix(np.stack([np.broadcast_to(x, shape) for x in extra], -1), shape) if extra else _NO_COLUMNS
-    )
+    stacked = [np.broadcast_to(array, shape) for array in extra.values()]
+    sources["columns"] = _matrix(np.stack(stacked, -1), shape) if stacked else _NO_COLUMNS
     return sources, shape
+
+
+def numbers(name: str, values: ArrayLike, dtype: np.dtype[Any]) -> Floats:
+    """Return an array of this dtype.
+
+    Raises:
+        InputError: these are other things than real numbers, or rows of different lengths.
+    """
+    if type(values) is np.ndarray and values.dtype == dtype:
+        return values
+    try:
+        array = np.asarray(values)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is no array of numbers: its rows have different lengths") from None
+    if array.dtype.kind not in "fiub":
+        found = "None" if values is None else _OTHERS.get(array.dtype.kind, str(array.dtype))
+        raise InputError(f"{name} is no array of numbers: it holds {found}")
+    return array.astype(dtype, copy=False)
+
+
+def _offered(dtype: DTypeLike) -> np.dtype[Any]:
+    try:
+        kind = np.dtype(dtype)
+    except TypeError:
+        raise InputError(f"dtype {dtype!r} is not offered", remedy="float64 or float32") from None
+    if kind.type not in (np.float64, np.float32):
+        raise InputError(f"dtype {kind.name} is not offered", remedy="float64 or float32")
+    return kind
 
 
 def results(
@@ -113,15 +160,17 @@ def results(
     return out
 
 
-def _common_shape(given: Mapping[str, Floats], extra: Iterable[Floats]) -> tuple[int, ...]:
+def _common_shape(given: Mapping[str, Floats], columns: Mapping[str, Floats]) -> tuple[int, ...]:
     """Return the shape of the samples."""
-    shapes = [array.shape[:-1] for array in given.values()] + [array.shape for array in extra]
+    shapes = [array.shape[:-1] for array in given.values()]
+    if columns:
+        shapes += [array.shape for array in columns.values()]
     if shapes.count(shapes[0]) == len(shapes):
         return shapes[0]
     try:
         return np.broadcast_shapes(*shapes)
     except ValueError:
-        found = ", ".join(f"{name} {array.shape}" for name, array in given.items())
+        found = ", ".join(f"{name} {array.shape}" for name, array in (*given.items(), *columns.items()))
         raise InputError(f"the shapes do not go together: {found}") from None
 
 
@@ -131,16 +180,7 @@ def _has_zero(quaternions: Floats) -> bool:
     return bool(np.count_nonzero(w) < len(w) and not quaternions[w == 0.0].any(axis=1).all())
 
 
-def _trailing(values: Floats, name: str, names: tuple[str, ...]) -> Floats:
-    if values.ndim == 0:
-        values = values.repeat(len(names))
-    if values.shape[-1] != len(names):
-        what = f"{name} has {values.shape[-1]} columns, the robot has {len(names)}"
-        raise InputError(what, remedy=f"in this order: {', '.join(names)}")
-    return values
-
-
 def _matrix(array: Floats, shape: tuple[int, ...]) -> Floats:
     if array.shape[:-1] != shape:
         array = np.broadcast_to(array, (*shape, array.shape[-1]))
-    return array if len(shape) == 1 else array.reshape(prod(shape), array.shape[-1]) if shape else array[None]
+    return array if len(shape) == 1 else array.reshape(prod(shape), array.shape[-1])

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics import kinds
+from robodyn.dynamics.arrays import DOUBLE, numbers
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.program import Program
@@ -71,7 +72,7 @@ class Function:
             raise InputError(f"{self.kind} of one sample has arguments {', '.join(self.arguments)}: {len(given)} given")
         sources = {}
         for (name, width), values in zip(self.arguments.items(), given, strict=True):
-            array = _numbers(name, values)
+            array = numbers(name, values, DOUBLE).copy(order="C")
             if array.shape != (width,):
                 raise InputError(f"{name} has shape {array.shape}, not {(width,)}: it is one sample")
             sources[name] = array
@@ -91,13 +92,6 @@ class Function:
         if self._code is None or self._code(*(x.ctypes.data for x in (*sources.values(), result))):
             result[...] = self._blocks({name: array[None] for name, array in sources.items()}, 1).reshape(self.shape)
         return result
-
-
-def _numbers(name: str, values: ArrayLike) -> Floats:
-    try:
-        return np.asarray(values).astype(np.float64, order="C", casting="same_kind")
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is no array of numbers") from None
 
 
 def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:

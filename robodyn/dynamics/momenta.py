@@ -21,6 +21,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross
 from robodyn.robot.kinematics import REST, Motion, Pose, poses
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
@@ -107,6 +108,7 @@ def momenta(
 
     Accuracy: 1e-14 of the sum of the magnitudes that add up to each result.
     """
+    refuse_others(model, scene)
     point = about if isinstance(about, str) else _point(about)
     view = View(point, frame)
     view.check(model, scene)

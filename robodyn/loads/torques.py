@@ -11,6 +11,7 @@ from robodyn.errors import InputError
 from robodyn.loads.accumulate import Options, TorqueAccumulator
 from robodyn.loads.result import Result
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.threads import prefetch
@@ -61,6 +62,7 @@ def torques(
 
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
+    refuse_others(model, scene)
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
         options = Options(reactions, executor, threads, momentum, sized, history)

@@ -17,8 +17,10 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         file: the scene's file, for messages.
 
     Raises:
+        InputError: as `refuse_others`.
         SceneError: an unknown name, with the closest valid one; or a base that moves in the scene and not in the model.
     """
+    refuse_others(model, scene)
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint.name for joint in model.independent if joint.kind != "floating"]
     for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
@@ -43,6 +45,24 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
         )
+
+
+def refuse_others(model: object, scene: object) -> None:
+    """Raise unless these are a robot and what surrounds it.
+
+    Raises:
+        InputError: one of them is something else.
+    """
+    if not isinstance(model, Model):
+        raise InputError(f"model is no robot but {_kind(model)}", remedy="pass what robodyn.load returns")
+    if not isinstance(scene, Scene):
+        raise InputError(
+            f"scene is no scene but {_kind(scene)}", remedy="pass what robodyn.load_scene returns, or a robodyn.Scene"
+        )
+
+
+def _kind(thing: object) -> str:
+    return "None" if thing is None else f"of type {type(thing).__name__}"
 
 
 def refuse_loops(scene: Scene, file: str | None = None) -> None:

@@ -13,7 +13,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.robot.model import Model
-from robodyn.scene.fit import check_moves
+from robodyn.scene.fit import check_moves, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import AdaptiveSteps
 from robodyn.simulation.conserving import check_free, check_leapfrog
@@ -74,6 +74,7 @@ def simulate(
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
+    refuse_others(model, scene)
     check_moves(model)
     options = choose_method(step, rtol, method)._replace(most=most)
     for name, value in (("duration", duration), ("step", step), ("rtol", rtol)):

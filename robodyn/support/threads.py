@@ -20,9 +20,11 @@ def cores(asked: int | None = None) -> int:
     """Return the number of threads asked for; None is as many as the process may use cores.
 
     Raises:
-        InputError: less than 1.
+        InputError: no whole number, or less than 1.
     """
     if asked is not None:
+        if not hasattr(asked, "__index__"):
+            raise InputError(f"{asked!r} threads cannot work", remedy="a whole number")
         if asked < 1:
             raise InputError(f"{asked} threads cannot work", remedy="1 or more")
         return asked

@@ -58,10 +58,10 @@ def export(
     _check_known("target", to, TARGETS)
     for word in words:
         _check_known("function", word, WORDS)
+    a_plan = plan(model, scene)
     check_moves(model)
     if out is not None and os.path.basename(out).lower() == f"{to}.py":
         raise InputError(f"a module of this name hides {to}, which it imports", remedy="name another file", file=out)
-    a_plan = plan(model, scene)
     with np.errstate(all="ignore"):
         text = TARGETS[to](a_plan, [Job.of(WORDS[word], a_plan) for word in words])
     if out is not None:
