@@ -77,7 +77,7 @@ CALLS = {
     "--qd waist=1 --equilibrium": "an equilibrium is at rest (leave out the speeds, or do not look for one)",
     "--scene {folder}/gone.toml": "{folder}/gone.toml: cannot be read: no such file or directory (check the name)",
     "--scene {folder}/columns.toml": "the scene's wrenches name columns of a trajectory: ",
-    "--scene {folder}/tilt.toml --equilibrium": "no equilibrium is found: 5 N m at waist stay unbalanced (give",
+    "--scene {folder}/tilt.toml --equilibrium": "there is no equilibrium: 5 N m at waist stay unbalanced at every ",
     "--scene {folder}/loop.toml": "{folder}/loop.toml: [[loop]] 'pin': the robot has no link 'no' (links: ",
 }
 

@@ -19,6 +19,9 @@ _AROUND = 0.5
 """rad, or the same part of the robot's reach [m]: what Newton's method finds farther away is not near."""
 _SINKS, _LONGEST = 400, 0.3
 """Steps downhill at most, and how long each may be, as `_AROUND`."""
+_FAR = 4.0 * np.pi
+"""As `_AROUND`: what has gone two turns downhill goes on for ever."""
+_HOLD = "give the joint a drive with kp or a spring, or begin elsewhere (--at)"
 _SUNK = 1e-5
 """A part of the torques that balance, from which Newton's method ends it."""
 
@@ -32,19 +35,40 @@ def equilibrium_near(robot: Standing, q: Floats) -> Floats:
     (Dauphin et al., "Identifying and attacking the saddle point problem", 2014). Newton's method ends it.
 
     Raises:
-        InputError: none was found; the joint that is farthest from balance is named.
+        InputError: there is none, or none was found; the joint that is farthest from balance is named.
 
     Accuracy: what is left of the torques is at most 1e-10 of those that balance, most often 1e-12.
     """
+    _check_exists(robot, q)
     found, here = _by_newton(robot, q, _AROUND)
     if here.part > _NEARLY:
         found, here = _by_newton(robot, _sunk(robot, q), _LONGEST)
     if here.part <= _NEARLY:
         return _as_begun(robot, q, found, here)
-    k = first_largest(np.abs(here.missing))
-    left = f"{abs(here.missing[k]):.3g} {robot.units[k]}"
-    what = f"no equilibrium is found: {left} at {robot.model.rates[k]} stay unbalanced"
-    raise InputError(what, remedy="give the joint a drive with kp or a spring, or begin elsewhere (--at)")
+    raise InputError(f"no equilibrium is found: {_most(robot, here.missing)} stay unbalanced", remedy=_HOLD)
+
+
+def _check_exists(robot: Standing, q: Floats) -> None:
+    """Raise if a torque is missing that does not change with the configuration, here and elsewhere: nothing balances
+    the weight of a free base, or of a slide that is not held."""
+    elsewhere = None if robot.chain else robot.moved(q, 0.1 + 0.618 * np.arange(1.0, robot.model.n + 1.0) % 1.0)
+    if elsewhere is None:
+        return
+    here, there = robot.balance(q), robot.balance(elsewhere)
+    nothing = _NEAR * min(here.scale, there.scale)
+    changes = np.maximum(np.abs(here.stiffness), np.abs(there.stiffness)).max(axis=1)
+    constant = np.where((changes <= nothing) & (np.abs(here.missing - there.missing) <= nothing), here.missing, 0.0)
+    if length(constant) > _NEARLY * here.scale:
+        what = f"there is no equilibrium: {_most(robot, constant)} stay unbalanced at every configuration"
+        floats = robot.model.floating and constant[:6].any()
+        raise InputError(
+            what, remedy="a free base falls: bolt it down, or leave out --equilibrium" if floats else _HOLD
+        )
+
+
+def _most(robot: Standing, missing: Floats) -> str:
+    k = first_largest(np.abs(missing))
+    return f"{abs(missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
 
 
 def _as_begun(robot: Standing, q: Floats, found: Floats, here: Balance) -> Floats:
@@ -83,9 +107,9 @@ def _first_that_helps(
 
 def _sunk(robot: Standing, q: Floats) -> Floats:
     """Return q after steps downhill, each accepted if the torques do work along it."""
-    here, longest = robot.balance(q), _LONGEST
+    here, longest, gone = robot.balance(q), _LONGEST, np.zeros(robot.model.n)
     for _ in range(_SINKS):
-        if here.part <= _SUNK:
+        if here.part <= _SUNK or (np.abs(gone) > _FAR * robot.lengths).any():
             break
         step = _downhill(here, robot.lengths, longest)
         tried = robot.moved(q, step)
@@ -93,7 +117,7 @@ def _sunk(robot: Standing, q: Floats) -> Floats:
         if tried is None or there is None or product(here.missing + there.missing, step) >= 0.0:
             longest *= 0.25
             continue
-        q, here, longest = tried, there, min(2.0 * longest, _LONGEST)
+        q, here, longest, gone = tried, there, min(2.0 * longest, _LONGEST), gone + step
     return q
 
 

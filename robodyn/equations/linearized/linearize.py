@@ -53,7 +53,7 @@ def linearize(
     Args:
         at: coordinates in order or by name; the rest begins at the scene's initial values, else at zero, and moves so
             that loops close. A base that moves stands upright at the ground's origin.
-        qd: of the rates, likewise, the rest zero. A closed chain is at rest.
+        qd: of the joints, likewise, the rest zero. A base that moves is at rest, and so is a closed chain.
         equilibrium: whether to look for one near `at`.
         step: s, for A and B of x(t + step) = A x(t) + B u, where u is constant from one step to the next.
 
@@ -108,7 +108,7 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         second = tuple(product(N.T, each, N) for each in second)
     M, damping, stiffness = second
     names = [model.rates[k] for k in own]
-    A, B = _first_order(model, qd, N, M, damping, stiffness)
+    A, B = _first_order(model, N, M, damping, stiffness)
     inertia = np.diag(given.dqdd).copy()
     return Linearized(
         robot=model.name,
@@ -168,9 +168,7 @@ def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
     return np.asarray(length(np.array(scene.gravity)) * np.sqrt(np.abs(mass[own] * np.diag(M))))
 
 
-def _first_order(
-    model: Model, qd: Floats, N: Floats, M: Floats, damping: Floats, stiffness: Floats
-) -> tuple[Floats, Floats]:
+def _first_order(model: Model, N: Floats, M: Floats, damping: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
     k, n = len(M), model.n
     try:
         solved = solve(M, np.hstack((-stiffness, -damping, N.T)))
@@ -179,10 +177,5 @@ def _first_order(
         raise InputError(what, remedy="give every moving link a mass", file=model.file) from None
     A, B = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, n))
     A[:k, k:] = np.eye(k)
-    for joint in model.independent:
-        if joint.kind == "floating":  # a turn about axes that turn themselves
-            i = joint.rate
-            x, y, z = qd[i : i + 3]
-            A[i : i + 3, i : i + 3] = ((0, z, -y), (-z, 0, x), (y, -x, 0))
     A[k:], B[k:] = solved[:, : 2 * k], solved[:, 2 * k :]
     return A, B

@@ -9,6 +9,7 @@ import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.oracles import EPS, frictionless, robot, worst
 from helpers.robot_catalogue import FOLDER
+from helpers.small_robots import built, link
 from scipy.linalg import expm
 
 import robodyn
@@ -66,6 +67,21 @@ def test_the_accelerations_of_small_moves(moving_base):
 
 def _torque(model, scene, found):
     return robodyn.bias_forces(model, found.q, found.qd, scene=scene)
+
+
+def test_states_of_a_base_that_moves():
+    """It begins where the scene says; a weight that is held above its mass centre swings as a pendulum about any axis
+    of its own, and falls freely along the ground's."""
+    mass, inertia, c = 2.0, (0.1, 0.0, 0.0, 0.2, 0.0, 0.3), (0.0, 0.0, -0.4)
+    model = built(link("body", mass, c, inertia), moving_base=True)
+    held = linearize(model)
+    assert held.states[:4] == ("q_base_wx", "q_base_wy", "q_base_wz", "q_base_vx")
+    assert worst(held.held, [0, 0, 0, 0, 0, mass * 9.81]) <= 4 * EPS
+    # about the mass centre, on which the held force at the origin acts as a couple m g c per turn
+    for k, moment in enumerate((0.1, 0.2)):
+        assert held.A[6 + k, k] == pytest.approx(-mass * 9.81 * 0.4 / moment, rel=1e-13)
+    tilted = Scene(initial_q=dict(zip(("base_qx", "base_qy", "base_qz", "base_qw"), (0.6, 0.0, 0.0, 0.8), strict=True)))
+    assert linearize(model, tilted).q[3:].tolist() == [0.6, 0.0, 0.0, 0.8]
 
 
 @pytest.mark.parametrize("name", ["cylindrical", "scara", "two_link_spatial"])
@@ -139,7 +155,9 @@ def test_equilibria_of_random_springs_and_drives(seed):
 
 
 def test_a_floating_base_comes_to_rest_nowhere_under_gravity():
-    with pytest.raises(InputError, match=r"no equilibrium is found: 981 N at base_vz stay unbalanced"):
+    with pytest.raises(
+        InputError, match=r"there is no equilibrium: 981 N at base_vz stay unbalanced at every configuration"
+    ):
         linearize(robot("satellite", True), Scene(), equilibrium=True)
 
 
