@@ -1,0 +1,117 @@
+"""One sample a call and Pinocchio in one run: `cd tests && python -m benchmarks.bench_one_sample`.
+
+Torques (ID), accelerations (FD) and mass matrix (M) of one state after the other, called from Python, one thread, base
+fixed: by what `robodyn.function` returns, with and without an array to write to, and by the call for arrays
+(`robodyn.inverse_dynamics` and so on, compiled), against Pinocchio's `rnea`, `aba` and `crba`, whose results are arrays
+that it keeps. They take turns, and the shortest runs count. Friction and rotors are off, because Pinocchio leaves them
+out; TALOS is its file without hands, for no joint mimics another there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from benchmarks.bench_derivatives import described
+from helpers.example_robots import path_of
+from helpers.machine import machine
+from helpers.markdown_tables import main, table
+from helpers.oracles import worst
+from helpers.pinocchio_robots import PinocchioRobot
+
+import robodyn
+from robodyn.measure.speed.executors import random_sources
+from robodyn.measure.speed.peers import bare_description
+from robodyn.measure.timing import taking_turns
+
+ROBOTS = {"UR5": "ur5_robot", "ANYmal": "anymal", "TALOS": "talos_reduced"}
+
+
+class Algorithm(NamedTuple):
+    """What is compared: the name of robodyn's function, how many arrays a state is, and Pinocchio's function."""
+
+    name: str
+    arrays: int
+    peer: Callable[..., Any]
+
+
+ALGORITHMS = {
+    "ID": Algorithm("inverse_dynamics", 3, pin.rnea),
+    "FD": Algorithm("forward_dynamics", 3, pin.aba),
+    "M": Algorithm("mass_matrix", 1, pin.crba),
+}
+HEAD = (
+    *("robot", "joints", "", "Pinocchio", "function, `out=`", "ratio", "function", "ratio", "call for arrays", "ratio"),
+    "agreement",
+)
+
+
+def states_of(name: str, calls: int) -> list[tuple[np.ndarray, ...]]:
+    sources = random_sources(*described(name), calls)
+    return list(zip(*(np.ascontiguousarray(sources[x]) for x in ("q", "qd", "qdd")), strict=True))
+
+
+def agreement(name: str, algorithm: str) -> float:
+    """The largest difference from Pinocchio's results; of accelerations from the torques that they take there."""
+    model, scene = described(name)
+    other, states = PinocchioRobot(path_of(ROBOTS[name])), states_of(name, 5)
+    one = robodyn.function(model, ALGORITHMS[algorithm].name, scene=scene)
+    found = np.array([one(*state[: ALGORITHMS[algorithm].arrays]) for state in states])
+    q, qd, last = map(np.array, zip(*states, strict=True))
+    if algorithm == "M":
+        return worst(found, other.mass_matrices(model, q))
+    if algorithm == "ID":
+        return worst(found, other.torques(model, q, qd, last))
+    return worst(other.torques(model, q, qd, found), last)
+
+
+def each(function: Callable[..., Any], states: list[tuple[np.ndarray, ...]]) -> Callable[[], None]:
+    """Call a function with each state."""
+
+    def run() -> None:
+        for state in states:
+            function(*state)
+
+    return run
+
+
+def row(name: str, algorithm: str, calls: int) -> tuple[str, ...]:
+    model, scene = described(name)
+    ours, arrays, peer = ALGORITHMS[algorithm]
+    other = pin.buildModelFromXML(bare_description(model))
+    data, rng = other.createData(), np.random.default_rng(1)
+    position = [pin.randomConfiguration(other, -np.ones(other.nq), np.ones(other.nq)) for _ in range(calls)]
+    theirs = [(q, *rng.uniform(-1, 1, (arrays - 1, other.nv))) for q in position]
+    states = [state[:arrays] for state in states_of(name, calls)]
+    one = robodyn.function(model, ours, scene=scene)
+    general = partial(getattr(robodyn, ours), model, scene=scene, executor="compiled")
+    acts = {
+        "Pinocchio": each(partial(peer, other, data), theirs),
+        "out": each(partial(one, out=np.empty(one.shape)), states),
+        "function": each(one, states),
+        "general": each(general, states),
+    }
+    times = {way: time.per(calls).least for way, time in taking_turns(acts).items()}
+
+    def pair(way: str) -> tuple[str, str]:
+        return microseconds(times[way]), f"{times[way] / times['Pinocchio']:.2f}"
+
+    peers = microseconds(times["Pinocchio"])
+    head = name, str(model.n), algorithm, peers
+    return (*head, *pair("out"), *pair("function"), *pair("general"), f"{agreement(name, algorithm):.0e}")
+
+
+def microseconds(time: float) -> str:
+    return f"{1e6 * time:.2f} us"
+
+
+def report(calls: int) -> str:
+    rows = [row(name, algorithm, calls) for name in ROBOTS for algorithm in ALGORITHMS]
+    return table(HEAD, rows, left=(0, 2)) + "\n" + machine("pin", "llvmlite")
+
+
+if __name__ == "__main__":
+    main(report, __doc__, calls=200)
