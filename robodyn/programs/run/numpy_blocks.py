@@ -132,8 +132,9 @@ class NumpyBlocks:
     def _prepared(self, size: int) -> tuple[Numbers, list[tuple[Any, tuple[Any, ...]]]]:
         """Return a workspace for blocks of `size` samples, and the calls that fill it."""
         rows = _workspace(self.rows, size, self.dtype)
+        row = list(rows)  # one view of each, whoever uses it
         return rows, [
-            (UFUNCS[op], tuple(rows[arg] if isinstance(arg, int) else arg.astype(self.dtype) for arg in args))
+            (UFUNCS[op], tuple([row[arg] if arg.__class__ is int else arg.astype(self.dtype) for arg in args]))
             for op, args in self.steps
         ]
 
@@ -166,7 +167,7 @@ def _allocated(program: Program, first_row: Mapping[str, int], row: int) -> tupl
             where.append(np.array(a))
             continue
         operands = (a,) if b is None else (a, b)
-        for arg in set(operands):
+        for arg in operands if a != b else (a,):
             if last_use[arg] == k and arg not in home and program.operations[arg][0] not in (INPUT, CONSTANT):
                 free.append(where[arg])
         if k in home:
