@@ -133,6 +133,7 @@ def forward_runner(a_plan: Plan) -> Runner:
     return runner_of(forward_derivatives(a_plan), a_plan)
 
 
+@lru_cache(maxsize=16)
 def inverse_derivatives(plan: Plan) -> Program:
     """Return the program of d tau / dq, d tau / d qd and M, row by row.
 
@@ -148,6 +149,7 @@ def inverse_derivatives(plan: Plan) -> Program:
     return trace(outputs, [(k * n + i) * n + j for i in range(n) for j in range(n) for k in range(3)])
 
 
+@lru_cache(maxsize=16)
 def forward_derivatives(plan: Plan) -> Program:
     """Return the program of d qdd / dq, d qdd / d qd and M^-1, row by row.
 

@@ -97,6 +97,7 @@ def _runner(a_plan: Plan) -> tuple[Runner, tuple[str, ...], Floats]:
     return runner_of(regressor_program(a_plan), a_plan), names, np.array(theta)
 
 
+@lru_cache(maxsize=16)
 @traced
 def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of Y, row by row, and then of the rest."""
