@@ -18,8 +18,14 @@ ROBOTS = {
 }
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+@pytest.mark.parametrize(
+    ("name", "executor"),
+    [
+        *((name, "numpy") for name in ROBOTS),
+        *((name, "compiled") for name in ("busy", "puma")),
+        pytest.param("busy, free", "compiled", marks=pytest.mark.slow),
+    ],
+)
 def test_dense_form(name, executor):
     """Every entry to the last bit; those left out are zero, or are given on the other side of the diagonal of M."""
     model, scene = ROBOTS[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from types import ModuleType
 
 import numpy as np
@@ -19,6 +20,7 @@ SAMPLES = 6
 BUSY = replace(BUSY_SCENE, wrenches=tuple(wrench for wrench in BUSY_SCENE.wrenches if not wrench.columns))
 
 
+@cache
 def named(name, scene=None):
     scene = robodyn.load_scene(ROBOTS / scene) if scene else DEFAULT
     return robodyn.load(ROBOTS / f"{name}.urdf", moving_base=scene.moving_base), scene
@@ -31,7 +33,7 @@ CASES = {
     "free": lambda: named("satellite", "satellite.toml"),
     "busy": lambda: (busy_robot(), BUSY),
     "busy_free": lambda: (busy_robot(moving_base=True), BUSY),
-    "skew": lambda: (random_tree(7, 5, moving_base=True), DEFAULT),
+    "skew": cache(lambda: (random_tree(7, 5, moving_base=True), DEFAULT)),
 }
 COLUMNS = {**CASES, "columns": lambda: (busy_robot(moving_base=True), BUSY_SCENE)}
 """With a scene whose wrenches name columns."""
