@@ -52,7 +52,9 @@ def general_eigen(A: Floats) -> Eigen:
     if not np.isfinite(A).all():
         raise np.linalg.LinAlgError("the matrix is not finite")
     scale = _balanced(A)
-    H, Q = _hessenberg(A * scale / scale[:, None])
+    B = A * scale / scale[:, None]
+    unit = 2.0 ** np.frexp(np.abs(B).max(initial=0.0))[1]
+    H, Q = _hessenberg(B / unit)
     T, Z = _triangular(H.astype(complex).tolist(), Q.astype(complex).tolist())
     right = _times(Z, _substituted(T))
     turned = [[T[j][i].conjugate() for j in reversed(range(len(T)))] for i in reversed(range(len(T)))]
@@ -62,8 +64,8 @@ def general_eigen(A: Floats) -> Eigen:
     with np.errstate(divide="ignore"):
         conditions = 1.0 / along
     right, left = right * scale[:, None], left / scale[:, None]
-    size = length(np.array(H))
-    values = np.array([T[k][k] for k in range(len(T))], dtype=complex)
+    size = float(unit * length(H))
+    values = np.array([T[k][k] for k in range(len(T))], dtype=complex) * unit
     return Eigen(values, right / _lengths(right), left / _lengths(left), conditions, size)
 
 

@@ -341,4 +341,51 @@ MUTATIONS = {
         ("programs/scalar.py", "(op, a, b)", "(op, a)"),
         ("programs/scalar.py", "-(self * -other)", "self * -other"),
     ],
+    "programs/test_eigenvalues.py": [
+        ("programs/eigenvalues.py", "2.0 ** round(0.5 * float(np.log2(row / column)))", "1.0"),
+        ("programs/eigenvalues.py", "A * scale / scale[:, None]", "A / scale * scale[:, None]"),
+        ("programs/eigenvalues.py", "c * x + s * y", "c * x - s * y"),
+        ("programs/eigenvalues.py", "T[j][i].conjugate()", "T[j][i]"),
+        ("programs/eigenvalues.py", "right * scale[:, None]", "right"),
+        ("programs/eigenvalues.py", "left / scale[:, None]", "left"),
+    ],
+    "equations/linearized/test_linearize.py": [
+        ("equations/linearized/linearize.py", "given.dq + np.diag(robot.drives.kp)", "given.dq"),
+        ("equations/linearized/linearize.py", "given.dqd + np.diag(robot.drives.kd)", "given.dqd"),
+        ("equations/linearized/standing.py", "rates.dq + np.diag(self.drives.kp)", "rates.dq"),
+        ("equations/linearized/drives.py", "self.reference - positions", "positions - self.reference"),
+        ("equations/linearized/drives.py", "self.speed - qd", "self.speed + qd"),
+        ("equations/linearized/linearized.py", "found.B * step", "found.B"),
+        ("equations/linearized/linearized.py", "range(1, 19)", "range(1, 9)"),
+    ],
+    "equations/linearized/test_modes.py": [
+        (
+            "equations/linearized/unheld.py",
+            "np.maximum(found.weight, np.abs(np.diag(found.stiffness)))",
+            "found.weight",
+        ),
+        ("equations/linearized/unheld.py", "k * _WRITTEN", "k * 1e-14"),
+        ("equations/linearized/eigenmodes.py", "a.error + b.error", "0.0"),
+        (
+            "equations/linearized/eigenmodes.py",
+            "np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))",
+            "lost * pairs.conditions",
+        ),
+        ("equations/linearized/eigenmodes.py", "value.imag * one", "0.0 * one"),
+        ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
+        ("equations/linearized/modes.py", "abs(self.real) <= self.error", "self.real == 0.0"),
+        ("equations/linearized/linearize.py", "carried[model.parents[k]] += carried[k]", "None"),
+    ],
+    "equations/linearized/test_closed_chains.py": [
+        (
+            "equations/linearized/standing.py",
+            "stiffness - _carried(self.chain, q, multipliers)",
+            "stiffness",
+        ),
+        (
+            "equations/linearized/linearize.py",
+            "np.hstack((-stiffness, -damping, N.T))",
+            "np.hstack((-stiffness, -damping, np.eye(len(N))[: len(M)]))",
+        ),
+    ],
 }

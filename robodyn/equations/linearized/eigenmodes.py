@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
-from math import hypot, inf
+from math import hypot
 
 import numpy as np
 
 from robodyn.equations.linearized.modes import Mode, Modes
 from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.equations.linearized.unheld import Split, split
+from robodyn.errors import InputError
 from robodyn.programs.eigenvalues import Complexes, general_eigen
-from robodyn.programs.linear import eigen, solve
-from robodyn.programs.vectors import product
+from robodyn.programs.linear import solve
+from robodyn.programs.vectors import length, product
 from robodyn.support.floats import Floats
 
 _ROUNDINGS = 16.0
@@ -33,41 +33,29 @@ def modes_of(found: SmallMotion) -> Modes:
         the eigenvalue, or the square root of that where two eigenvalues meet (Golub, Van Loan, *Matrix Computations*,
         7.2), and what was cut off with the split.
     """
-    return _Search(found).modes()
+    with np.errstate(all="ignore"):
+        try:
+            parts = split(found)
+            out = [_mode(found, 0j, 0.0, (parts.scale * row).astype(complex)) for row in parts.drift]
+            if len(parts.rest):
+                out += _held(found, parts)
+        except np.linalg.LinAlgError:
+            raise InputError("the eigenvalues overflow at this state", remedy="smaller numbers") from None
+    ordered = sorted(_marked(out), key=lambda mode: (hypot(mode.real, mode.imag), mode.real))
+    return Modes(tuple(ordered), found.at_rest)
 
 
-class _Search:
-    """Attributes: parts: what is split off."""
-
-    def __init__(self, found: SmallMotion) -> None:
-        self.found, self.parts = found, split(found)
-
-    @cached_property
-    def rounding(self) -> float:
-        """Of A: solving with the mass matrix loses so much."""
-        size = np.sqrt(np.abs(np.diag(self.found.M)))
-        values = np.abs(eigen(self.found.M / np.outer(size, size))[0])
-        condition = values.max() / values.min() if values.min() else inf
-        return float(_ROUNDINGS * np.finfo(float).eps * condition)
-
-    def modes(self) -> Modes:
-        found, parts = self.found, self.parts
-        out = [_mode(found, 0j, 0.0, (parts.scale * row).astype(complex)) for row in parts.drift]
-        if len(parts.rest):
-            out += self._held(parts)
-        ordered = sorted(_marked(out), key=lambda mode: (hypot(mode.real, mode.imag), mode.real))
-        return Modes(tuple(ordered), found.at_rest)
-
-    def _held(self, parts: Split) -> list[Mode]:
-        both = np.concatenate((parts.scale, parts.scale))
-        A = self.found.A * both / both[:, None]
-        inner, cut = product(parts.rest, A, parts.rest.T), product(parts.rest, A, parts.basis.T)
-        pairs = general_eigen(inner)
-        lost = self.rounding * pairs.size + float(np.sqrt((cut * cut).sum()))
-        errors = np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))
-        whole = _completed(A, parts, pairs.values, pairs.right) * both[:, None]
-        n = len(self.found.M)
-        return [_mode(self.found, value, error, whole[:n, k]) for k, value, error in _paired(pairs.values, errors)]
+def _held(found: SmallMotion, parts: Split) -> list[Mode]:
+    both = np.concatenate((parts.scale, parts.scale))
+    A = found.A * both / both[:, None]
+    inner, cut = product(parts.rest, A, parts.rest.T), product(parts.rest, A, parts.basis.T)
+    pairs = general_eigen(inner)
+    lost = _ROUNDINGS * np.finfo(float).eps * found.condition * pairs.size + length(cut.ravel())
+    errors = np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))
+    values = np.where(pairs.values == 0.0, lost, pairs.values)
+    whole = _completed(A, parts, values, pairs.right) * both[:, None]
+    n = len(found.M)
+    return [_mode(found, value, error, whole[:n, k]) for k, value, error in _paired(pairs.values, errors)]
 
 
 def _paired(values: Complexes, errors: Floats) -> list[tuple[int, complex, float]]:

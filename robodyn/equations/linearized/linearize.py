@@ -17,7 +17,7 @@ from robodyn.equations.linearized.small_motion import SmallMotion
 from robodyn.equations.linearized.standing import Standing, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
-from robodyn.programs.linear import solve
+from robodyn.programs.linear import eigen, solve
 from robodyn.programs.vectors import length, product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
@@ -73,7 +73,7 @@ def linearize(
             q = equilibrium_near(robot, q)
         found = _near(robot, q, speeds)
         if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held)):
-            raise InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
+            raise _overflow(model)
         if follow := following(scene):
             what = f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"
             found = replace(found, warnings=(what, *found.warnings))
@@ -108,8 +108,9 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         second = tuple(product(N.T, each, N) for each in second)
     M, damping, stiffness = second
     names = [model.rates[k] for k in own]
-    A, B = _first_order(model, N, M, damping, stiffness)
-    inertia = np.diag(given.dqdd).copy()
+    condition = _condition(model, M, names)
+    A, B = _first_order(N, M, damping, stiffness)
+    inertia, weight = np.diag(given.dqdd).copy(), _weight(robot, M, own)
     return Linearized(
         robot=model.name,
         model=model,
@@ -122,7 +123,7 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         drive=drive,
         held=np.zeros(model.n) if balanced else held,
         balanced=balanced,
-        motion=SmallMotion(N, M, damping, stiffness, A, B, inertia, _weight(robot, M, own), not moves),
+        motion=SmallMotion(N, M, damping, stiffness, A, B, inertia, weight, condition, not moves),
         warnings=(*_left_out(robot, qd), *beyond_limits(model, q), *model.notes),
     )
 
@@ -168,13 +169,31 @@ def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
     return np.asarray(length(np.array(scene.gravity)) * np.sqrt(np.abs(mass[own] * np.diag(M))))
 
 
-def _first_order(model: Model, N: Floats, M: Floats, damping: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
-    k, n = len(M), model.n
-    try:
-        solved = solve(M, np.hstack((-stiffness, -damping, N.T)))
-    except np.linalg.LinAlgError:
-        what = "the mass matrix is singular"
-        raise InputError(what, remedy="give every moving link a mass", file=model.file) from None
+def _overflow(model: Model) -> InputError:
+    return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
+
+
+def _condition(model: Model, M: Floats, names: list[str]) -> float:
+    """Return the condition number of M scaled to a unit diagonal.
+
+    Raises:
+        InputError: it is singular to working precision, or not finite.
+    """
+    if not np.isfinite(M).all():
+        raise _overflow(model)
+    size = np.sqrt(np.abs(np.diag(M)))
+    massless = [name for name, each in zip(names, size, strict=True) if not each]
+    values = np.zeros(1) if massless else np.abs(eigen(M / size / size[:, None])[0])
+    least, most = float(values.min()), float(values.max())
+    if least <= len(M) * np.finfo(float).eps * most:
+        what = f"the mass matrix is singular{f': nothing moves with {listed(massless)}' if massless else ''}"
+        raise InputError(what, remedy="give every moving link a mass, or the joint a rotor", file=model.file)
+    return most / least
+
+
+def _first_order(N: Floats, M: Floats, damping: Floats, stiffness: Floats) -> tuple[Floats, Floats]:
+    k, n = len(M), len(N)
+    solved = solve(M, np.hstack((-stiffness, -damping, N.T)))
     A, B = np.zeros((2 * k, 2 * k)), np.zeros((2 * k, n))
     A[:k, k:] = np.eye(k)
     A[k:], B[k:] = solved[:, : 2 * k], solved[:, 2 * k :]

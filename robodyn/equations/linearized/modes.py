@@ -85,4 +85,4 @@ class Modes:
     @property
     def margin(self) -> float | None:
         """-real of the mode that decays slowest, negative if one grows [1/s]; None where nothing is held."""
-        return min((-mode.real for mode in self.modes if not mode.free), default=None)
+        return min((0.0 - mode.real for mode in self.modes if not mode.free), default=None)

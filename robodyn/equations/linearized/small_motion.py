@@ -16,6 +16,7 @@ class SmallMotion(NamedTuple):
         A, B: (2 k, 2 k), (2 k, n).
         inertia: (n,) of each joint, the others at rest [kg m^2 or kg].
         weight: (k,) the stiffness that the weight can make at each coordinate at most [N m or N/m].
+        condition: number of M, scaled to a unit diagonal.
         at_rest: whether the state is one.
     """
 
@@ -27,4 +28,5 @@ class SmallMotion(NamedTuple):
     B: Floats
     inertia: Floats
     weight: Floats
+    condition: float
     at_rest: bool

@@ -7,12 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
-from helpers.oracles import EPS, frictionless, robot, worst
+from helpers.exact_rates import exact_rates
+from helpers.oracles import EPS, frictionless, robot, tangent, worst
 from helpers.robot_catalogue import FOLDER
-from helpers.small_robots import built, link
+from helpers.small_robots import built, joint, link
 from scipy.linalg import expm
 
 import robodyn
+from robodyn.dynamics.forward import acceleration_program
+from robodyn.dynamics.plan import Plan
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import in_steps
 from robodyn.errors import InputError
@@ -44,29 +47,36 @@ def test_it_is_held_where_it_is_put():
     found = linearize(model, at=at)
     assert (found.held == robodyn.bias_forces(model, at, 0.0)).all()
     assert not robodyn.forward_dynamics(model, at, 0.0, found.held).round(11).any()
+    name, qd = model.joint_names[2], [0.3, -0.2, 0.5, 0.1, 0.2, -0.3]
+    moving = linearize(model, Scene(drive={name: Drive(2.0, 30.0, 4.0, 0.25, 0.75)}), at, qd)
+    drive = [0.0, 0.0, 2.0 + 30.0 * (0.25 - 0.3) + 4.0 * (0.75 - 0.5), 0.0, 0.0, 0.0]
+    assert worst(moving.drive, drive) <= 4 * EPS
+    assert worst(moving.drive + moving.held, robodyn.bias_forces(model, at, qd)) <= 4 * EPS
 
 
-@pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+@pytest.mark.parametrize("moving_base", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["fixed", "free"])
 def test_the_accelerations_of_small_moves(moving_base):
-    """A and B are the derivatives of `forward_dynamics`, drives closed, with every effect of a scene on."""
-    model, scene = busy_robot(moving_base), free_of_columns(BUSY_SCENE)
-    names = ("j1", "slide", "finger")
-    scene = replace(scene, drive={name: Drive(0.5, 30.0, 4.0, 0.2, 0.1) for name in names})
-    rng = np.random.default_rng(3)
+    """A and B are how accelerations change, drives closed, with every effect of a scene on: by differences with 100
+    digits."""
+    model, scene = busy_robot(moving_base), replace(free_of_columns(BUSY_SCENE), slip_speed=0.3)
+    scene = replace(scene, drive={name: Drive(0.5, 30.0, 4.0, 0.2, 0.1) for name in ("j1", "slide", "finger")})
+    rng, n = np.random.default_rng(3), model.n
     at, qd = (dict(zip(model.joint_names[-5:], rng.uniform(-1, 1, 5), strict=True)) for _ in range(2))
     found = linearize(model, scene, at, qd)
-    n = model.n
     kp, kd = (np.array([getattr(scene.drive.get(name), k, 0.0) for name in model.rates]) for k in ("kp", "kd"))
-    exact = robodyn.forward_dynamics_derivatives(model, found.q, found.qd, _torque(model, scene, found), scene=scene)
-    assert worst(found.A[n:, :n], exact.dq - exact.dtau * kp) <= 1e-10
-    assert worst(found.A[n:, n:], exact.dqd - exact.dtau * kd) <= 1e-10
-    assert worst(found.B[n:], exact.dtau) <= 1e-10
+    state = {"q": found.q[None], "qd": found.qd[None], "tau": (found.held + found.drive)[None]}
+    moves = [*tangent(model, state["q"]), *({(source, i): 1} for source in ("qd", "tau") for i in range(n))]
+    for k, (gains, source) in enumerate(((kp, "tau"), (kd, "tau"))):
+        for i in range(n):
+            moves[k * n + i] = {**moves[k * n + i], (source, i): -gains[i]}
+    (exact,) = exact_rates(acceleration_program(Plan(model, scene)), moves, state).astype(float)
+    condition = np.linalg.cond(robodyn.mass_matrix(model, found.q, scene=scene))
+    blocks = (found.A[n:, :n], found.A[n:, n:], found.B[n:])
+    for k, block in enumerate(blocks):
+        assert worst(block, exact[:, k * n : (k + 1) * n]) <= 1e-14 * condition
     assert (found.A[:n, n:] == np.eye(n)).all()
+    assert not found.A[:n, :n].any()
     assert not found.B[:n].any()
-
-
-def _torque(model, scene, found):
-    return robodyn.bias_forces(model, found.q, found.qd, scene=scene)
 
 
 def test_states_of_a_base_that_moves():
@@ -123,13 +133,15 @@ def test_steps():
     Its condition number is at least |X| (Higham, *Functions of Matrices*, 2008, chapter 10), here up to 4e6: whoever
     computes it from an X that is rounded is off by so many roundings.
     """
-    for model, scene in (
-        (robot("satellite", True), Scene(gravity=(0.0, 0.0, 0.0))),
-        (robot("puma560"), Scene(drive={name: Drive(kp=1e4, kd=50.0) for name in robot("puma560").joint_names})),
+    puma = robot("puma560")
+    for model, scene, steps in (
+        (robot("satellite", True), Scene(gravity=(0.0, 0.0, 0.0)), (1e-3, 0.02)),
+        (puma, Scene(drive={name: Drive(kp=1e4, kd=50.0) for name in puma.joint_names}), (1e-6, 1e-3, 0.02)),
+        (robot("pendulum"), Scene(gravity=(0.0, 0.0, 0.0), spring={"pivot": Spring(1.0)}), (0.1, 0.4, 2.0)),
     ):
         found = linearize(model, scene)
         n, m = found.B.shape
-        for step in (1e-6, 1e-3, 0.02):
+        for step in steps:
             stepped = in_steps(found, step)
             X = np.block([[found.A, found.B], [np.zeros((m, n + m))]]) * step
             expected, bound = expm(X), 4 * EPS * max(1.0, np.linalg.norm(X, 1))
@@ -169,3 +181,14 @@ def test_refusals():
         linearize(model, qd={"j1": 0.1}, equilibrium=True)
     with pytest.raises(InputError, match=r'loop "l" does not close: it is open by 1\.07 m'):
         linearize(model, Scene(loops=(Loop("l", "tool"),)))
+    massless = built(
+        link("base"),
+        link("a", 1.0, (0, 0, 0.3)),
+        link("b"),
+        joint("ja", "base", "a", axis=(0, 1, 0)),
+        joint("jb", "a", "b"),
+    )
+    with pytest.raises(InputError, match="the mass matrix is singular: nothing moves with 'jb'"):
+        linearize(massless)
+    with pytest.raises(InputError, match="overflow at this state"):
+        linearize(robot("pendulum"), Scene(gravity=(0.0, 0.0, -1.7e308), drive={"pivot": Drive(kp=1.7e308)}), [-1.5])

@@ -142,11 +142,20 @@ def test_equal_modes_are_marked():
 def test_a_double_root():
     """Critically damped: real, not a pair, and within the error that is said."""
     model = rod(mass=1.0, com=0.0, inertia=1.0)
-    found = linearize(model, Scene(drive={"pivot": Drive(kp=1.0, kd=2.0)}))
-    for mode in found.modes.modes:
-        assert (mode.imag, mode.alike) == (0.0, True)
-        assert abs(mode.real + 1.0) <= mode.error <= 1e-5
-    assert found.modes.stable
+    for rate in (0.3, 0.7, 1.0, 1.3, 1.7, 2.1, 2.9):
+        modes = linearize(model, Scene(drive={"pivot": Drive(kp=rate * rate, kd=2.0 * rate)})).modes
+        assert len(modes.modes) == 2
+        for mode in modes.modes:
+            assert (mode.imag, mode.alike) == (0.0, True)
+            assert abs(mode.real + rate) <= mode.error <= 1e-5
+        assert modes.stable
+
+
+def test_rounding_is_no_growth():
+    """Undamped modes have real parts of either sign, within their errors."""
+    modes = linearize(robodyn.load(str(path_of("anymal")))).modes
+    assert max(mode.real for mode in modes.modes) > 0.0
+    assert modes.verdict == "marginal"
 
 
 def test_a_free_robot_drifts():
@@ -178,12 +187,14 @@ def test_scales(scale):
 
 def test_a_small_stiffness_holds_and_a_rounded_right_angle_does_not():
     """1.570796327 tilts an axis by 2e-10, and the weight holds nothing; a spring of as little holds, without weight."""
-    tilted = joint("pivot", "base", "arm", "continuous", (0, 1, 0), rpy=(1.570796327, 0, 0))
-    model = built(link("base"), link("arm", 2.0, (0.5, 0, 0), (0.1,) * 6), tilted)
-    assert [mode.free for mode in linearize(model).modes.modes] == [True]
-    soft = Scene(gravity=(0.0, 0.0, 0.0), spring={"pivot": Spring(1e-10)})
-    (mode,) = linearize(model, soft).modes.modes
-    assert mode.oscillates
+    tilted = joint("pivot", "base", "hub", "continuous", (0, 1, 0), rpy=(1.570796327, 0, 0))
+    arm = (link("hub", 1e-12), link("arm", 2.0, (0.3, 0.1, 0.4), (0.1, 0, 0, 0.1, 0, 0.1)))
+    model = built(link("base"), *arm, tilted, joint("second", "hub", "arm", "continuous", (0, 1, 0), (0.1, 0, 0)))
+    found = linearize(model)
+    assert found.motion.stiffness.any()
+    assert [mode.free for mode in found.modes.modes] == [True, True]
+    soft = Scene(gravity=(0.0, 0.0, 0.0), spring={"pivot": Spring(1e-10), "second": Spring(1e-10)})
+    assert all(mode.oscillates for mode in linearize(model, soft).modes.modes)
 
 
 def test_stiff_and_soft_together():
