@@ -7,6 +7,7 @@ import ctypes
 import gc
 import pickle
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -190,6 +191,21 @@ int fall(acceleration *f, double *q, double *qd, const double *tau, int steps, d
     assert worst(states[0], states[1]) <= 1e-12
     states[0][0][:] = 1e9
     assert fall(ctypes.c_void_p(found.address), *at, 100, ctypes.c_double(1e-3)) == 0
+
+
+def test_called_by_threads_at_once():
+    """ctypes gives Python's lock away, so calls of the C function overlap; they share no memory."""
+    found, given, _ = called("inverse_dynamics")
+    f = ctypes.CFUNCTYPE(ctypes.c_int64, *[ctypes.c_void_p] * (len(given) + 1))(found.address)
+
+    def wrong(k):
+        mine = [x + 0.1 * k for x in given]
+        expected, out = found(*mine), np.empty(found.shape)
+        at = [x.ctypes.data for x in (*mine, out)]
+        return sum(f(*at) or not (out == expected).all() for _ in range(500))
+
+    with ThreadPoolExecutor(4) as pool:
+        assert not any(pool.map(wrong, range(8)))
 
 
 def test_it_outlives_its_model():
