@@ -15,7 +15,7 @@ from robodyn.errors import InputError
 from robodyn.programs.linear import eigen
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
-from robodyn.scene.fit import check_moves
+from robodyn.scene.fit import check_moves, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import listed
@@ -27,6 +27,7 @@ def check_equations(model: Model, scene: Scene) -> None:
     Raises:
         InputError: nothing of the robot can move, or wrenches of the scene name columns.
     """
+    refuse_others(model, scene)
     check_moves(model)
     if scene.columns:
         raise InputError(

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.scene import GROUND, Loop, Scene
+from robodyn.scene.scene import DEFAULT, GROUND, Loop, Scene
 from robodyn.support.wording import alternatives, shown
 
 
@@ -47,7 +47,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         )
 
 
-def refuse_others(model: object, scene: object) -> None:
+def refuse_others(model: object, scene: object = DEFAULT) -> None:
     """Raise unless these are a robot and what surrounds it.
 
     Raises:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.robot.model import Joint, Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import Kind, Signal, Signals
@@ -74,6 +75,7 @@ def read_motion(
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
     """
+    refuse_others(model, scene)
     reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit)
     return open_trajectory(path, signals(model), extra=scene.columns, reading=reading)
 
@@ -101,6 +103,7 @@ def motion(
     Raises:
         TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
     """
+    refuse_others(model)
     return from_arrays(
         signals(model), time, q, qd, qdd, columns, Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit)
     )

@@ -138,6 +138,8 @@ def test_no_robot_or_no_scene(model, scene, words):
         lambda: robodyn.rollouts(model, [0], [0], scene=scene, steps=1, step=0.1),
         lambda: robodyn.torques(model, "motion.csv", scene),
         lambda: robodyn.dae(model, scene),
+        lambda: robodyn.linearize(model, scene),
+        lambda: robodyn.read_motion("motion.csv", model, scene),
     ):
         with pytest.raises(InputError, match=words):
             call()

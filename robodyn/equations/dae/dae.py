@@ -19,7 +19,6 @@ from robodyn.programs.vectors import narrowed_all, product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -76,7 +75,6 @@ def dae(model: Model, scene: Scene = DEFAULT, at: Values | None = None, qd: Valu
     Accuracy: accelerations and reactions within 1e-12 of the largest of those of the ODE form, for mass matrices of
     condition up to 1e7.
     """
-    refuse_others(model, scene)
     check_equations(model, scene)
     torques = rates(model, tau)
     with np.errstate(all="ignore"):

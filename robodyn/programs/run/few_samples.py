@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +19,7 @@ _KERNEL = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p, ct
 class _Parts(NamedTuple):
     """The parts of the rows that some number of samples fill."""
 
-    inputs: list[tuple[str, Numbers]]
+    inputs: Sequence[tuple[str, Numbers, tuple[int, ...]]]
     outputs: Numbers
 
 
@@ -71,10 +71,10 @@ class FewSamples:
             ValueError: a source has another shape than (samples, width).
         """
         inputs, outputs = self._parts.get(samples) or self._part(samples)
-        for source, rows in inputs:
+        for source, rows, shape in inputs:
             given = sources[source]
-            if given.shape != rows.shape:
-                raise ValueError(f"{source} has shape {given.shape}, not {rows.shape}")
+            if given.shape != shape:
+                raise ValueError(f"{source} has shape {given.shape}, not {shape}")
             if given.dtype != self._dtype:
                 return False
             rows[...] = given
@@ -85,5 +85,6 @@ class FewSamples:
 
     def _part(self, samples: int) -> _Parts:
         """Return what so many samples fill."""
-        parts = _Parts([(source, rows[:samples]) for source, rows in self._inputs], self._outputs[:samples])
+        inputs = [(source, rows[:samples], (samples, rows.shape[1])) for source, rows in self._inputs]
+        parts = _Parts(inputs, self._outputs[:samples])
         return self._parts.setdefault(samples, parts)

@@ -123,7 +123,7 @@ class Runner:
             remedy = alternatives(str(executor), EXECUTORS, "executors")
             raise InputError(f"there is no executor {executor!r}", remedy=remedy)
         found = self._choice(kind, samples, expected) if executor == "auto" else AS_ASKED[executor]
-        if found.executor == "compiled" and (problem := self._made(kind)):
+        if found.executor == "compiled" and kind not in self._compiled and (problem := self._made(kind)):
             if executor == "compiled":
                 raise InputError(f"the compiled executor cannot run: {problem}", remedy="choose auto or numpy")
             self._problem = problem
