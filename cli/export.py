@@ -17,7 +17,7 @@ from robodyn.equations.export.export import TARGETS, export
     "--what",
     default="torques",
     metavar="WHAT,...",
-    help="torques (default), mass_matrix, bias, forward, derivatives, forward_derivatives, regressor.",
+    help="torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
 )
 @click.option("--out", type=PATH, metavar="FILE", help="Default standard output.")
 @SCENE

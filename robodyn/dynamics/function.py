@@ -98,8 +98,9 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
     """Return the function of one sample that computes the same as `robodyn.<kind>` with this scene.
 
     Args:
-        kind: "inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix", "inverse_dynamics_derivatives" or
-            "forward_dynamics_derivatives"; the matrices of the last two are stacked, (3, n, n).
+        kind: "inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix", "coriolis_matrix",
+            "inverse_dynamics_derivatives" or "forward_dynamics_derivatives"; the matrices of the last two are stacked,
+            (3, n, n).
         scene: where its wrenches name columns, these are one more argument, in the order of `scene.columns`.
 
     Raises:

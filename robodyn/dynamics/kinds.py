@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
+from robodyn.dynamics.coriolis import coriolis_program
 from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
 from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.inverse import mass_runner
@@ -87,6 +88,13 @@ KINDS = {
         ("q", "qd"),
         (Result("b", "n", f"with tau = M qdd + b {_FORCES}"),),
         _bias,
+    ),
+    "coriolis_matrix": Kind(
+        "coriolis",
+        "the Coriolis matrix",
+        ("q", "qd"),
+        (Result("C", "nn", "C qd are the centrifugal and Coriolis torques, M' - 2 C is skew-symmetric [M's, by s]"),),
+        coriolis_program,
     ),
     "forward_dynamics": Kind(
         "forward",

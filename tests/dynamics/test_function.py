@@ -24,7 +24,10 @@ from robodyn.programs.run.llvm import python_call
 from robodyn.scene.scene import Friction, Loop, Scene
 
 GENERAL = {
-    **{name: getattr(robodyn, name) for name in ("inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix")},
+    **{
+        name: getattr(robodyn, name)
+        for name in ("inverse_dynamics", "bias_forces", "forward_dynamics", "mass_matrix", "coriolis_matrix")
+    },
     "inverse_dynamics_derivatives": inverse_dynamics_derivatives,
     "forward_dynamics_derivatives": forward_dynamics_derivatives,
 }
@@ -40,7 +43,7 @@ def called(kind, moving_base=False, scene=BUSY_SCENE):
     given = [values[name] for name in found.arguments]
     own = [x for name, x in zip(found.arguments, given, strict=True) if name != "columns"]
     more = {"columns": dict(zip(scene.columns, values["columns"], strict=True))} if scene.columns else {}
-    more = {} if kind == "mass_matrix" else more
+    more = {} if kind in ("mass_matrix", "coriolis_matrix") else more
     expected = np.stack(GENERAL[kind](model, *own, scene=scene, executor="compiled", **more))
     return found, given, expected
 

@@ -63,6 +63,7 @@ ARGUMENTS = {
     "torques": ("q", "qd", "qdd"),
     "mass_matrix": ("q",),
     "bias": ("q", "qd"),
+    "coriolis": ("q", "qd"),
     "forward": ("q", "qd", "tau"),
     "derivatives": ("q", "qd", "qdd"),
     "forward_derivatives": ("q", "qd", "tau"),
@@ -81,6 +82,8 @@ def expected(word, model, scene, given, columns):
     arrays, more = [given[source] for source in ARGUMENTS[word]], {"scene": scene, "columns": columns or None}
     if word == "mass_matrix":
         return [robodyn.mass_matrix(model, *arrays, scene=scene)]
+    if word == "coriolis":
+        return [robodyn.coriolis_matrix(model, *arrays, scene=scene)]
     if word == "regressor":
         found = robodyn.regressor(model, *arrays, **more)
         return [found.Y, found.rest]

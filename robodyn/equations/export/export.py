@@ -40,8 +40,9 @@ def export(
     Args:
         to: "c" (C99), "numpy", "casadi", "jax" or "torch" (Python modules).
         what: the functions, each of which is named as here: "torques" (what `inverse_dynamics` returns), "mass_matrix",
-            "bias" (`bias_forces`), "forward" (`forward_dynamics`), "derivatives" (`inverse_dynamics_derivatives`),
-            "forward_derivatives" (`forward_dynamics_derivatives`), "regressor"; several as a list, or with commas.
+            "bias" (`bias_forces`), "coriolis" (`coriolis_matrix`), "forward" (`forward_dynamics`), "derivatives"
+            (`inverse_dynamics_derivatives`), "forward_derivatives" (`forward_dynamics_derivatives`), "regressor";
+            several as a list, or with commas.
         scene: gravity, friction and so on. Where its wrenches name columns, these are one more argument.
         out: a file to write it to as well.
 
