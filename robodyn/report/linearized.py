@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cmath import phase
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from math import inf, pi
 
 from robodyn.equations.linearized.linearized import Linearized
@@ -38,7 +39,7 @@ _PICTURED = 12
 
 def linearized_sections(found: Linearized) -> Iterator[Section]:
     """Yield the state and what holds it, the modes, and the verdict."""
-    verdict = stability(found.modes)
+    verdict = stability(found)
     how = "an equilibrium" if found.balanced else "the state given"
     sizes = f"{count(len(found.states), 'state')}, {count(len(found.inputs), 'input')}"
     yield paragraphs([f"{found.robot}: linear about {how}, {sizes}", *_held(found), *_discrete(found)])
@@ -51,7 +52,7 @@ def linearized_sections(found: Linearized) -> Iterator[Section]:
 
 def linearized_page(found: Linearized, pictures: bool = True) -> Document:
     """Return the same as a page, with pictures of the modes, and A and B as data."""
-    blocks: list[Block] = [stability(found.modes), *(_pictures(found) if pictures else [])]
+    blocks: list[Block] = [stability(found), *(_pictures(found) if pictures else [])]
     blocks += [Heading("In numbers"), *on_page(linearized_sections(found), "Mode")]
     blocks += data_blocks([("linear.json", linearized_json(found))], "robodyn linearize --format json prints it")
     return Document(found.robot, "Linear equations near a state, and modes", tuple(blocks))
@@ -69,8 +70,15 @@ def _pictures(found: Linearized) -> list[Block]:
     return [Heading("Mode shapes"), *some, Gallery(tuple(shown))]
 
 
-def stability(modes: Modes) -> Verdict:
+def stability(found: Linearized) -> Verdict:
     """Return whether the robot comes back after a small push, and how soon or how fast it goes."""
+    verdict = _stability(found.modes)
+    if not found.held.any() or not found.motion.at_rest:
+        return verdict
+    return replace(verdict, reasons=(*verdict.reasons, "That is so while the torques added stay as they are."))
+
+
+def _stability(modes: Modes) -> Verdict:
     if modes.verdict == "moving":
         return Verdict("neutral", "No verdict on stability: the state moves", ("The modes are those of this instant.",))
     if modes.verdict == "unstable":

@@ -374,7 +374,8 @@ MUTATIONS = {
         ("equations/linearized/eigenmodes.py", "value.imag * one", "0.0 * one"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),
         ("equations/linearized/modes.py", "abs(self.real) <= self.error", "self.real == 0.0"),
-        ("equations/linearized/linearize.py", "carried[model.parents[k]] += carried[k]", "None"),
+        ("equations/linearized/standing.py", "masses[model.parents[k]] += masses[k]", "None"),
+        ("equations/linearized/equilibrium.py", "1.0 / np.sqrt(stiff)[:, None]", "1.0"),
     ],
     "equations/linearized/test_closed_chains.py": [
         (

@@ -45,7 +45,7 @@ def equilibrium_near(robot: Standing, q: Floats) -> Floats:
         found, here = _by_newton(robot, _sunk(robot, q), _LONGEST)
     if here.part <= _NEARLY:
         return _as_begun(robot, q, found, here)
-    raise InputError(f"no equilibrium is found: {_most(robot, here.missing)} stay unbalanced", remedy=_HOLD)
+    raise InputError(f"no equilibrium is found: {_most(robot, here)} stay unbalanced", remedy=_HOLD)
 
 
 def _check_exists(robot: Standing, q: Floats) -> None:
@@ -55,20 +55,21 @@ def _check_exists(robot: Standing, q: Floats) -> None:
     if elsewhere is None:
         return
     here, there = robot.balance(q), robot.balance(elsewhere)
-    nothing = _NEAR * min(here.scale, there.scale)
-    changes = np.maximum(np.abs(here.stiffness), np.abs(there.stiffness)).max(axis=1)
-    constant = np.where((changes <= nothing) & (np.abs(here.missing - there.missing) <= nothing), here.missing, 0.0)
-    if length(constant) > _NEARLY * here.scale:
-        what = f"there is no equilibrium: {_most(robot, constant)} stay unbalanced at every configuration"
+    nothing = _NEAR * np.minimum(here.scale, there.scale)
+    changes = (np.maximum(np.abs(here.stiffness), np.abs(there.stiffness)) * robot.lengths).max(axis=1)
+    constant = (changes <= nothing) & (np.abs(here.missing - there.missing) <= nothing) & (here.parts > _NEARLY)
+    if constant.any():
+        left = here._replace(missing=np.where(constant, here.missing, 0.0))
+        what = f"there is no equilibrium: {_most(robot, left)} stay unbalanced at every configuration"
         floats = robot.model.floating and constant[:6].any()
         raise InputError(
             what, remedy="a free base falls: bolt it down, or leave out --equilibrium" if floats else _HOLD
         )
 
 
-def _most(robot: Standing, missing: Floats) -> str:
-    k = first_largest(np.abs(missing))
-    return f"{abs(missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
+def _most(robot: Standing, here: Balance) -> str:
+    k = first_largest(here.parts)
+    return f"{abs(here.missing[k]):.3g} {robot.units[k]} at {robot.model.rates[k]}"
 
 
 def _as_begun(robot: Standing, q: Floats, found: Floats, here: Balance) -> Floats:
@@ -81,7 +82,7 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
     """Return where it ends, within this distance, and what is not balanced there."""
     here, gone = robot.balance(q), np.zeros(robot.model.n)
     for _ in range(_STEPS):
-        last, N = here.part <= _NEAR, here.directions
+        last, N = here.part <= _NEAR, _scaled(robot, here)
         step = product(N, shortest(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT))
         better = _first_that_helps(robot, q, here, step, around * robot.lengths, gone)
         if better is None:
@@ -92,15 +93,23 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
     return q, here
 
 
+def _scaled(robot: Standing, here: Balance) -> Floats:
+    """Return the directions in coordinates in which all joints are about as stiff, however small what they carry."""
+    stiff = here.scale / robot.lengths
+    stiff = np.where(stiff > 0.0, stiff, 1.0)
+    return here.directions * (1.0 if robot.chain else 1.0 / np.sqrt(stiff)[:, None])
+
+
 def _first_that_helps(
     robot: Standing, q: Floats, here: Balance, step: Floats, within: Floats, gone: Floats
 ) -> tuple[Floats, Balance, Floats] | None:
     """Return q, what is missing and how far it is after the step, halved until less is missing."""
+    scale = np.where(here.scale > 0.0, here.scale, 1.0)
     for halving in range(_HALVINGS):
         part = step * 0.5**halving
         if (np.abs(gone + part) <= within).all() and (tried := robot.moved(q, part)) is not None:
             there = robot.balance(tried)
-            if length(there.missing) < length(here.missing):
+            if length(there.missing / scale) < length(here.missing / scale):
                 return tried, there, gone + part
     return None
 
@@ -111,7 +120,7 @@ def _sunk(robot: Standing, q: Floats) -> Floats:
     for _ in range(_SINKS):
         if here.part <= _SUNK or (np.abs(gone) > _FAR * robot.lengths).any():
             break
-        step = _downhill(here, robot.lengths, longest)
+        step = _downhill(robot, here, longest)
         tried = robot.moved(q, step)
         there = None if tried is None else robot.balance(tried)
         if tried is None or there is None or product(here.missing + there.missing, step) >= 0.0:
@@ -121,13 +130,16 @@ def _sunk(robot: Standing, q: Floats) -> Floats:
     return q
 
 
-def _downhill(here: Balance, lengths: Floats, longest: float) -> Floats:
+def _downhill(robot: Standing, here: Balance, longest: float) -> Floats:
     """Return the step (n,) that ends along each principal direction of the stiffness where its torque would vanish."""
-    N = span((here.directions / lengths[:, None]).T, 0.0).T * lengths[:, None]
+    N = _scaled(robot, here)
+    if robot.chain is not None:
+        N = span((N / robot.lengths[:, None]).T, 0.0).T * robot.lengths[:, None]
     S = product(N.T, here.stiffness, N)
     values, V = eigen(0.5 * (S + S.T))
-    torque = product(V, product(N.T, here.missing))
-    felt = np.abs(torque) > _NEAR * here.scale
+    D = product(N, V.T)
+    torque, far = product(D.T, here.missing), np.abs(D / robot.lengths[:, None]).max(axis=0)
+    felt = np.abs(torque) > _NEAR * product(np.abs(D).T, here.scale)
     with np.errstate(divide="ignore", invalid="ignore"):
-        along = np.where(felt, np.clip(-torque / np.abs(values), -longest, longest), 0.0)
-    return np.asarray(product(N, product(along, V)))
+        along = np.where(felt, np.clip(-torque / np.abs(values), -longest / far, longest / far), 0.0)
+    return np.asarray(product(D, along))

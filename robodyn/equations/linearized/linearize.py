@@ -154,19 +154,8 @@ def _coordinates(robot: Standing, N: Floats) -> tuple[list[int], Floats]:
 def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
     """Return how stiff the weight can make each coordinate: what a joint carries, of mass m, is nearer to its axis than
     I allows, `m r^2 <= I`, and makes at most `m g r`, g sqrt(m I)."""
-    model, scene = robot.model, robot.tree
-    carried = [body.inertia.m for body in model.bodies]
-    for payload in scene.payloads:
-        carried[model.links[payload.link].body] += payload.mass
-    for k in reversed(range(1, len(carried))):
-        carried[model.parents[k]] += carried[k]
-    mass = np.full(model.n, carried[0])
-    if robot.chain is None:
-        for k in reversed(range(len(carried))):
-            joint = model.bodies[k].joint
-            if joint.kind in ("revolute", "prismatic"):
-                mass[joint.rate] = carried[k]
-    return np.asarray(length(np.array(scene.gravity)) * np.sqrt(np.abs(mass[own] * np.diag(M))))
+    gravity = length(np.array(robot.tree.gravity))
+    return np.asarray(gravity * np.sqrt(robot.carried[own] * np.abs(np.diag(M))))
 
 
 def _overflow(model: Model) -> InputError:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
 from robodyn.dynamics.inverse import bias_forces
@@ -33,18 +34,23 @@ class Balance(NamedTuple):
         missing: (n,) torques [N m or N].
         directions: (n, k) in which it can move, columns orthonormal.
         stiffness: (n, n) how torques change with q where what the loops carry stays the same.
-        scale: the largest of the torques that balance, or that the weight could make [N m].
+        scale: (n,) at each joint the largest of the torques that balance, or that the weight could make [N m or N].
     """
 
     missing: Floats
     directions: Floats
     stiffness: Floats
-    scale: float
+    scale: Floats
+
+    @property
+    def parts(self) -> Floats:
+        """(n,) how much is missing, of what balances."""
+        return np.abs(self.missing) / np.where(self.scale > 0.0, self.scale, 1.0)
 
     @property
     def part(self) -> float:
-        """How much is missing, of what balances."""
-        return length(self.missing) / self.scale if self.scale else 0.0
+        """The largest of these."""
+        return float(self.parts.max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +71,29 @@ class Standing:
         return units_of(self.model)
 
     @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """(n,) whether a rate is a turn, and not a shift."""
+        return np.array([unit != "N" for unit in self.units])
+
+    @cached_property
     def lengths(self) -> Floats:
         """(n,) 1 for turns and the robot's reach [m] for shifts: how far is as far as one radian."""
-        return np.where(np.array(self.units) == "N", max(self.model.reach, 1e-9), 1.0)
+        return np.where(self.turns, 1.0, max(self.model.reach, 1e-9))
+
+    @cached_property
+    def carried(self) -> Floats:
+        """(n,) the mass beyond each joint, payloads included [kg]; of a closed chain all of it."""
+        model = self.model
+        masses = [body.inertia.m for body in model.bodies]
+        for payload in self.tree.payloads:
+            masses[model.links[payload.link].body] += payload.mass
+        for k in reversed(range(1, len(masses))):
+            masses[model.parents[k]] += masses[k]
+        out = np.full(model.n, masses[0])
+        for body, mass in zip(reversed(model.bodies), reversed(masses), strict=True):
+            if self.chain is None and body.joint.kind in ("revolute", "prismatic"):
+                out[body.joint.rate] = mass
+        return out
 
     def balance(self, q: Floats) -> Balance:
         """Return what is missing at q.
@@ -78,8 +104,8 @@ class Standing:
         model = self.model
         bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
         given = self.drives.at(positions(model, q), np.zeros(model.n))
-        weight = model.total_mass * length(np.array(self.tree.gravity)) * model.reach
-        scale = max(weight, *(float(np.abs(x).max(initial=0.0)) for x in (bias, given)))
+        weight = length(np.array(self.tree.gravity)) * self.carried * np.where(self.turns, model.reach, 1.0)
+        scale = np.maximum(np.maximum(np.abs(bias), np.abs(given)), weight)
         rates = inverse_dynamics_derivatives(model, q, 0.0, 0.0, scene=self.tree, executor="numpy")
         missing, stiffness = bias - given, rates.dq + np.diag(self.drives.kp)
         if self.chain is None:
@@ -87,6 +113,7 @@ class Standing:
         J = self.chain.jacobian(self.chain.sample(q.tolist()))
         multipliers = shortest(J.T, missing, FEW)
         N = across(J, FEW).T
+        scale = (scale * self.lengths).max() / self.lengths
         return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
 
     def moved(self, q: Floats, step: Floats) -> Floats | None:

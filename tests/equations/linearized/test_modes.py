@@ -249,3 +249,17 @@ def test_motors_rotors_and_limits():
     assert not linearize(model, scene).A[1].any()
     found = linearize(model, scene, [upper + 0.01])
     assert worst(found.A[1], [-500.0 / 1.6, -2.0 / 1.6]) <= 4 * EPS
+
+
+@pytest.mark.parametrize("mass", [1e-13, 1e-9, 1e9, 1e13])
+def test_equilibria_of_the_lightest_and_the_heaviest_link(mass):
+    """A link that weighs next to nothing, or nearly all, hangs down as well as the others do."""
+    parts = [link("base")]
+    for k, (name, each) in enumerate((("a", 1.0), ("b", mass), ("c", 1.0))):
+        parts += [link(name, each, (0.2, 0, 0), (each * 0.01, 0, 0, each * 0.02, 0, each * 0.03))]
+        parts += [joint(f"j{name}", ("base", "a", "a")[k], name, "continuous", (0, 1, 0), (0.3 * (k > 0), 0, 0))]
+    found = linearize(built(*parts), at=[0.4, -0.8, 1.1], equilibrium=True)
+    assert np.abs(np.sin(np.cumsum(found.q * [1, 1, 0])[:2] - np.pi / 2)).max() <= 1e-9
+    assert np.abs(np.sin(found.q[0] + found.q[2] - np.pi / 2)) <= 1e-9
+    assert found.modes.verdict == "marginal"
+    assert all(mode.oscillates for mode in found.modes.modes)
