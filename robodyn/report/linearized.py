@@ -163,9 +163,9 @@ def _figures(mode: Mode) -> str:
 
 def moves(names: Sequence[str], mode: Mode) -> str:
     """Return which joints move how much, in step or against each other, those with most kinetic energy first."""
-    order = sorted(range(len(names)), key=lambda k: (-round(mode.shares[k], 6), k))
+    order = sorted(range(len(names)), key=lambda k: (mode.shape[k] != 1.0, -round(mode.shares[k], 6), k))
     least = _MOVES * max(map(abs, mode.shape))
-    shown = [k for k in order if abs(mode.shape[k]) >= least and mode.shares[k] > 0][:_NAMED]
+    shown = [k for k in order if k == order[0] or (abs(mode.shape[k]) >= least and mode.shares[k] > 0)][:_NAMED]
     words = [f"{names[k]} {abs(mode.shape[k]):.3g}{_phase(mode.shape[k]) if i else ''}" for i, k in enumerate(shown)]
     return ", ".join(words) + ("; any mixture with its like" if mode.alike else "")
 

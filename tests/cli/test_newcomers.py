@@ -44,6 +44,8 @@ CALLS: dict[str, str] = {
     "(robodyn scene init URDF writes one)",
     "info arm.csv": "arm.csv: this is a table, and a robot description is expected here (the order: robodyn info URDF)",
     "simulate arm.urdf scene.toml": "got unexpected extra argument (scene.toml); did you mean --scene scene.toml? (",
+    "linearize arm.urdf scene.toml": "got unexpected extra argument (scene.toml); did you mean --scene scene.toml? (",
+    "linearize arm.csv": "arm.csv: this is a table, and a robot description is expected here (the order: robodyn line",
     "fbd arm.urdf arm.csv": "got unexpected extra argument (arm.csv); did you mean --traj arm.csv? (try: ",
     "info arm.urdf scene.toml": "got unexpected extra argument (scene.toml) (try: robodyn info --help)",
     "torques arm.urdf arm.csv --scene no.toml": "no.toml: cannot be read: no such file or directory (check the name)",
