@@ -27,6 +27,11 @@ def pytest_collection_finish() -> None:
     gc.enable()
 
 
+def pytest_sessionfinish() -> None:
+    """Have pytest's last collections pass over what is left: each would look at millions of objects."""
+    gc.freeze()
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _measure_briefly() -> Iterator[None]:
     from helpers.hurried import hurry

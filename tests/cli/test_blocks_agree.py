@@ -56,7 +56,7 @@ def flat(value: Any, path: str = "") -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("robot", "table", "scene"), CASES, ids=[case[1] for case in CASES])
-@pytest.mark.parametrize("block_rows", sampled([7, 100], 2))
+@pytest.mark.parametrize("block_rows", sampled([30, 7, 100]))
 def test_many_blocks_are_as_one(robot: str, table: str, scene: str | None, block_rows: int) -> None:
     files = ROBOTS / f"{robot}.urdf", ROBOTS / f"{table}.csv", ROBOTS / f"{scene}.toml" if scene else None
     (one, whole), (many, parts) = computed(*files, 1 << 16), computed(*files, block_rows)

@@ -70,7 +70,7 @@ def test_every_effect_of_forward_dynamics(moving_base):
 
 
 @bases
-@pytest.mark.parametrize("path", sampled(cases(), 3))
+@pytest.mark.parametrize("path", sampled(cases(), 7))
 def test_pinocchio(path, moving_base):
     model, rng = load(path, moving_base=moving_base), np.random.default_rng(len(path.name))
     other, (q, qd, qdd) = PinocchioRobot(path, free=moving_base), random_state(model, rng, 2)

@@ -42,7 +42,7 @@ def both(program, arrays, dtype=np.float64):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", sampled(cases(), 3))
+@pytest.mark.parametrize("path", sampled(cases(), 7))
 def test_torques_of_real_robots(path, moving_base):
     model = load(path, moving_base=moving_base)
     compiled, plain = both(Plan(model, Scene()).torques(), sources(model, Scene()))

@@ -54,16 +54,22 @@ def _holds(value, exact, error):
     return value == exact or abs(value - exact) <= error * SLACK
 
 
-def bounds(program, sources, samples, dtype=np.float64, ulps=1):
+def exactly(program, sources, samples):
+    """The exact values of every operation, and the context that they are numbers of."""
+    every = Multiprecision(replace(program, outputs=tuple(range(len(program.operations)))), digits=DIGITS)
+    return every.context, every(sources, samples)
+
+
+def bounds(program, sources, samples, dtype=np.float64, ulps=1, exact=None):
     """What every executor keeps that rounds each operation once in the format `dtype`, sine, cosine and exponential to
     so many units in the last place; a fused multiply-add in place of a product and a sum is no worse.
 
     Args:
         sources: arrays of doubles; they and the constants are rounded to `dtype` first.
+        exact: what `exactly` returns for these sources, if that is at hand.
     """
-    every = Multiprecision(replace(program, outputs=tuple(range(len(program.operations)))), digits=DIGITS)
-    values = every(sources, samples)
-    errors = [_errors(every.context, program, row, dtype, ulps) for row in values]
+    context, values = exact or exactly(program, sources, samples)
+    errors = [_errors(context, program, row, dtype, ulps) for row in values]
     outputs = list(program.outputs)
     return Bounds(values[:, outputs], np.array(errors, dtype=object).reshape(values.shape)[:, outputs])
 

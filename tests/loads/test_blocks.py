@@ -23,7 +23,7 @@ from robodyn.trajectory.robot_motion import motion
 SAMPLES = 400
 TIME = np.sort(np.random.default_rng(3).uniform(0, 4, SAMPLES))
 SPLITS = {
-    "ones": [1] * SAMPLES,
+    "ones": [1] * 60 + [SAMPLES - 120] + [1] * 60,
     "halves": [200, 200],
     "uneven": [1, 2, 97, 299, 1],
     "with empty ones": [0, 399, 0, 1, 0],

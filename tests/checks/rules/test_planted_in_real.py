@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from helpers.planted_in_real import Plant, fresh
+from helpers.sampled import sampled
 
 LIMITS = (
     Plant("RD513", "panda", "joint panda_joint2", 'type="revolute"', 'type="continuous"', "from -1.7628 to 1.7628 rad"),
@@ -114,10 +115,16 @@ OVERLAPS = (
     Plant("RD610", "so101", "joint elbow_flex", _AT, r'\1xyz="0 0 0"', "no neighbour of it", "lower_arm_link"),
     Plant("RD610", "panda", "joint panda_joint6", _AT, r'\1xyz="-0.0825 0 0"', "so do", "panda_rightfinger"),
 )  # fmt: skip
+
+
+def called(plant: Plant) -> str:
+    return f"{plant.code}-{plant.robot}-{plant.part}"
+
+
 PLANTS = (*LIMITS, *FITS, *TREE, *MASSES, *OVERLAPS)
 
 
-@pytest.mark.parametrize("plant", PLANTS, ids=[f"{plant.code}-{plant.robot}-{plant.part}" for plant in PLANTS])
+@pytest.mark.parametrize("plant", sampled(PLANTS, 3), ids=called)
 def test_named_and_nothing_else(plant: Plant) -> None:
     found = [one for one in fresh(plant) if one.code != "RD901"]  # MuJoCo refuses flat meshes, too
     assert [(one.code, one.subject and one.subject.name) for one in found] == [(plant.code, plant.name)]

@@ -11,7 +11,7 @@ UNSEEN = (FILE.parent / "unseen_slips.txt").read_text(encoding="utf-8").splitlin
 ALL = slips()
 
 
-@pytest.mark.parametrize("slip", sampled([slip for slip in ALL if str(slip) not in UNSEEN], 40), ids=str)
+@pytest.mark.parametrize("slip", sampled([slip for slip in ALL if str(slip) not in UNSEEN], 80), ids=str)
 def test_named(slip: Slip) -> None:
     found = outcome(slip)
     if slip.group == HARMLESS:

@@ -14,7 +14,7 @@ def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(effort, "ALLOWED", ALLOWED)
 
 
-@pytest.mark.parametrize("kind", sampled([kind for kind in CLASSES if kind != "robots"], 2))
+@pytest.mark.parametrize("kind", sampled([kind for kind in CLASSES if kind != "robots"], 4))
 def test_a_few_targets_are_met_or_refused(kind):
     found = shares(outcomes(kind, 2))
     assert found.missed == 0

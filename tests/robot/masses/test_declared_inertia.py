@@ -10,6 +10,7 @@ from helpers.example_robots import path_of
 from helpers.oracles import ROBOTS
 from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
+from helpers.sampled import sampled
 
 from robodyn.errors import InputError
 from robodyn.programs.vectors import rotation_from_rpy
@@ -113,7 +114,7 @@ def path(name):
     return ROBOTS / f"{name}.urdf" if name in OWN else path_of(name)
 
 
-@pytest.mark.parametrize("name", [*OWN, *REAL])
+@pytest.mark.parametrize("name", sampled([*OWN, *REAL], 2))
 def test_pinocchio_agrees_at_random_configurations(name):
     description = load_description(path(name))
     model, theirs = assemble(description), PinocchioRobot(path(name), free=True)
