@@ -52,7 +52,7 @@ def linearize(
 
     Args:
         at: coordinates in order or by name; the rest begins at the scene's initial values, else at zero, and moves so
-            that loops close. A base that moves stands upright at the ground's origin.
+            that loops close. A base that moves stands upright at the ground's origin, or where the scene puts it.
         qd: of the joints, likewise, the rest zero. A base that moves is at rest, and so is a closed chain.
         equilibrium: whether to look for one near `at`.
         step: s, for A and B of x(t + step) = A x(t) + B u, where u is constant from one step to the next.

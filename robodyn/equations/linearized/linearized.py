@@ -49,7 +49,12 @@ class Linearized:
 
     @cached_property
     def modes(self) -> Modes:
-        """How it moves by itself, drives closed, and whether it is stable."""
+        """How it moves by itself, drives closed.
+
+        `modes.modes`, the slowest first, have `frequency` [Hz], `damping_ratio`, `time_constant` [s], `real`, `imag`,
+        the `error` of both [1/s], and `shape`. `modes.stable` is True, False, or None where that is not decided;
+        `modes.verdict` says why, and `modes.margin` by how much [1/s].
+        """
         return modes_of(self.motion)
 
 

@@ -120,6 +120,11 @@ def test_refusals():
     model = robot("crank_slider")
     with pytest.raises(InputError, match="closed chains are linearized at rest"):
         linearize(model, PUMP, {"main": 0.5}, {"main": 1.0})
+    flat = replace(BARS, initial_q={}, initial_qd={})
+    with pytest.raises(InputError, match="the loops allow 3 motions here and 1 nearby, so that nothing is linear"):
+        linearize(robot("four_bars"), flat, dict.fromkeys(HANGING, 0.0))
+    with pytest.raises(InputError, match="a closed chain on a base that moves is not linearized"):
+        linearize(robot("four_bars", True), flat, HANGING)
     scene = replace(PUMP, spring={}, drive={"main": Drive(torque=4.0)}, gravity=(0.0, 0.0, 0.0), friction={})
     with pytest.raises(InputError, match="no equilibrium"):
         linearize(model, scene, {"main": 0.5}, equilibrium=True)
