@@ -17,6 +17,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, skew, vector
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -49,6 +50,7 @@ def coriolis_matrix(
 
     Accuracy: 1e-14 of the largest entry of C for chains of up to 100 bodies.
     """
+    refuse_others(model, scene)
     sources, shape = arrays_of(model, {"q": q, "qd": qd})
     return results(_runner(plan(model, scene)), sources, shape, (model.n, model.n), None, executor, threads)
 

@@ -18,6 +18,7 @@ from robodyn.programs.program import Program
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.programs.run.numpy_blocks import NumpyBlocks
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives
@@ -113,6 +114,7 @@ def function(model: Model, kind: str, *, scene: Scene = DEFAULT) -> Function:
         raise InputError(
             f"there is no function {kind!r} of one sample", remedy=alternatives(str(kind), tuple(KINDS), "functions")
         )
+    refuse_others(model, scene)
     return _function(plan(model, scene), kind)
 
 

@@ -19,6 +19,7 @@ from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_
 from robodyn.programs.program import Program, trace
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -103,6 +104,7 @@ def mass_matrix(
 
     Accuracy: 1e-14 of the largest entry.
     """
+    refuse_others(model, scene)
     sources, shape = arrays_of(model, {"q": q})
     return results(mass_runner(model, scene), sources, shape, (model.n, model.n), None, executor, threads)
 

@@ -60,7 +60,21 @@ def test_wrong_calls_of_the_library() -> None:
     model = robodyn.load(SCARA)
     with pytest.raises(InputError, match="there is no target 'rust' to export"):
         robodyn.export(model, "rust")
+    with pytest.raises(InputError, match=r"there is no target \['c'\] to export"):
+        robodyn.export(model, ["c"])  # type: ignore[arg-type]
     with pytest.raises(InputError, match="there is no function 'inverse_dynamics' to export"):
         robodyn.export(model, "c", ["inverse_dynamics"])
+    for what in (None, [None]):
+        with pytest.raises(InputError, match="there is no function None to export"):
+            robodyn.export(model, "c", what)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="no function to export is named"):
+        robodyn.export(model, "c", [])
+    with pytest.raises(InputError, match="scene is no scene but of type dict"):
+        robodyn.export(model, "c", scene={})  # type: ignore[arg-type]
     with pytest.raises(InputError, match="nothing can move"):
         robodyn.export(robodyn.load(str(ROBOTS / "composite.urdf")), "c")
+
+
+def test_an_output_may_be_a_path_object(tmp_path: Path) -> None:
+    text = robodyn.export(robodyn.load(SCARA), "numpy", out=tmp_path / "scara.py")
+    assert (tmp_path / "scara.py").read_text(encoding="utf-8") == text

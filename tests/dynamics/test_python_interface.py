@@ -124,6 +124,7 @@ OF_STATES = {
         ("ur5.urdf", Scene(), "model is no robot but of type str"),
         ("puma560", None, "scene is no scene but None"),
         ("puma560", "scene.toml", "scene is no scene but of type str"),
+        ("puma560", {}, "scene is no scene but of type dict"),
     ],
 )
 def test_no_robot_or_no_scene(model, scene, words):

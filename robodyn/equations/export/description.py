@@ -9,10 +9,15 @@ from importlib.metadata import version
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.plan import Plan
 from robodyn.equations.export.job import Job
-from robodyn.programs.scalar import SIGN
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Friction
 from robodyn.support.wording import listed
+
+_SMOOTH = "sign(qd) is qd / sqrt(qd^2 + slip_speed^2), slip_speed"
+_JUMPS = (
+    "Coulomb friction: sign(0) = 0, and sign has derivative 0, also at its step at rest. With slip_speed in\n"
+    "the scene it is smooth."
+)
 
 
 def title(model: Model, form: str) -> str:
@@ -59,12 +64,23 @@ def _surroundings(plan: Plan) -> str:
         if verdict.active:
             reason = "" if effect.name in ("gravity", "inertia", "coriolis", "moving base") else f"; {verdict.reason}"
             lines.append(f"  {effect.name}: {effect.adds}{reason}")
+    return "\n".join([*lines, *_friction(plan)])
+
+
+def _friction(plan: Plan) -> list[str]:
+    """Return the constants of the joints, and what stands for the sign of speeds."""
     rubs = [
-        f"  {joint.name}: {_constants(friction)}"
-        for _, joint, friction in joints_with_friction(model, scene)
+        (joint, friction)
+        for _, joint, friction in joints_with_friction(plan.model, plan.scene)
         if friction.viscous or friction.dry
     ]
-    return "\n".join([*lines, *(["Friction, SI units:", *rubs] if rubs else ["No friction."])])
+    if not rubs:
+        return ["No friction."]
+    lines = ["Friction, SI units:", *(f"  {joint.name}: {_constants(friction)}" for joint, friction in rubs)]
+    if any(friction.dry for _, friction in rubs):
+        slip = plan.scene.slip_speed
+        lines.append(f"Coulomb friction is smooth: {_SMOOTH} {slip!r}." if slip else _JUMPS)
+    return lines
 
 
 def _constants(friction: Friction) -> str:
@@ -77,11 +93,6 @@ def _notes(plan: Plan, jobs: list[Job]) -> list[str]:
     found = []
     if plan.scene.columns:
         found.append(f"columns: the numbers that wrenches name, in this order: {listed(plan.scene.columns)}.")
-    if any(SIGN in job.program.counts for job in jobs):
-        found.append(
-            "Coulomb friction: sign(0) = 0, and sign has derivative 0, also at its step at rest. With slip_speed in\n"
-            "the scene it is smooth."
-        )
     floating = any(joint.kind == "floating" for joint in plan.model.independent)
     if any(job.name.endswith("derivatives") for job in jobs):
         text = "Columns of d / d q are by the coordinates, in the order of qd"

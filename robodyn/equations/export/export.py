@@ -16,10 +16,10 @@ from robodyn.equations.export.python_file import python_file
 from robodyn.errors import InputError
 from robodyn.programs.export.python import LIBRARIES
 from robodyn.robot.model import Model
-from robodyn.scene.fit import check_moves
+from robodyn.scene.fit import check_moves, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.files import write_whole
-from robodyn.support.wording import alternatives
+from robodyn.support.wording import alternatives, listed
 
 WORDS = {kind.word: kind for kind in KINDS.values()}
 TARGETS: dict[str, Callable[[Plan, Sequence[Job]], str]] = {
@@ -30,7 +30,12 @@ TARGETS: dict[str, Callable[[Plan, Sequence[Job]], str]] = {
 
 
 def export(
-    model: Model, to: str, what: str | Iterable[str] = "torques", *, scene: Scene = DEFAULT, out: str | None = None
+    model: Model,
+    to: str,
+    what: str | Iterable[str] = "torques",
+    *,
+    scene: Scene = DEFAULT,
+    out: str | os.PathLike[str] | None = None,
 ) -> str:
     """Return source code that computes the dynamics of a robot in a scene, without robodyn.
 
@@ -55,10 +60,10 @@ def export(
 
     Accuracy: within 1e-12 of the largest result; of derivatives of the code that libraries find too.
     """
-    words = list(dict.fromkeys(word.strip() for word in (what.split(",") if isinstance(what, str) else what)))
+    refuse_others(model, scene)
     _check_known("target", to, TARGETS)
-    for word in words:
-        _check_known("function", word, WORDS)
+    words = _words(what)
+    out = None if out is None else os.fspath(out)
     a_plan = plan(model, scene)
     check_moves(model)
     if out is not None and os.path.basename(out).lower() == f"{to}.py":
@@ -70,7 +75,18 @@ def export(
     return text
 
 
+def _words(what: str | Iterable[str]) -> list[str]:
+    """Return the functions that are asked for, each once."""
+    asked = what.split(",") if isinstance(what, str) else what if isinstance(what, Iterable) else [what]
+    words = [word.strip() if isinstance(word, str) else word for word in asked]
+    for word in words:
+        _check_known("function", word, WORDS)
+    if not words:
+        raise InputError("no function to export is named", remedy=f"functions: {listed(tuple(WORDS))}")
+    return list(dict.fromkeys(words))
+
+
 def _check_known(noun: str, word: str, known: Iterable[str]) -> None:
-    if word not in known:
+    if word not in tuple(known):
         remedy = alternatives(str(word), tuple(known), f"{noun}s")
         raise InputError(f"there is no {noun} {word!r} to export", remedy=remedy)

@@ -16,7 +16,7 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Immersed, Scene
 
 WHOLE = ",".join(ARGUMENTS)
 
@@ -100,6 +100,18 @@ def test_the_head_says_what_is_in_the_file():
     assert re.search(r"\* +\w+ = -?1\.0 jaw \+ ", head)
     assert re.search(r"/\* the torques of a motion; \d+ operations\n", text)
     assert "No friction." in robodyn.export(named("scara")[0], "c")
+
+
+def test_the_head_says_how_friction_leaves_rest():
+    """The speed over which it grows where there is one; nothing where the only signs are those of a fluid's drag."""
+    model, scene = named("gripper", "gripper.toml")
+    smooth = "sign(qd) is qd / sqrt(qd^2 + slip_speed^2), slip_speed 0.05"
+    for text, slip in ((robodyn.export(model, "jax", scene=replace(scene, slip_speed=x)), x) for x in (0.0, 0.05)):
+        assert (smooth in text, "sign(0) = 0, and sign has derivative 0" in text) == (bool(slip), not slip)
+    water = Scene(immersed=(Immersed("spindle", drag_area=(0.1, 0.1, 0.1)),), fluid_density=1000.0)
+    text = robodyn.export(named("scara")[0], "jax", scene=water)
+    assert "sign(" in text.split("No friction.")[1]
+    assert "Coulomb" not in text
 
 
 def test_forward_dynamics_is_refused_where_nothing_resists():
