@@ -9,6 +9,7 @@ from helpers.example_robots import path_of
 from helpers.oracles import EPS, robot, worst
 from helpers.peers import mujoco
 from helpers.small_robots import built, joint, link, random_tree_parts, urdf
+from mpmath import mp
 
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
@@ -226,6 +227,28 @@ def test_ur5_stretched_out_level():
     modes = linearize(robodyn.load(str(path_of("ur5_robot")))).modes
     assert modes.verdict == "marginal"
     assert sum(mode.free for mode in modes.modes) == 5
+
+
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 80))])
+def test_errors_hold_the_truth(seed):
+    """Gains over 15 decades: eigenvalues with 60 digits lie within the errors, and no verdict contradicts them."""
+    rng = np.random.default_rng(seed)
+    model = load(urdf(*random_tree_parts(rng, 3)))
+    kp, kd = 10.0 ** rng.uniform(-6, 9, (2, model.n)) * (rng.random((2, model.n)) < 0.8)
+    gains = zip(model.joint_names, kp.tolist(), kd.tolist(), strict=True)
+    scene = Scene(drive={name: Drive(kp=p, kd=d) for name, p, d in gains})
+    found = linearize(model, scene, rng.uniform(-1, 1, model.n).tolist())
+    with mp.workdps(60):
+        M, D, K = (mp.matrix(each.tolist()) for each in (found.motion.M, found.motion.damping, found.motion.stiffness))
+        n, inverse = model.n, M**-1
+        A = mp.zeros(2 * n)
+        A[:n, n:], A[n:, :n], A[n:, n:] = mp.eye(n), -inverse * K, -inverse * D
+        values = mp.eig(A, left=False, right=False)
+        for mode in found.modes.modes:
+            nearest = float(min(abs(value - mp.mpc(mode.real, mode.imag)) for value in values))
+            assert nearest <= (1e-7 if mode.free else mode.error)
+        largest = max(mp.re(value) for value in values)
+    assert found.modes.verdict != ("stable" if largest >= 0 else "unstable")
 
 
 def test_a_state_that_moves_has_no_verdict():
