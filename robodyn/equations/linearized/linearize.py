@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import hypot
 
 import numpy as np
 
@@ -14,11 +15,11 @@ from robodyn.equations.linearized.drives import following, positions
 from robodyn.equations.linearized.equilibrium import equilibrium_near
 from robodyn.equations.linearized.linearized import Linearized, in_steps
 from robodyn.equations.linearized.small_motion import SmallMotion
-from robodyn.equations.linearized.standing import Standing, standing
+from robodyn.equations.linearized.standing import Standing, overflow, standing
 from robodyn.equations.ode import check_equations
 from robodyn.errors import InputError
 from robodyn.programs.linear import eigen, solve
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import product
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
@@ -72,8 +73,8 @@ def linearize(
                 raise InputError("an equilibrium is at rest", remedy="leave out the speeds, or do not look for one")
             q = equilibrium_near(robot, q)
         found = _near(robot, q, speeds)
-        if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held)):
-            raise _overflow(model)
+        if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held, found.motion.weight)):
+            raise overflow(model)
         if follow := following(scene):
             what = f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"
             found = replace(found, warnings=(what, *found.warnings))
@@ -154,12 +155,8 @@ def _coordinates(robot: Standing, N: Floats) -> tuple[list[int], Floats]:
 def _weight(robot: Standing, M: Floats, own: list[int]) -> Floats:
     """Return how stiff the weight can make each coordinate: what a joint carries, of mass m, is nearer to its axis than
     I allows, `m r^2 <= I`, and makes at most `m g r`, g sqrt(m I)."""
-    gravity = length(np.array(robot.tree.gravity))
+    gravity = hypot(*robot.tree.gravity)
     return np.asarray(gravity * np.sqrt(robot.carried[own] * np.abs(np.diag(M))))
-
-
-def _overflow(model: Model) -> InputError:
-    return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
 
 
 def _condition(model: Model, M: Floats, names: list[str]) -> float:
@@ -169,7 +166,7 @@ def _condition(model: Model, M: Floats, names: list[str]) -> float:
         InputError: it is singular to working precision, or not finite.
     """
     if not np.isfinite(M).all():
-        raise _overflow(model)
+        raise overflow(model)
     size = np.sqrt(np.abs(np.diag(M)))
     massless = [name for name, each in zip(names, size, strict=True) if not each]
     values = np.zeros(1) if massless else np.abs(eigen(M / size / size[:, None])[0])

@@ -10,6 +10,7 @@ import numpy as np
 from robodyn.equations.linearized.eigenmodes import modes_of
 from robodyn.equations.linearized.modes import Modes
 from robodyn.equations.linearized.small_motion import SmallMotion
+from robodyn.errors import InputError
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
@@ -63,11 +64,17 @@ def in_steps(found: Linearized, step: float) -> Linearized:
 
     By the exponential of ((A, B), (0, 0)) step, in powers of it halved until it is small (Taylor's series of order 18,
     squared again): both matrices at once, A singular or not. Van Loan 1978.
+
+    Raises:
+        InputError: a mode grows beyond all numbers within a step.
     """
     size, inputs = found.B.shape
     whole = np.zeros((size + inputs, size + inputs))
     whole[:size, :size], whole[:size, size:] = found.A * step, found.B * step
-    E = _exponential(whole)
+    with np.errstate(all="ignore"):
+        E = _exponential(whole) if np.isfinite(whole).all() else whole
+    if not np.isfinite(E).all():
+        raise InputError(f"the motion overflows within a step of {step:g} s", remedy="give shorter steps")
     return replace(found, A=E[:size, :size], B=E[:size, size:], step=step)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from robodyn.equations.ode import units_of
 from robodyn.errors import InputError
 from robodyn.programs.dual import Dual, rate_of
 from robodyn.programs.linear import across, shortest
-from robodyn.programs.vectors import length, product
+from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
@@ -100,12 +101,17 @@ class Standing:
 
         With loops `missing = bias - drives - J^T lambda` is as short as it can be, and across all rows of J; its
         derivative has that of J^T lambda in it, lambda being constant.
+
+        Raises:
+            InputError: the torques are not finite.
         """
         model = self.model
         bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
         given = self.drives.at(positions(model, q), np.zeros(model.n))
-        weight = length(np.array(self.tree.gravity)) * self.carried * np.where(self.turns, model.reach, 1.0)
+        weight = hypot(*self.tree.gravity) * self.carried * np.where(self.turns, model.reach, 1.0)
         scale = np.maximum(np.maximum(np.abs(bias), np.abs(given)), weight)
+        if not np.isfinite(scale).all():
+            raise overflow(model)
         rates = inverse_dynamics_derivatives(model, q, 0.0, 0.0, scene=self.tree, executor="numpy")
         missing, stiffness = bias - given, rates.dq + np.diag(self.drives.kp)
         if self.chain is None:
@@ -121,6 +127,11 @@ class Standing:
         if self.chain is not None:
             return closed_near(self.chain, q, step)
         return np.array(unit(self.model, moved(self.model, q.tolist(), step.tolist())), dtype=float)
+
+
+def overflow(model: Model) -> InputError:
+    """Return the error of numbers that are not finite."""
+    return InputError("the equations overflow at this state", remedy="smaller numbers", file=model.file)
 
 
 def standing(model: Model, scene: Scene, q: Floats) -> Standing:

@@ -190,5 +190,12 @@ def test_refusals():
     )
     with pytest.raises(InputError, match="the mass matrix is singular: nothing moves with 'jb'"):
         linearize(massless)
+    with pytest.raises(InputError, match="the motion overflows within a step of 1e\\+06 s"):
+        linearize(robot("pendulum"), at=[np.pi / 2], step=1e6)
+    with pytest.raises(InputError, match="the motion overflows within a step of 1e\\+300 s"):
+        linearize(robot("pendulum"), Scene(drive={"pivot": Drive(kp=1e9)}), step=1e300)
+    with pytest.raises(InputError, match="overflow at this state"):
+        linearize(robot("puma"), Scene(gravity=(0.0, 0.0, -1e308)), equilibrium=True)
+    assert linearize(robot("puma"), Scene(gravity=(0.0, 0.0, -1e300)), [0.0, 1.5, -1.5], equilibrium=True).balanced
     with pytest.raises(InputError, match="overflow at this state"):
         linearize(robot("pendulum"), Scene(gravity=(0.0, 0.0, -1.7e308), drive={"pivot": Drive(kp=1.7e308)}), [-1.5])
