@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-YOUNG = 50_000
+YOUNG = 200_000
 """Objects that are made before those among them that nothing uses are looked for; Python's own is 700."""
 
 

@@ -72,7 +72,7 @@ def test_everything_below_the_folder(runner: Any) -> None:
     ],
 )
 def test_files_and_options(runner: Any, files: str, options: str, status: int) -> None:
-    found, _, written = runner(ROBODYN_FILES=files, ROBODYN_OPTIONS=options)
+    found, _, written = runner(ROBODYN_FILES=files, ROBODYN_OPTIONS=options, GITHUB_STEP_SUMMARY="")
     assert found == status
     assert written["GITHUB_OUTPUT"] == f"status={status}\n"
     assert ("ROBODYN_SARIF" in written) == (status < 2)

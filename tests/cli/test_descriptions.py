@@ -98,7 +98,7 @@ WAYS = {
 }
 
 
-@pytest.mark.parametrize("way", sampled(WAYS, 3))
+@pytest.mark.parametrize("way", sampled(WAYS, 6))
 def test_all_commands_find_the_same_meshes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     robot, more, variables = WAYS[way]
     for name, value in variables.items():

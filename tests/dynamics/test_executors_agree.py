@@ -57,7 +57,14 @@ ROBOTS = {
 
 
 @pytest.mark.parametrize(
-    ("name", "free"), [("tree", False), *((name, free) for name in list(ROBOTS)[1:] for free in (False, True))]
+    ("name", "free"),
+    [
+        ("tree", False),
+        ("every effect", False),
+        ("mimic joints", True),
+        pytest.param("every effect", True, marks=pytest.mark.slow),
+        pytest.param("mimic joints", False, marks=pytest.mark.slow),
+    ],
 )
 def test_every_program_of_a_plan(name, free):
     made, scene = ROBOTS[name]

@@ -114,7 +114,7 @@ def test_which_numbers_of_samples_are_too_few(name: str) -> None:
         assert all("too few" in doubt.clause for doubt in given.doubts)
 
 
-@pytest.mark.parametrize("name", sampled(MOTIONS, 3))
+@pytest.mark.parametrize("name", sampled(MOTIONS, 4))
 def test_error_bars_hold_the_truth_however_few_samples_there_are(name: str) -> None:
     rng, held = np.random.default_rng(2), []
     for rows in (8, 12, 20, 30, 60, 100, 400):

@@ -54,7 +54,7 @@ DISTURBED = [(0.2, 1e-5), (0.2, 0.0), (0.0, 1e-5), (0.0, 0.0)]
 
 @pytest.mark.parametrize("suffix", sampled(["csv", "parquet", "npz"]))
 @pytest.mark.parametrize("mode", sampled(MODES, 3))
-@pytest.mark.parametrize(("jitter", "noise"), sampled(starmap(pytest.param, DISTURBED), 2))
+@pytest.mark.parametrize(("jitter", "noise"), sampled(starmap(pytest.param, DISTURBED), 3))
 def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: float, noise: float) -> None:
     """The bound: 1e-11 of the largest derivative, 1e-13 where stamps are not equally spaced."""
     path = write(tmp_path / f"t.{suffix}", motion(2500, jitter=jitter, noise=noise))

@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
+from helpers.sampled import sampled
 
 from robodyn.checks.bodies.hulls import Hull, depth
 from robodyn.checks.bodies.overlaps import overlaps
@@ -72,7 +73,7 @@ def test_neighbours_and_pairs_disabled_in_the_srdf_are_left_out(tmp_path):
     assert found(bad, tmp_path) == []
 
 
-@pytest.mark.parametrize("robot", ["panda_collision", "centauro", "talos_reduced", "tiago_pro"])
+@pytest.mark.parametrize("robot", sampled(["panda_collision", "centauro", "talos_reduced", "tiago_pro"], 2))
 def test_depths_are_those_of_mujoco(robot):
     mujoco = pytest.importorskip("mujoco")
     path = path_of(robot)

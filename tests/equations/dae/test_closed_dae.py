@@ -18,7 +18,7 @@ from robodyn.equations.dae.system import loop_wrenches
 from robodyn.errors import InputError
 from robodyn.scene.scene import Loop, Scene
 
-SPATIAL = [(kind, free) for kind in ("point", "hinge", "weld") for free in (False, True)]
+SPATIAL = [("point", True), ("hinge", False), ("weld", False), ("point", False), ("hinge", True), ("weld", True)]
 
 
 def torques(model, seed=0):
@@ -43,7 +43,10 @@ def agrees(found):
         assert worst(np.array(one), np.array(other), force * max(single.length, 1.0)) <= 1e-12
 
 
-@pytest.mark.parametrize(("kind", "free"), SPATIAL)
+@pytest.mark.parametrize(
+    ("kind", "free"),
+    [*SPATIAL[:3], *(pytest.param(*each, marks=pytest.mark.slow) for each in SPATIAL[3:])],
+)
 def test_loops_in_space(kind, free):
     model, scene = spatial_loop(4, kind, free)
     last = model.joint_names[-1]
