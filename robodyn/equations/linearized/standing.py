@@ -27,6 +27,9 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
+_ROUNDED = 4.0 * float(np.finfo(float).eps) / 1e-10
+"""Four roundings of q are no more than 1e-10 of the torque that they change."""
+
 
 class Balance(NamedTuple):
     """What is missing at a configuration, beside what the loops carry.
@@ -35,7 +38,8 @@ class Balance(NamedTuple):
         missing: (n,) torques [N m or N].
         directions: (n, k) in which it can move, columns orthonormal.
         stiffness: (n, n) how torques change with q where what the loops carry stays the same.
-        scale: (n,) at each joint the largest of the torques that balance, or that the weight could make [N m or N].
+        scale: (n,) at each joint the largest of the torques that balance, or that the weight could make, or that
+            change by 1e-10 of it where q is rounded [N m or N].
     """
 
     missing: Floats
@@ -107,13 +111,15 @@ class Standing:
         """
         model = self.model
         bias = bias_forces(model, q, 0.0, scene=self.tree, executor="numpy")
-        given = self.drives.at(positions(model, q), np.zeros(model.n))
+        at = positions(model, q)
+        given = self.drives.at(at, np.zeros(model.n))
         weight = hypot(*self.tree.gravity) * self.carried * np.where(self.turns, model.reach, 1.0)
-        scale = np.maximum(np.maximum(np.abs(bias), np.abs(given)), weight)
-        if not np.isfinite(scale).all():
-            raise overflow(model)
         rates = inverse_dynamics_derivatives(model, q, 0.0, 0.0, scene=self.tree, executor="numpy")
         missing, stiffness = bias - given, rates.dq + np.diag(self.drives.kp)
+        rounded = _ROUNDED * np.abs(np.diag(stiffness) * at)
+        scale = np.maximum.reduce([np.abs(bias), np.abs(given), weight, rounded])
+        if not np.isfinite(scale).all():
+            raise overflow(model)
         if self.chain is None:
             return Balance(missing, np.eye(model.n), stiffness, scale)
         J = self.chain.jacobian(self.chain.sample(q.tolist()))

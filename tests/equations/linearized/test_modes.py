@@ -209,6 +209,15 @@ def test_stiff_and_soft_together():
     assert abs(slow.imag - np.sqrt(1e-3)) <= slow.error
 
 
+@pytest.mark.parametrize("stiffness", [1e3, 1e9, 1e12])
+def test_equilibria_of_stiff_drives(stiffness):
+    """kp (1 - q) = m g l cos(q) within what q is rounded to."""
+    found = linearize(rod(), Scene(drive={"pivot": Drive(kp=stiffness, kd=1.0, reference=1.0)}), equilibrium=True)
+    (q,) = found.q.tolist()
+    assert abs(stiffness * (1.0 - q) - G * np.cos(q)) <= 4 * EPS * stiffness + 1e-11
+    assert (found.balanced, found.modes.verdict) == (True, "stable")
+
+
 @pytest.mark.parametrize("stem", ["ur5_robot", "panda", "anymal"])
 def test_real_robots_with_drives(stem):
     """An equilibrium is found, all modes decay, and LAPACK's eigenvalues lie within the errors."""
