@@ -357,6 +357,7 @@ MUTATIONS = {
         ("equations/linearized/drives.py", "self.speed - qd", "self.speed + qd"),
         ("equations/linearized/linearized.py", "found.B * step", "found.B"),
         ("equations/linearized/linearized.py", "range(1, 19)", "range(1, 9)"),
+        ("equations/linearized/linearized.py", "2.0 * out + product(out, out)", "2.0 * out"),
     ],
     "equations/linearized/test_modes.py": [
         (

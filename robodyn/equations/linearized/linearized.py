@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
+
+_LOST = 1.0 / float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,25 +69,30 @@ def in_steps(found: Linearized, step: float) -> Linearized:
     squared again): both matrices at once, A singular or not. Van Loan 1978.
 
     Raises:
-        InputError: a mode grows beyond all numbers within a step.
+        InputError: the step is no positive finite number, or a mode grows beyond all numbers within it, or rounding
+            leaves nothing: an angle is off by as many roundings as it has radians.
     """
+    if isinstance(step, str) or not 0.0 < step < inf:
+        raise InputError(f"the step is {step!r}, no positive finite number of seconds")
     size, inputs = found.B.shape
     whole = np.zeros((size + inputs, size + inputs))
     whole[:size, :size], whole[:size, size:] = found.A * step, found.B * step
     with np.errstate(all="ignore"):
-        E = _exponential(whole) if np.isfinite(whole).all() else whole
-    if not np.isfinite(E).all():
+        lost = not (np.isfinite(whole).all() and np.abs(found.A).max() * step < _LOST)
+        E = whole if lost else _exponential(whole)
+    if lost or not np.isfinite(E).all():
         raise InputError(f"the motion overflows within a step of {step:g} s", remedy="give shorter steps")
     return replace(found, A=E[:size, :size], B=E[:size, size:], step=step)
 
 
 def _exponential(X: Floats) -> Floats:
+    """Return exp(X), by exp(X) - 1, squared as (1 + F)^2 - 1 = 2 F + F F: beside 1 what is slow would be lost."""
     halvings = max(0, int(np.ceil(np.log2(max(float(np.abs(X).sum(axis=1).max()), 2.0**-60)))) + 1)
     small = X / 2.0**halvings
-    term = out = np.eye(len(X))
+    term, out = np.eye(len(X)), np.zeros_like(X)
     for k in range(1, 19):
         term = product(term, small) / k
         out = out + term
     for _ in range(halvings):
-        out = product(out, out)
-    return np.asarray(out)
+        out = 2.0 * out + product(out, out)
+    return np.asarray(np.eye(len(X)) + out)

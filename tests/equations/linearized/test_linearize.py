@@ -150,6 +150,23 @@ def test_steps():
             assert stepped.step == step
 
 
+def test_steps_of_what_is_slow_beside_what_is_fast():
+    """A drive of 1e9 with a damping of 1e9: a root of 1 /s beside one of 1e9, and of steps both are as good."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0), drive={"pivot": Drive(kp=1e9, kd=1e9)})
+    found = linearize(robot("pendulum"), scene, step=0.01)
+    fast = 0.5e9 * (1.0 + np.sqrt(1.0 - 4e-9))
+    slow = 1e9 / fast
+    e, gap = np.exp(-0.01 * slow), fast - slow
+    assert worst(found.A, [[fast * e / gap, e / gap], [-1e9 * e / gap, -slow * e / gap]]) <= 16 * EPS
+    assert worst(found.B[0], [(-np.expm1(-0.01 * slow) - e * slow / gap) / 1e9]) <= 16 * EPS
+
+
+@pytest.mark.parametrize("step", [0.0, -1e-3, np.nan, np.inf, "0.01", 1e150, 1e300])
+def test_steps_that_are_none(step):
+    with pytest.raises(InputError, match=r"no positive finite|overflows within"):
+        linearize(robot("two_link_planar"), step=step)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_equilibria_of_random_springs_and_drives(seed):
     rng = np.random.default_rng(seed)
