@@ -6,7 +6,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import PATH, SCENE
-from robodyn.cli.screen import show
+from robodyn.cli.screen import show, show_file
 from robodyn.equations.export.export import TARGETS, export
 
 
@@ -36,4 +36,7 @@ def command(urdf: str, to: str, what: str, out: str | None) -> None:
     check_names(urdf, output=out)
     model, scene = robot_in_scene(urdf)
     text = export(model, to, what, scene=scene, out=out)
-    show(text if out is None else f"written: {out}, {max(1, len(text) // 1000)} kB\n")
+    if out is None:
+        show_file(text)
+    else:
+        show(f"written: {out}, {max(1, len(text) // 1000)} kB\n")

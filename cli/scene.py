@@ -8,7 +8,7 @@ import click
 
 from robodyn.cli.files import robot_source
 from robodyn.cli.options import DESCRIPTION, PATH, lookup
-from robodyn.cli.screen import show
+from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
 from robodyn.robot.assemble import load
@@ -44,7 +44,7 @@ def init(urdf: str, out: str | None) -> None:
         raise InputError("there is a file of this name already", remedy="name another one with --out", file=out)
     text = scene_toml(load(robot_source(urdf), **lookup()))
     if out is None:
-        show(text)
+        show_file(text)
     else:
         write_whole(out, text.encode(), remedy="name another file")
         show(f"written: {out}; --scene {out} takes it\n")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import sys
@@ -35,6 +36,13 @@ def show(text: str) -> None:
         print(text, end="", flush=True)  # click.echo takes escape sequences out, of names of files too
     except BrokenPipeError:
         discard_output()
+
+
+def show_file(text: str) -> None:
+    """Write what a file shall hold on standard output: in UTF-8, by which it is read, unless a terminal shows it."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and not sys.stdout.isatty():
+        sys.stdout.reconfigure(encoding="utf-8", errors="backslashreplace")
+    show(text)
 
 
 def discard_output() -> None:

@@ -167,3 +167,11 @@ def test_names_that_the_terminal_cannot_show() -> None:
     outcome = spawn("torques", "arm.urdf", "arm.csv", PYTHONIOENCODING="latin-1", PYTHONUTF8="0")
     assert (outcome.status, outcome.err) == (0, "")
     assert outcome.out.startswith("\\u8155\\x9b31m: 2 joints")
+
+
+@pytest.mark.parametrize("call", [("scene", "init"), ("export", "--to", "numpy")])
+def test_files_are_utf_8_whatever_the_locale(call: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "arm.urdf").write_text(ARM.replace("elbow", "códo"), encoding="utf-8")
+    spawned = spawn(*call, "arm.urdf", cwd=tmp_path, PYTHONIOENCODING="latin-1")
+    assert spawned.out == run(*call, str(tmp_path / "arm.urdf")).out
+    assert "códo" in spawned.out
