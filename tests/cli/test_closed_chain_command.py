@@ -129,3 +129,15 @@ def test_loops_that_cannot_be(scene: str, tmp_path: Path, monkeypatch: pytest.Mo
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err.startswith(f"error: {WRONG[scene]}"), outcome.err
     assert len(outcome.err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("call", ["simulate", "linearize", "equations --form dae"])
+def test_a_negative_mass_in_a_loop(call: str, tmp_path: Path) -> None:
+    slider = tmp_path / "slider.urdf"
+    slider.write_text(Path(PUMP[0]).read_text().replace('<mass value="1.2"/>', '<mass value="-1.2"/>'))
+    outcome = run(*call.split(), str(slider), *PUMP[1:])
+    assert (outcome.status, outcome.out) == (2, "")
+    line = (
+        'error: joint "rail" moves an inertia of -1.2, so its acceleration is not defined (robodyn check finds links '
+    )
+    assert outcome.err.startswith(line), outcome.err

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
-from robodyn.dynamics.recursions.elimination import unresisted
+from robodyn.dynamics.recursions.elimination import indefinite, unresisted
 from robodyn.programs.vectors import Array, Scalar, sqrt, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
@@ -44,7 +44,7 @@ class Root:
             entries: of A; order: of all its unknowns; names: of these.
 
         Raises:
-            InputError: a pivot is exactly zero.
+            InputError: a pivot is exactly zero, or a float that is not positive.
         """
         rows: dict[int, dict[int, Scalar]] = {unknown: {} for unknown in order}
         for (i, j), value in entries.items():
@@ -74,6 +74,8 @@ def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]], names: Sequenc
     D = row.pop(unknown, 0.0)
     if known_zero(D):
         raise unresisted(names[unknown])
+    if isinstance(D, float) and not D > 0.0:
+        raise indefinite(names[unknown], D)
     inverse = 1.0 / D
     shares = {j: row[j] * inverse for j in sorted(row)}
     for j, share in shares.items():

@@ -158,6 +158,12 @@ def unresisted(name: str) -> InputError:
     )
 
 
+def indefinite(name: str, D: float) -> InputError:
+    """Return the error of a joint whose inertia is left with a value that is not positive."""
+    what = f'joint "{name}" moves an inertia of {D:.3g}, so its acceleration is not defined'
+    return InputError(what, remedy="robodyn check finds links with masses and inertias that cannot be")
+
+
 UNDECIDED = 1e-6
 """Axes with a smaller sine between them count as parallel: they decide no direction."""
 
