@@ -369,8 +369,14 @@ MUTATIONS = {
         ("equations/linearized/eigenmodes.py", "a.error + b.error", "0.0"),
         (
             "equations/linearized/eigenmodes.py",
-            "np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))",
-            "lost * pairs.conditions",
+            "np.minimum(errors, np.sqrt(lost * (pairs.size + lost) + soft + cuts))",
+            "errors",
+        ),
+        ("equations/linearized/eigenmodes.py", "2.0 * cuts", "0.0 * cuts"),
+        (
+            "equations/linearized/eigenmodes.py",
+            "few * _softness(found, parts, pairs.left, right)",
+            "0.0 * _softness(found, parts, pairs.left, right)",
         ),
         ("equations/linearized/eigenmodes.py", "value.imag * one", "0.0 * one"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),

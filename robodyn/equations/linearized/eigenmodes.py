@@ -31,7 +31,7 @@ def modes_of(found: SmallMotion) -> Modes:
 
     Accuracy: `error` of each: 16 roundings of the scaled A times the condition numbers of the scaled mass matrix and of
         the eigenvalue, or the square root of that where two eigenvalues meet (Golub, Van Loan, *Matrix Computations*,
-        7.2), and what was cut off with the split.
+        7.2), what 16 roundings of the stiffnesses that add up do, and what was cut off with the split.
     """
     with np.errstate(all="ignore"):
         try:
@@ -50,12 +50,31 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
     A = found.A * both / both[:, None]
     inner, cut = product(parts.rest, A, parts.rest.T), product(parts.rest, A, parts.basis.T)
     pairs = general_eigen(inner)
-    lost = _ROUNDINGS * np.finfo(float).eps * found.condition * pairs.size + length(cut.ravel())
-    errors = np.minimum(lost * pairs.conditions, np.sqrt(lost * (pairs.size + lost)))
-    values = np.where(pairs.values == 0.0, lost, pairs.values)
-    whole = _completed(A, parts, values, pairs.right) * both[:, None]
+    few, cuts = _ROUNDINGS * float(np.finfo(float).eps), length(cut.ravel())
+    lost = few * found.condition * pairs.size + cuts
+    right = _completed(A, parts, np.where(pairs.values == 0.0, lost, pairs.values), pairs.right)
+    whole = right * both[:, None]
+    soft = few * _softness(found, parts, pairs.left, right)
+    meet = np.abs((pairs.left.conj() * pairs.right).sum(axis=0))
+    errors = np.maximum(lost * pairs.conditions, (soft + 2.0 * cuts * _lengths(product(parts.basis, right))) / meet)
+    errors = np.minimum(errors, np.sqrt(lost * (pairs.size + lost) + soft + cuts))
     n = len(found.M)
     return [_mode(found, value, error, whole[:n, k]) for k, value, error in _paired(pairs.values, errors)]
+
+
+def _softness(found: SmallMotion, parts: Split, inner: Complexes, right: Complexes) -> Floats:
+    """Return |M^-T y| |x| of the speeds of left eigenvectors and the coordinates of right ones: how far a change of the
+    scaled stiffness by 1 moves their eigenvalues. What is soft because the weight takes nearly all stiffness of a drive
+    away is known no better than that."""
+    k = len(found.M)
+    left = product(parts.rest.T, inner)[k:]
+    n = left.shape[1]
+    pushed = solve((found.M * np.outer(parts.scale, parts.scale)).T, np.hstack((left.real, left.imag)))
+    return _lengths(pushed[:, :n] + 1j * pushed[:, n:]) * _lengths(right[:k])
+
+
+def _lengths(columns: Complexes) -> Floats:
+    return np.asarray(np.sqrt((columns.real**2 + columns.imag**2).sum(axis=0)))
 
 
 def _paired(values: Complexes, errors: Floats) -> list[tuple[int, complex, float]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
@@ -207,6 +209,33 @@ def test_stiff_and_soft_together():
     assert slow.imag == pytest.approx(np.sqrt(1e-3), rel=1e-9)
     assert fast.imag == pytest.approx(np.sqrt(1e9 - 250e3), rel=1e-12)
     assert abs(slow.imag - np.sqrt(1e-3)) <= slow.error
+
+
+def test_what_is_soft_because_a_drive_nearly_balances_the_weight():
+    """An upright rod on a spring of m g l (1 + 1e-8) swings at 0.0003 rad/s, known to 1e-12, not to 1e-16, of them."""
+    for k in range(40):
+        mass, com = 0.7 + 0.1 * k, 0.3 + 0.013 * k
+        model = built(
+            link("base"), link("arm", mass, (0, 0, com)), joint("pivot", "base", "arm", "continuous", (0, 1, 0))
+        )
+        stiffness = mass * G * com * (1.0 + 1e-8)
+        (mode,) = linearize(model, Scene(spring={"pivot": Spring(stiffness)})).modes.modes
+        m, c = Fraction(mass), Fraction(com)
+        exact = float((Fraction(stiffness) - m * c * Fraction(G)) / (m * c * c)) ** 0.5
+        assert abs(complex(mode.real, mode.imag) - 1j * exact) <= mode.error <= 1e-9
+
+
+def test_what_is_cut_off_moves_the_others_by_no_more_than_their_errors():
+    """s^2 + c s + k with a k that counts as none: beside 0 the other root is -c within k / c, and not within k."""
+    arm = link("arm", 1.0, (0, 0, 1.0), (1, 0, 0, 1, 0, 1))
+    model = built(link("base"), arm, joint("pivot", "base", "arm", "continuous", (0, 1, 0)))
+    free, slow = linearize(
+        model, Scene(spring={"pivot": Spring(G + 2e-9)}, friction={"pivot": Friction(2e-3)})
+    ).modes.modes
+    c, k = 1e-3, (G + 2e-9 - G) / 2.0
+    exact = -0.5 * (c + np.sqrt(c * c - 4.0 * k))
+    assert free.free
+    assert 1e-7 < abs(slow.real - exact) <= slow.error <= 1e-5
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e9, 1e12])
