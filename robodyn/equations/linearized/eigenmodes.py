@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import hypot
 
@@ -41,8 +41,7 @@ def modes_of(found: SmallMotion) -> Modes:
                 out += _held(found, parts)
         except np.linalg.LinAlgError:
             raise InputError("the eigenvalues overflow at this state", remedy="smaller numbers") from None
-    ordered = sorted(_marked(out), key=lambda mode: (hypot(mode.real, mode.imag), mode.real))
-    return Modes(tuple(ordered), found.at_rest)
+    return Modes(tuple(_ordered(_marked(out))), found.at_rest)
 
 
 def _held(found: SmallMotion, parts: Split) -> list[Mode]:
@@ -112,6 +111,20 @@ def _mode(found: SmallMotion, value: complex, error: float, along: Complexes) ->
     turned = shape / shape[most] if shape[most] else shape
     shares = (energy / energy.max()) ** 2 if energy.max() else energy
     return Mode(value.real, value.imag, error, tuple(map(complex, turned)), tuple(shares.tolist()))
+
+
+def _ordered(modes: Sequence[Mode]) -> Iterator[Mode]:
+    """Yield the slowest first; of those that are as fast within rounding, such as a pair of -a and a, what decays."""
+
+    def size(mode: Mode) -> float:
+        return hypot(mode.real, mode.imag)
+
+    left = sorted(modes, key=size)
+    while left:
+        first = left[0]
+        alike = [mode for mode in left if size(mode) - size(first) <= 2.0 * min(first.error, mode.error)]
+        yield from sorted(alike, key=lambda mode: mode.real)
+        left = [mode for mode in left if mode not in alike]
 
 
 def _marked(modes: Sequence[Mode]) -> list[Mode]:

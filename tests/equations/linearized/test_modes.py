@@ -200,6 +200,14 @@ def test_a_small_stiffness_holds_and_a_rounded_right_angle_does_not():
     assert all(mode.oscillates for mode in linearize(model, soft).modes.modes)
 
 
+def test_pairs_that_are_as_fast_have_one_order():
+    """Upright, every mode grows or decays at the same rate as another: rounding does not say which comes first."""
+    model = robot("two_link_planar")
+    for k in range(-4, 5):
+        modes = linearize(model, at=[np.pi * (2 * k + 0.5), 0.0], equilibrium=True).modes.modes
+        assert [np.sign(mode.real) for mode in modes] == [-1, 1, -1, 1], k
+
+
 def test_stiff_and_soft_together():
     """A drive of 1e9 beside a spring of 1e-3: the slow mode is found, and its error says how well."""
     parts = [link("base"), link("a", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1)), link("b", 1.0, (0, 0, 0), (1, 0, 0, 1, 0, 1))]
