@@ -38,6 +38,10 @@ class Tape:
     def constant(self, value: float) -> Traced:
         return self.node(CONSTANT, float(value), None)
 
+    def forget(self) -> None:
+        """Let go of all operations, which are in no circle then and go away with what holds them."""
+        self._known.clear()
+
     def node(self, op: str, a: Any, b: Any) -> Traced:
         key = (op, a, b)
         known = self._known.get(key)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import pytest
 from helpers.oracles import golden_model
 from helpers.program_values import evaluated
@@ -86,3 +88,35 @@ def test_a_deep_expression_needs_no_recursion():
         return [x]
 
     assert trace(deep).size == 40_000
+
+
+@pytest.mark.parametrize("enabled", [True, False])
+def test_the_collector_of_garbage_is_left_as_it_was(enabled):
+    """Also where the traced function raises."""
+    before = gc.isenabled()
+    try:
+        (gc.enable if enabled else gc.disable)()
+        trace(lambda tape: [tape.input("x", 0)])
+        assert gc.isenabled() is enabled
+        with pytest.raises(ZeroDivisionError):
+            trace(lambda tape: [1 / 0])
+        assert gc.isenabled() is enabled
+    finally:
+        (gc.enable if before else gc.disable)()
+
+
+def test_a_trace_leaves_nothing_to_collect():
+    """Nor does a chain of many operations overflow the stack when it goes away."""
+
+    def chain(tape):
+        x = tape.input("x", 0)
+        total = x
+        for k in range(100_000):
+            total = (total + x) * (1.0 + k)
+        return [total]
+
+    gc.freeze()
+    gc.collect()
+    program = trace(chain)
+    assert gc.collect() < 1000
+    assert program.size == 199_999
