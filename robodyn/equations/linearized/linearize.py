@@ -75,9 +75,7 @@ def linearize(
         found = _near(robot, q, speeds)
         if not all(np.isfinite(part).all() for part in (found.A, found.B, found.held, found.motion.weight)):
             raise overflow(model)
-        if follow := following(scene):
-            what = f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"
-            found = replace(found, warnings=(what, *found.warnings))
+        found = replace(found, warnings=(*_not_taken(scene, speeds, equilibrium), *found.warnings))
         return found if step is None else in_steps(found, step)
 
 
@@ -127,6 +125,19 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         motion=SmallMotion(N, M, damping, stiffness, A, B, inertia, weight, condition, not moves),
         warnings=(*_left_out(robot, qd), *beyond_limits(model, q), *model.notes),
     )
+
+
+def _not_taken(scene: Scene, speeds: Floats, equilibrium: bool) -> list[str]:
+    """Return what the scene says that the state has not."""
+    out = []
+    if follow := following(scene):
+        out = [f"drives of {listed(follow)} follow a table: their references are taken where the joints are put"]
+    moving = [name for name, value in scene.initial_qd.items() if value]
+    if moving and not equilibrium and not speeds.any():
+        out.append(
+            f"initial qd of {listed(moving)} in the scene is left out: linearized at rest (--qd gives joints speeds)"
+        )
+    return out
 
 
 def _left_out(robot: Standing, qd: Floats) -> list[str]:

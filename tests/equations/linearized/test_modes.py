@@ -302,6 +302,14 @@ def test_a_state_that_moves_has_no_verdict():
     assert (found.modes.verdict, found.modes.stable, found.balanced) == ("moving", None, False)
 
 
+def test_speeds_of_the_scene_are_said_to_be_left_out():
+    tumbling = Scene(gravity=(0.0, 0.0, 0.0), initial_qd={"pivot": 3.0})
+    (warning,) = linearize(rod(), tumbling).warnings
+    assert warning.startswith("initial qd of 'pivot' in the scene is left out: linearized at rest")
+    for calm in (linearize(rod(), tumbling, qd=[1.0]), linearize(rod(), tumbling, equilibrium=True)):
+        assert not calm.warnings
+
+
 def test_dry_friction_is_said_to_be_left_out():
     model = rod()
     dry = Scene(friction={"pivot": Friction(0.1, 0.5, -0.5)})
