@@ -34,7 +34,10 @@ CALLS = {
     "--to c --what ,": "there is no function '' to export (functions: ",
     "--to c --out {folder}/no/f.c": "{folder}/no/f.c: cannot be written: no such file or directory (name another file)",
     "--to c --out {folder}": "{folder}: cannot be written: is a directory (name another file)",
-    "--to torch --out {folder}/torch.py": "{folder}/torch.py: a module of this name hides torch, which it imports (",
+    "--to torch --out {folder}/torch.py": "{folder}/torch.py: a module of this name hides torch, which it or what ",
+    "--to jax --out {folder}/NumPy.py": "{folder}/NumPy.py: a module of this name hides numpy, which it or what ",
+    "--to numpy --out {folder}/math.py": "{folder}/math.py: a module of this name hides math, which it or what ",
+    "--to casadi --out {folder}/platform.py": "{folder}/platform.py: a module of this name hides platform, which ",
     "--to c --scene {folder}/loop.toml": "{folder}/loop.toml: the scene closes loops, and what joints and loops share ",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
@@ -66,8 +67,10 @@ def export(
     out = None if out is None else os.fspath(out)
     a_plan = plan(model, scene)
     check_moves(model)
-    if out is not None and os.path.basename(out).lower() == f"{to}.py":
-        raise InputError(f"a module of this name hides {to}, which it imports", remedy="name another file", file=out)
+    name, ending = os.path.splitext(os.path.basename(out or "").lower())
+    if to in LIBRARIES and ending == ".py" and (name in LIBRARIES or name in sys.stdlib_module_names):
+        what = f"a module of this name hides {name}, which it or what it imports needs"
+        raise InputError(what, remedy="name another file", file=out)
     with np.errstate(all="ignore"):
         text = TARGETS[to](a_plan, [Job.of(WORDS[word], a_plan) for word in words])
     if out is not None:
