@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
 from helpers.exact_rates import exact_rates
-from helpers.example_robots import cases
+from helpers.example_robots import cases, real
 from helpers.oracles import EPS, frictionless, random_state, robot, tangent, worst
 from helpers.oracles import ROBOTS as FOLDER
 from helpers.pinocchio_robots import PinocchioRobot
@@ -177,6 +177,18 @@ def test_shapes_and_out(executor):
     in_32 = inverse_dynamics_derivatives(model, q, qd, qdd, scene=BUSY_SCENE, columns=columns, dtype=np.float32)
     assert in_32.dq.dtype == np.float32
     assert max(map(worst, in_32, whole)) <= 1e-5
+
+
+@pytest.mark.parametrize(("name", "bound"), [("ur5_robot", 1e-5), ("anymal", 1e-4)])
+def test_single_precision_of_free_robots(name, bound):
+    """At rest, d tau / dq of ANYmal's base is the small rest of large weights."""
+    model = real(name, True)
+    q = random_state(model, np.random.default_rng(7), 20)[0].astype(np.float32)
+    for executor in EXECUTORS:
+        whole, in_32 = (
+            inverse_dynamics_derivatives(model, q, 0, 0, executor=executor, dtype=x) for x in (np.float64, np.float32)
+        )
+        assert max(map(worst, in_32, whole)) <= bound
 
 
 def test_the_threads_agree():
