@@ -77,7 +77,7 @@ def test_held_joints_carry_what_they_would_with_columns() -> None:
     assert held == whole
 
 
-@pytest.mark.parametrize("stem", ["tiago", "panda"])
+@pytest.mark.parametrize("stem", [pytest.param("tiago", marks=pytest.mark.slow), "panda"])
 def test_plans_of_arms_of_real_robots(stem: str) -> None:
     """The seven columns of TIAGo's arm, and of a Panda's without its finger."""
     robot = path_of(stem)

@@ -38,9 +38,9 @@ CASES = {
 COLUMNS = {**CASES, "columns": lambda: (busy_robot(moving_base=True), BUSY_SCENE)}
 """With a scene whose wrenches name columns."""
 each_case = pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=pytest.mark.slow) if case == "busy_free" else case for case in COLUMNS]
+    "case", [pytest.param(case, marks=pytest.mark.slow) if case.startswith("busy") else case for case in COLUMNS]
 )
-"""`busy_free` is `columns` with fewer effects."""
+"""`busy` and `busy_free` are `columns` with fewer effects."""
 
 
 def module_of(text):

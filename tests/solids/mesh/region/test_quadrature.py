@@ -84,10 +84,11 @@ def random_bodies(seed):
     return triangles, integrate(union.triangles) if united else None
 
 
-def test_error_and_error_bar_of_random_overlapping_bodies():
+@pytest.mark.parametrize("seeds", [range(10), pytest.param(range(10, 40), marks=pytest.mark.slow)])
+def test_error_and_error_bar_of_random_overlapping_bodies(seeds):
     """Of 900 such cases the bar held the errors of V and of S in 98.6 %, and the largest error of V was 9e-5."""
     found = []
-    for seed in range(30):
+    for seed in seeds:
         triangles, exact = random_bodies(seed)
         if exact is not None:
             quadrature = by_columns(merged(triangles))
@@ -95,7 +96,7 @@ def test_error_and_error_bar_of_random_overlapping_bodies():
             assert max(volume, first, second) < 2e-4
             found.append((volume, max(volume, second) <= quadrature.bar, quadrature.bar))
     volume, held, bar = np.array(found).T
-    assert len(found) > 20
+    assert 3 * len(found) > 2 * len(seeds)
     assert held.mean() >= 0.95
     assert volume.max() < 1e-4
     assert np.median(bar) < 1e-4
