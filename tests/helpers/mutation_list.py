@@ -373,10 +373,11 @@ MUTATIONS = {
             "errors",
         ),
         ("equations/linearized/eigenmodes.py", "2.0 * cuts", "0.0 * cuts"),
+        ("equations/linearized/eigenmodes.py", "few + doubt", "few"),
         (
             "equations/linearized/eigenmodes.py",
-            "few * _softness(found, parts, pairs.left, right)",
-            "0.0 * _softness(found, parts, pairs.left, right)",
+            "(few + doubt) * _softness(found, parts, pairs.left, right)",
+            "doubt * _softness(found, parts, pairs.left, right)",
         ),
         ("equations/linearized/eigenmodes.py", "value.imag * one", "0.0 * one"),
         ("equations/linearized/modes.py", "mode.real > mode.error", "mode.real > 0.0"),

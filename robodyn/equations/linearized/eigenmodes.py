@@ -31,7 +31,8 @@ def modes_of(found: SmallMotion) -> Modes:
 
     Accuracy: `error` of each: 16 roundings of the scaled A times the condition numbers of the scaled mass matrix and of
         the eigenvalue, or the square root of that where two eigenvalues meet (Golub, Van Loan, *Matrix Computations*,
-        7.2), what 16 roundings of the stiffnesses that add up do, and what was cut off with the split.
+        7.2), what 16 roundings of the stiffnesses that add up do, and how far the equilibrium may be off, and what was
+        cut off with the split.
     """
     with np.errstate(all="ignore"):
         try:
@@ -53,7 +54,8 @@ def _held(found: SmallMotion, parts: Split) -> list[Mode]:
     lost = few * found.condition * pairs.size + cuts
     right = _completed(A, parts, np.where(pairs.values == 0.0, lost, pairs.values), pairs.right)
     whole = right * both[:, None]
-    soft = few * _softness(found, parts, pairs.left, right)
+    doubt = length((found.doubt * np.outer(parts.scale, parts.scale)).ravel())
+    soft = (few + doubt) * _softness(found, parts, pairs.left, right)
     meet = np.abs((pairs.left.conj() * pairs.right).sum(axis=0))
     errors = np.maximum(lost * pairs.conditions, (soft + 2.0 * cuts * _lengths(product(parts.basis, right))) / meet)
     errors = np.minimum(errors, np.sqrt(lost * (pairs.size + lost) + soft + cuts))

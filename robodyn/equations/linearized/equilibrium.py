@@ -82,8 +82,7 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
     """Return where it ends, within this distance, and what is not balanced there."""
     here, gone = robot.balance(q), np.zeros(robot.model.n)
     for _ in range(_STEPS):
-        last, N = here.part <= _NEAR, _scaled(robot, here)
-        step = product(N, shortest(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT))
+        last, step = here.part <= _NEAR, newton_step(robot, here)
         better = _first_that_helps(robot, q, here, step, around * robot.lengths, gone)
         if better is None:
             break
@@ -91,6 +90,12 @@ def _by_newton(robot: Standing, q: Floats, around: float) -> tuple[Floats, Balan
         if last:
             break
     return q, here
+
+
+def newton_step(robot: Standing, here: Balance) -> Floats:
+    """Return the shortest step (n,) after which nothing would be missing if torques were linear."""
+    N = _scaled(robot, here)
+    return np.asarray(product(N, shortest(product(N.T, here.stiffness, N), -product(N.T, here.missing), _DEPENDENT)))
 
 
 def _scaled(robot: Standing, here: Balance) -> Floats:

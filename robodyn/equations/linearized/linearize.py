@@ -11,6 +11,7 @@ from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.closed import begun, closed_state
+from robodyn.equations.linearized.doubt import stiffness_in_doubt
 from robodyn.equations.linearized.drives import following, positions
 from robodyn.equations.linearized.equilibrium import equilibrium_near
 from robodyn.equations.linearized.linearized import Linearized, in_steps
@@ -109,6 +110,7 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
     names = [model.rates[k] for k in own]
     condition = _condition(model, M, names)
     A, B = _first_order(N, M, damping, stiffness)
+    doubt = stiffness_in_doubt(robot, q, balance, own) if balanced else np.zeros_like(M)
     inertia, weight = np.diag(given.dqdd).copy(), _weight(robot, M, own)
     return Linearized(
         robot=model.name,
@@ -122,7 +124,7 @@ def _near(robot: Standing, q: Floats, qd: Floats) -> Linearized:
         drive=drive,
         held=np.zeros(model.n) if balanced else held,
         balanced=balanced,
-        motion=SmallMotion(N, M, damping, stiffness, A, B, inertia, weight, condition, not moves),
+        motion=SmallMotion(N, M, damping, stiffness, doubt, A, B, inertia, weight, condition, not moves),
         warnings=(*_left_out(robot, qd), *beyond_limits(model, q), *model.notes),
     )
 

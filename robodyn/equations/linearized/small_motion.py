@@ -13,6 +13,7 @@ class SmallMotion(NamedTuple):
     Attributes:
         directions: (n, k) how all joints move with x; without loops the unit matrix.
         M, damping, stiffness: (k, k).
+        doubt: (k, k) by how much the stiffness may be another where an equilibrium is off.
         A, B: (2 k, 2 k), (2 k, n).
         inertia: (n,) of each joint, the others at rest [kg m^2 or kg].
         weight: (k,) the stiffness that the weight can make at each coordinate at most [N m or N/m].
@@ -24,6 +25,7 @@ class SmallMotion(NamedTuple):
     M: Floats
     damping: Floats
     stiffness: Floats
+    doubt: Floats
     A: Floats
     B: Floats
     inertia: Floats

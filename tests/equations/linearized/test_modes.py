@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -230,7 +231,19 @@ def test_what_is_soft_because_a_drive_nearly_balances_the_weight():
         (mode,) = linearize(model, Scene(spring={"pivot": Spring(stiffness)})).modes.modes
         m, c = Fraction(mass), Fraction(com)
         exact = float((Fraction(stiffness) - m * c * Fraction(G)) / (m * c * c)) ** 0.5
-        assert abs(complex(mode.real, mode.imag) - 1j * exact) <= mode.error <= 1e-9
+        assert abs(complex(mode.real, mode.imag) - 1j * exact) <= mode.error <= 1e-8
+
+
+@pytest.mark.parametrize("at", [0.0, 0.5, 1.0, 2.0, 1.57079, 1.5708])
+def test_nothing_is_decided_at_a_fold(at):
+    """A torque of m g l is balanced at a right angle alone, where all stiffness is gone and a push one way is lost."""
+    model = built(link("base"), link("arm", 1.0, (0, 0, -1.0)), joint("pivot", "base", "arm", "continuous", (0, 1, 0)))
+    scene = Scene(drive={"pivot": Drive(torque=G, kd=0.5)})
+    found = linearize(model, scene, [at], equilibrium=True)
+    assert found.balanced
+    assert found.modes.verdict == "marginal"
+    aside = linearize(model, replace(scene, drive={"pivot": Drive(torque=0.999 * G, kd=0.5)}), [at], equilibrium=True)
+    assert aside.modes.verdict == ("stable" if aside.q[0] < np.pi / 2 else "unstable")
 
 
 def test_what_is_cut_off_moves_the_others_by_no_more_than_their_errors():
