@@ -55,7 +55,7 @@ def assemble(description: Description, *, moving_base: bool = False) -> Model:
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
 
     Raises:
-        DescriptionError: a mimic joint follows a joint that has no single coordinate.
+        DescriptionError: a mimic joint follows a joint that has no single coordinate; two joints have one name.
     """
     carried: dict[str, list[DescribedJoint]] = {}
     for described in description.joints:

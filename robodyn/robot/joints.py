@@ -72,8 +72,12 @@ def _across(normal: Floats) -> tuple[Floats, Floats]:
 
 
 def numbered(joints: list[Joint], description: Description) -> list[Joint]:
-    """Return the joints with places in q and qd (the base first, then the file's order) and transmissions."""
-    order = {name: k for k, described in enumerate(description.joints) for name in _parts(described)}
+    """Return the joints with places in q and qd (the base first, then the file's order) and transmissions.
+
+    Raises:
+        DescriptionError: a mimic joint follows a joint that has no single coordinate, or two joints have one name.
+    """
+    order = _places_in_file(description)
     ranked = sorted(range(1, len(joints)), key=lambda i: order[joints[i].name])
     index = {joints[i].name: i for i in ranked}
     transmissions = {transmission.joint: transmission for transmission in description.transmissions}
@@ -101,6 +105,23 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
             )
         )
     return out
+
+
+def _places_in_file(description: Description) -> dict[str, int]:
+    """Return by its name where every elementary joint stands."""
+    order: dict[str, int] = {}
+    for k, described in enumerate(description.joints):
+        for name in _parts(described):
+            if name in order:
+                planar = name.rpartition("_")[0]
+                raise DescriptionError(
+                    f'joint "{name}" is named as a part of planar joint "{planar}"',
+                    remedy="rename one of them",
+                    file=description.file,
+                    line=next(joint.line for joint in description.joints if joint.name == name),
+                )
+            order[name] = k
+    return order
 
 
 def _parts(described: DescribedJoint) -> list[str]:

@@ -35,6 +35,16 @@ def test_planar_joint(axis):
     assert model.independent[2].continuous
 
 
+@pytest.mark.parametrize("names", [("p", "p_y"), ("p_y", "p")])
+def test_a_joint_named_as_a_part_of_a_planar_one(names):
+    """Names are looked up: the order of q was p_x, p_theta, p_y."""
+    kinds = ["planar" if name == "p" else "revolute" for name in names]
+    parts = [link("base"), *(link(name, *body_numbers(np.random.default_rng(1))) for name in ("a", "b"))]
+    parts += [joint(names[0], "base", "a", kinds[0], (0, 0, 1)), joint(names[1], "a", "b", kinds[1], (0, 0, 1))]
+    with pytest.raises(DescriptionError, match='joint "p_y" is named as a part of planar joint "p"'):
+        built(*parts)
+
+
 def test_planar_joint_about_z_against_pinocchio():
     """Pinocchio's planar joint has its velocity in the body's axes: here a turn of zero compares them."""
     rng = np.random.default_rng(2)
