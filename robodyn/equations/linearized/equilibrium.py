@@ -102,7 +102,8 @@ def _scaled(robot: Standing, here: Balance) -> Floats:
     """Return the directions in coordinates in which all joints are about as stiff, however small what they carry."""
     stiff = here.scale / robot.lengths
     stiff = np.where(stiff > 0.0, stiff, 1.0)
-    return here.directions * (1.0 if robot.chain else 1.0 / np.sqrt(stiff)[:, None])
+    root = np.sqrt(stiff)[:, None]
+    return here.directions / root if robot.chain is None else span((here.directions * root).T, 0.0).T / root
 
 
 def _first_that_helps(
@@ -138,8 +139,6 @@ def _sunk(robot: Standing, q: Floats) -> Floats:
 def _downhill(robot: Standing, here: Balance, longest: float) -> Floats:
     """Return the step (n,) that ends along each principal direction of the stiffness where its torque would vanish."""
     N = _scaled(robot, here)
-    if robot.chain is not None:
-        N = span((N / robot.lengths[:, None]).T, 0.0).T * robot.lengths[:, None]
     S = product(N.T, here.stiffness, N)
     values, V = eigen(0.5 * (S + S.T))
     D = product(N, V.T)

@@ -24,7 +24,7 @@ from robodyn.programs.dual import Dual, rate_of
 from robodyn.programs.linear import across, shortest
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import Loop, Scene
 from robodyn.support.floats import Floats
 
 _ROUNDED = 4.0 * float(np.finfo(float).eps) / 1e-10
@@ -64,12 +64,14 @@ class Standing:
 
     Attributes:
         tree: the scene without its loops; chain: what they close, None without any.
+        tied: (n,) whether a joint lies in a loop, and carries what others in loops weigh.
     """
 
     model: Model
     tree: Scene
     drives: Drives
     chain: ClosedChain | None
+    tied: NDArray[np.bool_]
 
     @cached_property
     def units(self) -> tuple[str, ...]:
@@ -87,7 +89,7 @@ class Standing:
 
     @cached_property
     def carried(self) -> Floats:
-        """(n,) the mass beyond each joint, payloads included [kg]; of a closed chain all of it."""
+        """(n,) the mass beyond each joint, payloads included [kg]; of one in a loop all of it."""
         model = self.model
         masses = [body.inertia.m for body in model.bodies]
         for payload in self.tree.payloads:
@@ -96,7 +98,7 @@ class Standing:
             masses[model.parents[k]] += masses[k]
         out = np.full(model.n, masses[0])
         for body, mass in zip(reversed(model.bodies), reversed(masses), strict=True):
-            if self.chain is None and body.joint.kind in ("revolute", "prismatic"):
+            if body.joint.kind in ("revolute", "prismatic") and not self.tied[body.joint.rate]:
                 out[body.joint.rate] = mass
         return out
 
@@ -125,7 +127,7 @@ class Standing:
         J = self.chain.jacobian(self.chain.sample(q.tolist()))
         multipliers = shortest(J.T, missing, FEW)
         N = across(J, FEW).T
-        scale = (scale * self.lengths).max() / self.lengths
+        scale = np.where(self.tied, (scale * self.lengths)[self.tied].max(initial=0.0) / self.lengths, scale)
         return Balance(product(N, product(N.T, missing)), N, stiffness - _carried(self.chain, q, multipliers), scale)
 
     def moved(self, q: Floats, step: Floats) -> Floats | None:
@@ -148,7 +150,7 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
     """
     tree, drives = replace(scene, loops=()), drives_of(model, scene, q)
     if not scene.loops:
-        return Standing(model, tree, drives, None)
+        return Standing(model, tree, drives, None, np.zeros(model.n, dtype=bool))
     if model.floating:
         remedy = 'bolt the base down: leave out motion = "moving"'
         raise InputError("a closed chain on a base that moves is not linearized", remedy=remedy, file=model.file)
@@ -160,7 +162,27 @@ def standing(model: Model, scene: Scene, q: Floats) -> Standing:
         raise InputError(what, remedy="begin elsewhere (--at)", file=model.file)
     if not ways:
         raise InputError("nothing can move: the loops hold all joints", file=model.file)
-    return Standing(model, tree, drives, chain)
+    return Standing(model, tree, drives, chain, _tied(model, scene.loops))
+
+
+def _tied(model: Model, loops: tuple[Loop, ...]) -> NDArray[np.bool_]:
+    """Return (n,) which joints lie in a loop: between its two links."""
+    out = np.zeros(model.n, dtype=bool)
+    for loop in loops:
+        for k in _beyond(model, loop.link) ^ _beyond(model, loop.to):
+            joint = model.bodies[k].joint
+            if joint.kind in ("revolute", "prismatic"):
+                out[joint.rate] = True
+    return out
+
+
+def _beyond(model: Model, link: str) -> set[int]:
+    """Return the bodies from this link to the base."""
+    k, out = model.links[link].body if link in model.links else -1, set()
+    while k >= 0:
+        out.add(k)
+        k = model.parents[k]
+    return out
 
 
 def _carried(chain: ClosedChain, q: Floats, multipliers: Floats) -> Floats:

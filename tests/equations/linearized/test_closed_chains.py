@@ -138,3 +138,21 @@ def test_what_cannot_move_is_refused():
     )
     with pytest.raises(InputError, match="nothing can move: the loops hold all joints"):
         linearize(arm, Scene(loops=(Loop("pin", "arm", (1.0, 0, 0), to_point=(1.0, 0, 0)),)))
+
+
+@pytest.mark.parametrize("mass", [1.0, 1e-3, 1e-9])
+def test_what_hangs_beside_a_loop_is_balanced_by_what_it_carries(mass):
+    """Bars of a ton, and beside them a pendulum that weighs next to nothing: it is at rest where it hangs down."""
+    parts = [link("base")]
+    for k, name in enumerate("abc"):
+        parts.append(link(name, 1e3, (0.5 * (k > 1), 0, -0.5 * (k < 2)), (100.0, 0, 0, 100.0, 0, 100.0)))
+        parts.append(joint(f"j{name}", ("base", "base", "a")[k], name, "continuous", (0, 1, 0), (k % 2, 0, -(k // 2))))
+    parts += [link("bob", mass, (0, 0, -1e-3)), joint("swing", "base", "bob", "continuous", (0, 1, 0), (5, 0, 0))]
+    model = built(*parts)
+    scene = Scene(loops=(Loop("pin", "c", (1.0, 0.0, 0.0), to="b", to_point=(0.0, 0.0, -1.0)),))
+    aside = linearize(model, scene, {"swing": 1e-3})
+    assert not aside.balanced
+    assert aside.held[3] == pytest.approx(mass * 9.81 * 1e-3 * np.sin(1e-3), rel=1e-6)
+    found = linearize(model, scene, {"swing": 1.0}, equilibrium=True)
+    assert abs(found.q[3]) <= 1e-9
+    assert sorted(mode.imag for mode in found.modes.modes) == pytest.approx([np.sqrt(9.81 * 2 / 1.7), np.sqrt(9810.0)])
