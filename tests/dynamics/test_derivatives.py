@@ -21,7 +21,7 @@ from robodyn.robot.assemble import load
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Friction, Loop, Scene
 
-SAMPLES = 3
+SAMPLES = 2
 VARIANTS = ("alex_sake_hands", "g1_29dof_rev_1_0", "icub_reduced", "romeo_small", "romeo_laas_small", "tiago_dual")
 VARIANTS += ("tiago_no_hand", "tiago_pro", "talos_full_v2_box", "talos_reduced_box", "talos_reduced_corrected")
 """Large robots that differ little from another; derivatives of forward dynamics take up to half a minute each."""
