@@ -63,7 +63,8 @@ def linearize(
         InputError: there are no equations, there is no equilibrium, the mass matrix is singular, or what comes out is
             not finite.
 
-    Accuracy: A and B within cond(M) times 1e-14 of their largest entries, by blocks.
+    Accuracy: A and B within cond(M) times 1e-14 of their largest entries, by blocks, where M does not cancel: it is
+        off by roundings of m r^2, r being how far a link's mass is from its origin.
     """
     check_equations(model, scene)
     with np.errstate(all="ignore"):
