@@ -17,7 +17,7 @@ CALL = 4e-7
 """Seconds of NumPy per operation of a block, however few its samples."""
 COMPILED = 4e-11
 """Seconds of machine code per operation and sample, by one thread."""
-RUN = 8e-6
+RUN = 2e-5
 """Seconds per run of machine code, however few its samples."""
 BUILD = 6e-5
 """Seconds to compile an operation."""
