@@ -142,12 +142,16 @@ MUTATIONS = {
         ),
         ("programs/run/llvm/functions.py", 'wide.whole("sub", integer, half)', "half"),
         ("programs/run/llvm/kernel.py", '"ugt"', '"ogt"'),
-        ("programs/run/llvm/driver.py", "%byte = udiv i64 %start, 8", "%byte = udiv i64 %start, 16"),
+        ("programs/run/llvm/driver_text.py", "%byte = udiv i64 %start, 8", "%byte = udiv i64 %start, 16"),
         ("programs/run/team.py", '"little"', '"big"'),
         ("programs/run/team.py", "-(-samples // (threads * block)) * block", "-(-samples // threads)"),
         ("programs/run/team.py", "self._common[:] = self._begin", "self._common[1:] = self._begin[1:]"),
-        ("programs/run/llvm/driver.py", "%turn = add i64 %me, %k", "%turn = add i64 %me, 0"),
-        ("programs/run/llvm/driver.py", "atomicrmw or ptr %flagged, i64 %total", "atomicrmw or ptr %flagged, i64 0"),
+        ("programs/run/llvm/driver_text.py", "%turn = add i64 %me, %k", "%turn = add i64 %me, 0"),
+        (
+            "programs/run/llvm/driver_text.py",
+            "atomicrmw or ptr %flagged, i64 %total",
+            "atomicrmw or ptr %flagged, i64 0",
+        ),
     ],
     "programs/run/test_elementary_functions.py": [
         ("programs/run/llvm/functions.py", '"0x1.1701b839a2520p-88"', '"0x1.1701b839a2520p-89"'),
@@ -175,8 +179,12 @@ MUTATIONS = {
             "(program.operations[k][0] in (ADD, SUB) for k in sums)",
         ),
         ("programs/run/llvm/kernel.py", "len(users[k])", "-len(users[k])"),
-        ("programs/run/llvm/driver.py", "%up = add i64 %filled, {lanes_less_one}", "%up = add i64 %filled, 0"),
-        ("programs/run/llvm/driver.py", "%skip = mul i64 %start, %sample_stride", "%skip = mul i64 %start, {bytes}"),
+        ("programs/run/llvm/driver_text.py", "%up = add i64 %filled, {lanes_less_one}", "%up = add i64 %filled, 0"),
+        (
+            "programs/run/llvm/driver_text.py",
+            "%skip = mul i64 %start, %sample_stride",
+            "%skip = mul i64 %start, {bytes}",
+        ),
     ],
     "programs/run/test_numpy_blocks.py": [
         (
