@@ -31,7 +31,7 @@ def command(urdf: str, to: str, what: str, out: str | None) -> None:
     Examples:
       robodyn export robots/puma560.urdf --to c --what torques,mass_matrix,bias,forward --out puma560.c
       robodyn export robots/two_link_planar.urdf --to casadi --what forward --out arm.py
-      robodyn export robots/puma.urdf --scene robots/puma.toml --to jax --what derivatives,regressor > puma.py
+      robodyn export robots/puma.urdf --scene robots/puma_payload.toml --to jax --what derivatives,regressor > puma.py
     """
     check_names(urdf, output=out)
     model, scene = robot_in_scene(urdf)

@@ -61,6 +61,15 @@ def all_pages() -> dict[str, str]:
     return {**PAGES, **{f"docs/{name}": text for name, text in generated_pages().pages()}}
 
 
+def test_every_robot_that_a_page_names_is_there():
+    """Those of `--help` too, whose texts the page of commands has."""
+    named = {
+        path for text in all_pages().values() for path in re.findall(r"\brobots/[\w./]+\.(?:urdf|toml|csv)\b", text)
+    }
+    assert len(named) > 30
+    assert not [path for path in sorted(named) if not (ROOT / path).exists()]
+
+
 @pytest.mark.parametrize("page", having("console", "pycon", "sh"))
 def test_every_example_prints_what_is_shown(page, tmp_path):
     for library in re.findall(r"^>>> import (casadi|jax)$", PAGES[page], re.MULTILINE):
