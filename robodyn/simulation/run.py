@@ -77,9 +77,7 @@ def simulate(
     refuse_others(model, scene)
     check_moves(model)
     options = choose_method(step, rtol, method)._replace(most=most)
-    for name, value in (("duration", duration), ("step", step), ("rtol", rtol)):
-        if value is not None and not 0.0 < value < np.inf:
-            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
+    _check_positive(duration=duration, step=step, rtol=rtol)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
     scene, notes = with_friction(model, signal.scene)
     a_plan = plan(model, scene)
@@ -131,6 +129,12 @@ def simulate(
             *([f"springs at limits: {pushed or 'no joint reaches a limit'}"] if scene.limit_spring else []),
         ),
     )
+
+
+def _check_positive(**numbers: float | None) -> None:
+    for name, value in numbers.items():
+        if value is not None and not 0.0 < value < np.inf:
+            raise InputError(f"{name} is {value:g}", remedy="give a positive number")
 
 
 def start_of(a_plan: Plan) -> Floats:
