@@ -29,15 +29,17 @@ _KINDS = {
 """What files are, by suffixes that only such files have."""
 
 
-def robot_in_scene(urdf: str, scene_file: str | None = None, *, loops: bool = False) -> tuple[Model, Scene]:
+def robot_in_scene(
+    urdf: str, scene_file: str | None = None, *, loops: bool = False, contacts: bool = False
+) -> tuple[Model, Scene]:
     """Return the robot of a URDF or xacro file, and the scene that the options of `SCENE` and `BASE_HELD` make.
 
     Args:
         scene_file: in place of --scene.
-        loops: whether the scene may close some.
+        loops, contacts: whether the scene may have some.
     """
     from robodyn.robot.assemble import load
-    from robodyn.scene.fit import check_scene, known, refuse_loops
+    from robodyn.scene.fit import check_scene, known, refuse_constraints
     from robodyn.scene.scene import DEFAULT
 
     scene_file = scene_file or scene_name()
@@ -48,8 +50,7 @@ def robot_in_scene(urdf: str, scene_file: str | None = None, *, loops: bool = Fa
     for payload in payloads():
         known("--payload", "link", payload.link, model.links)
     scene = scene.changed(payloads=payloads())
-    if not loops:
-        refuse_loops(scene, scene_file)
+    refuse_constraints(scene, scene_file, loops=loops, contacts=contacts)
     return model, scene
 
 

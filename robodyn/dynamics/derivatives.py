@@ -20,7 +20,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_loops
+from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -187,7 +187,7 @@ def _joined(rows: list[Row], n: int) -> list[Scalar]:
 
 def _rates_of_torques(plan: Plan, tape: Tape) -> list[Row]:
     """Return n rows of d tau / dq and d tau / d qd beside each other."""
-    refuse_loops(plan.scene)
+    refuse_constraints(plan.scene)
     sample, terms = plan.terms(tape)
     return jacobian(loads(sample, terms).tau, [*moves(sample), *({rate: 1.0} for rate in sample.qd)])
 

@@ -24,7 +24,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, vector
 from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_loops
+from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats, first_largest
 
@@ -32,7 +32,7 @@ from robodyn.support.floats import Floats, first_largest
 @traced
 def acceleration_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of qdd from q, qd and tau, which is another input; `plan.zero_columns` may name its entries too."""
-    refuse_loops(plan.scene)
+    refuse_constraints(plan.scene)
     model, scene, zero_columns = aligned(plan.model), plan.scene, plan.zero_columns
     sample = replace(Plan(model, scene, zero_columns).sample(tape), qdd=(0.0,) * model.n)
     tau = [0.0 if ("tau", i) in zero_columns else tape.input("tau", i) for i in range(model.n)]

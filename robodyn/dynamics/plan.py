@@ -15,7 +15,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Frame, Model
-from robodyn.scene.fit import check_scene, refuse_loops
+from robodyn.scene.fit import check_scene, refuse_constraints
 from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia
 
@@ -73,12 +73,12 @@ class Plan:
 
     def torques(self) -> Program:
         """Return the program of tau alone, all effects together."""
-        refuse_loops(self.scene)
+        refuse_constraints(self.scene)
         return trace(lambda tape: loads(*self.terms(tape)).tau, self.model.tips_first)
 
     def wrenches(self, joints: bool = False) -> Program:
         """The program of tau, then the base wrench (f, n), then with `joints` the wrench of every joint's body."""
-        refuse_loops(self.scene)
+        refuse_constraints(self.scene)
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             result = loads(*self.terms(tape))

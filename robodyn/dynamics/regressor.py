@@ -33,7 +33,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, vector
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_loops
+from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import MASSLESS, Inertia, symmetric
 from robodyn.support.floats import Floats
@@ -101,7 +101,7 @@ def _runner(a_plan: Plan) -> tuple[Runner, tuple[str, ...], Floats]:
 @traced
 def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of Y, row by row, and then of the rest."""
-    refuse_loops(plan.scene)
+    refuse_constraints(plan.scene)
     theta = [tape.input("theta", k) for k, _ in enumerate(parameters(plan))]
     sample = plan.sample(tape)
     linear = jacobian(_torques(plan, sample, iter(theta)), [{each: 1.0} for each in theta])

@@ -50,6 +50,8 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     yield _LIMITS, ['joint_limits = "ignore"', "limit_spring = { stiffness = 10000.0, damping = 100.0 }"]
     yield _LOOP, [_loop(model, own)] if own else []
     yield _BAUMGARTE, ["baumgarte = 10.0"]
+    yield _PASSIVE, [f"passive = [{_text(own[-1].name)}]", 'share = "weighted"'] if own else []
+    yield _CONTACT, [f'contact = [{{ name = "foot", link = {tip}, friction = 0.7 }}]'] if model.floating else []
 
 
 _ZERO, _DOWN = "[0.0, 0.0, 0.0]", "[0.0, 0.0, -10.0]"
@@ -76,6 +78,9 @@ _LIMITS = """A simulation ends where a joint reaches a limit, or ignores limits,
 stiffness N m/rad, damping N m s/rad."""
 _LOOP = """Loops of a simulation: a point of a link is held at a point of another or of the "ground"; kind "point",
 "hinge" with an axis, or "weld"."""
+_PASSIVE = "Joints that nothing drives; redundant actuators share by the least sum of squares."
+_CONTACT = """What a link stands on: point or polygon in the link's frame, normal in the ground's axes; on: "always",
+"auto", a column, or intervals of time."""
 _BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
 
 

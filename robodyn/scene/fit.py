@@ -23,10 +23,16 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     refuse_others(model, scene)
     joints = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint.name for joint in model.independent if joint.kind != "floating"]
-    for table, driven in (("drive", scene.drive), ("motor", scene.motor)):
+    for table, driven in (
+        ("[drive]", scene.drive),
+        ("[motor]", scene.motor),
+        ('"actuated"', scene.actuated or ()),
+        ('"passive"', scene.passive),
+        ("[weights]", scene.weights),
+    ):
         for name in driven:
-            _leads(f"[{table}]", name, model, file)
-            known(f"[{table}]", "joint", name, own, file)
+            _leads(table, name, model, file)
+            known(table, "joint", name, own, file)
     for where, kind, names, valid in (
         ("[friction]", "joint", scene.friction, joints),
         ("[rotor]", "joint", scene.rotor, joints),
@@ -36,11 +42,15 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         ("[[payload]]", "link", [load.link for load in scene.payloads], model.links),
         ("[[wrench]]", "link", [wrench.link for wrench in scene.wrenches], model.links),
         ("[[fluid.link]]", "link", [immersed.link for immersed in scene.immersed], model.links),
+        ("[[contact]]", "link", [contact.link for contact in scene.contacts], model.links),
     ):
         for name in names:
             known(where, kind, name, valid, file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
+    if scene.contacts and not model.floating:
+        what = "[[contact]]: the base is fixed, and what it stands on is what carries it"
+        raise SceneError(what, remedy='let it move: [base] motion = "moving", and base_ columns', file=file)
     if scene.moving_base and not model.floating:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
@@ -65,16 +75,22 @@ def _kind(thing: object) -> str:
     return "None" if thing is None else f"of type {type(thing).__name__}"
 
 
-def refuse_loops(scene: Scene, file: str | None = None) -> None:
-    """Raise if the scene closes loops, where only the open tree could be computed.
+def refuse_constraints(scene: Scene, file: str | None = None, *, loops: bool = False, contacts: bool = False) -> None:
+    """Raise if a scene closes loops or stands on contacts, where only the open tree could be computed.
+
+    Args:
+        loops, contacts: whether they are known here.
 
     Raises:
         SceneError: it does.
     """
-    if scene.loops:
-        what = "the scene closes loops, and what joints and loops share is known to simulations alone"
-        remedy = "robodyn simulate follows the closed chain; without [[loop]] its open tree is computed"
+    if scene.loops and not loops:
+        what = "the scene closes loops, and this knows only the open tree"
+        remedy = "robodyn torques, fbd, simulate and linearize follow closed chains; without [[loop]] it is the tree"
         raise SceneError(what, remedy=remedy, file=file)
+    if scene.contacts and not contacts:
+        what = "the scene has contacts, and only torques and fbd find their forces"
+        raise SceneError(what, remedy="give the forces as [[wrench]], or leave [[contact]] out", file=file)
 
 
 def check_moves(model: Model) -> None:

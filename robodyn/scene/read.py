@@ -6,15 +6,16 @@ import os
 from typing import Any
 
 from robodyn.errors import unreadable
+from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
-from robodyn.scene.read_simulation import loops_of, simulated_of
+from robodyn.scene.read_simulation import simulated_of
 from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
 from robodyn.support.input_file import read_input
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
-NOT_COMPUTED = ("contact", "ground", "floor")
+NOT_COMPUTED = ("ground", "floor")
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
@@ -23,7 +24,8 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     Args:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
             `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
-            `baumgarte`, `motor`.
+            `baumgarte`, `motor`, `actuated`,
+            `passive`, `share`, `weights`, `contact`, `contact_cost`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -46,19 +48,32 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         **motors_of(table, {name: _rotor(entry) for name, entry in table.tables("rotor")}),
         spring={name: entry.read(Spring) for name, entry in table.tables("spring")},
         payloads=tuple(entry.read(Payload) for entry in table.list("payload")),
-        wrenches=tuple(entry.read(ExternalWrench, frame=FRAMES) for entry in table.list("wrench")),
+        wrenches=tuple(_wrench(entry) for entry in table.list("wrench")),
         **_base(table),
         slip_speed=table.nonnegative("slip_speed", 0.0, "it is positive, or 0 for sign(qd)"),
-        loops=loops_of(table),
+        **constraints_of(table),
         baumgarte=table.nonnegative("baumgarte", 0.0, "it is positive, or 0 for projection after each step"),
         **simulated_of(table),
         **_fluid(table),
     )
     for key in NOT_COMPUTED:
         if key in table.values:
-            raise table.error(f'"{key}" asks for contact, which robodyn does not compute', remedy="leave it out")
+            what = f'"{key}" is no key: the ground is where a [[contact]] of a link stands'
+            raise table.error(what, remedy="give [[contact]] name, link and point or polygon")
     table.finish()
     return scene
+
+
+def _wrench(table: SceneTable) -> ExternalWrench:
+    wrench = ExternalWrench(
+        table.text("link"),
+        table.entries("force"),
+        table.entries("moment"),
+        table.vector("point", ExternalWrench.point),
+        table.text("frame", ExternalWrench.frame, FRAMES),
+    )
+    table.finish()
+    return wrench
 
 
 def _friction(table: SceneTable) -> Friction:
@@ -112,8 +127,6 @@ def _immersed(table: SceneTable) -> Immersed:
 
 def _base(table: SceneTable) -> dict[str, Any]:
     base = SceneTable(table.take("base", {}), "[base]", table.file)
-    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.take("held", False)
-    if not isinstance(held, bool):
-        raise base.error(f'"held" is {held!r:.60}', remedy="true if something carries the base, else leave it out")
+    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.flag("held", False)
     base.finish()
     return {"moving_base": moving, "held": held}

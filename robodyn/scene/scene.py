@@ -85,6 +85,8 @@ class ExternalWrench(FrozenValue):
     Attributes:
         frame: the axes of force and moment: "link", "base" (those of the base link) or "world" (gravity's).
         force, moment: numbers or names of trajectory columns.
+        cause: what exerts it: the surroundings, or a constraint whose force was found: "loop" or "contact".
+        axes: another link whose axes they are in, in place of `frame`.
     """
 
     link: str
@@ -92,6 +94,8 @@ class ExternalWrench(FrozenValue):
     moment: tuple[Entry, Entry, Entry] = (0.0, 0.0, 0.0)
     point: Vector = (0.0, 0.0, 0.0)
     frame: str = "link"
+    cause: str = "surroundings"
+    axes: str = ""
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -175,6 +179,58 @@ class Loop(FrozenValue):
     directions: tuple[Vector, ...] = ()
 
 
+ALWAYS, AUTO = "always", "auto"
+"""Of a contact, `on`: in every sample, or where its points are low and slow."""
+
+
+@dataclass(frozen=True)
+class Contact(FrozenValue):
+    """Where a link stands on something, which presses on it and rubs, and does not pull.
+
+    Attributes:
+        name: as reports call it.
+        link, points: the points of the link that may touch, in its frame [m]: one, or the corners of a polygon.
+        normal: in the axes of the ground, out of what it stands on; None: against gravity.
+        friction: coefficient of Coulomb's cone.
+        on: ALWAYS; AUTO; the name of a column that is not 0 where it touches; or intervals of time (from, to) [s].
+        level, height, speed: with AUTO it touches where the lowest of its points is at most `height` [m] above the
+            plane `normal . p = level` [m] and slower than `speed` [m/s].
+    """
+
+    name: str
+    link: str
+    points: tuple[Vector, ...] = ((0.0, 0.0, 0.0),)
+    normal: Vector | None = None
+    friction: float = 0.7
+    on: str | tuple[tuple[float, float], ...] = ALWAYS
+    level: float = 0.0
+    height: float = 0.01
+    speed: float = 0.1
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The trajectory columns that it needs."""
+        return (self.on,) if isinstance(self.on, str) and self.on not in (ALWAYS, AUTO) else ()
+
+
+@dataclass(frozen=True)
+class ContactCost(FrozenValue):
+    """What contact forces make least, of all that balance: `forces |f|^2 / W^2 + torques sum (tau / limit)^2`.
+
+    Attributes:
+        forces, torques: weights of the forces, relative to the robot's weight W, and of torques relative to limits.
+        within_limits: whether torques may not exceed the effort limits.
+    """
+
+    forces: float = 1.0
+    torques: float = 0.0
+    within_limits: bool = False
+
+
+EFFORT = "effort"
+"""As a weight: 1 / (effort limit)^2."""
+
+
 @dataclass(frozen=True)
 class Scene(FrozenValue):
     """What surrounds the robot. The default scene is gravity alone, and the friction that the description declares.
@@ -196,9 +252,15 @@ class Scene(FrozenValue):
         between_rows: torques and wrenches of a simulation's table are "linear" between its rows, or "hold" the last.
         joint_limits: "stop" ends a simulation where a joint reaches a limit; "ignore" does not look; "spring" is
             `limit_spring` at every limit.
-        loops: closures of a simulated robot.
+        loops: closures.
         baumgarte: 0: positions and speeds are projected onto the loops after each step; else the rate [1/s] at which
             Baumgarte's terms let errors of the loops decay.
+        actuated: joints that drive; None: all but those of `passive`.
+        passive: joints that nothing drives.
+        share: how redundant actuators share: "least" of the sum of their squares, or "weighted" by `weights`.
+        weights: by joint, of tau^2 in that sum, a number or EFFORT; `weight` of the others.
+        contacts: where links may stand on something.
+        contact_cost: which of the contact forces that balance are taken.
     """
 
     gravity: Vector = (0.0, 0.0, -9.81)
@@ -221,6 +283,13 @@ class Scene(FrozenValue):
     limit_spring: LimitSpring | None = None
     loops: tuple[Loop, ...] = ()
     baumgarte: float = 0.0
+    actuated: tuple[str, ...] | None = None
+    passive: tuple[str, ...] = ()
+    share: str = "least"
+    weights: Mapping[str, Entry] = field(default_factory=dict)
+    weight: Entry = 1.0
+    contacts: tuple[Contact, ...] = ()
+    contact_cost: ContactCost = ContactCost()
     motor: Mapping[str, Motor] = field(default_factory=dict)
 
     def __hash__(self) -> int:
@@ -232,9 +301,19 @@ class Scene(FrozenValue):
         return replace(self, gravity=gravity, payloads=(*self.payloads, *payloads), held=held or self.held)
 
     @property
+    def constrained(self) -> bool:
+        """Whether joint torques are not those of the open tree alone: loops, contacts, or joints that do not drive."""
+        return bool(self.loops or self.contacts or self.passive) or self.actuated is not None
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """The trajectory columns that its wrenches need, each once."""
         return tuple(dict.fromkeys(name for wrench in self.wrenches for name in wrench.columns))
+
+    @property
+    def motion_columns(self) -> tuple[str, ...]:
+        """The columns that a trajectory must have: those of wrenches and contacts."""
+        return tuple(dict.fromkeys([*self.columns, *(name for each in self.contacts for name in each.columns)]))
 
     @property
     def table_columns(self) -> tuple[str, ...]:

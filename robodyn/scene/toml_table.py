@@ -18,6 +18,7 @@ WHOLE = "the scene"
 OF_THE_SCENE = (
     *("gravity", "friction", "slip_speed", "rotor", "motor", "spring", "payload", "wrench", "fluid", "base"),
     *("initial", "drive", "between_rows", "joint_limits", "limit_spring", "loop", "baumgarte"),
+    *("actuated", "passive", "share", "weights", "contact", "contact_cost"),
 )
 """The keys that stand above all tables, or are tables themselves."""
 _WRITTEN = {3: "write {} = [x, y, z]", 6: "write {} = [ixx, ixy, ixz, iyy, iyz, izz]"}
@@ -101,6 +102,23 @@ class SceneTable:
         if not isinstance(value, Sequence) or isinstance(value, str) or len(value) > most:
             raise self.error(f'"{key}" is {value!r:.60}, not at most {most} vectors of 3 numbers')
         return tuple(SceneTable({key: each}, self.what, self.file).vector(key) for each in value)
+
+    def names(self, key: str) -> tuple[str, ...] | None:
+        """Return a list of different names, None where there is none."""
+        value = self.take(key, None)
+        if value is None:
+            return None
+        if not isinstance(value, list) or any(not isinstance(name, str) or not name for name in value):
+            raise self.error(f'"{key}" is {value!r:.60}, not a list of names', remedy=f'write {key} = ["a", "b"]')
+        if len(set(value)) < len(value):
+            raise self.error(f'"{key}" names a joint twice', remedy="name each once")
+        return tuple(value)
+
+    def flag(self, key: str, default: bool) -> bool:
+        value = self.take(key, default)
+        if not isinstance(value, bool):
+            raise self.error(f'"{key}" is {value!r:.60}', remedy="true or false")
+        return value
 
     def entries(self, key: str, default: Any = (0.0, 0.0, 0.0)) -> tuple[Entry, Entry, Entry]:
         value = self.take(key, default)

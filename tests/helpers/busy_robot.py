@@ -61,6 +61,8 @@ BUSY_SCENE = Scene(
         ExternalWrench("tool", (1.0, -2.0, 3.0), (0.4, 0.5, -0.6), (0.1, 0.0, 0.2)),
         ExternalWrench("l4", ("push", 0.0, 2.0), (0.0, "twist", 0.0), (0.0, 0.3, 0.0), "base"),
         ExternalWrench("l6", (0.0, 0.0, -4.0), frame="world"),
+        ExternalWrench("l4", (2.0, 0.5, -1.0), (0.1, 0.0, 0.3), (0.2, 0.0, 0.1), cause="loop", axes="tool"),
+        ExternalWrench("tool", (1.0, 0.5, 5.0), (0.0, 0.2, 0.0), frame="world", cause="contact"),
     ),
     immersed=(Immersed("tool", 2e-3, (0.05, -0.1, 0.02), (0.3, 0.2, 0.1)), Immersed("l2", 1e-3)),
     fluid_density=1000.0,

@@ -17,7 +17,19 @@ from robodyn.dynamics.inverse import mass_runner, torque_runner
 from robodyn.dynamics.plan import plan
 from robodyn.programs.run.llvm.build import code_key
 from robodyn.scene.motor import Motor
-from robodyn.scene.scene import DEFAULT, Drive, ExternalWrench, Friction, Loop, Payload, Rotor, Scene, Spring
+from robodyn.scene.scene import (
+    DEFAULT,
+    Contact,
+    ContactCost,
+    Drive,
+    ExternalWrench,
+    Friction,
+    Loop,
+    Payload,
+    Rotor,
+    Scene,
+    Spring,
+)
 from robodyn.simulation.run import simulate
 
 EVERYTHING = replace(
@@ -27,6 +39,13 @@ EVERYTHING = replace(
     initial_q={"j1": 0.1, "j4": "begin"},
     loops=(Loop("l", "l2", directions=((0.0, 1.0, 0.0),)),),
     held=True,
+    actuated=("j1",),
+    passive=("j4",),
+    share="weighted",
+    weights={"j1": 2.0},
+    weight="effort",
+    contacts=(Contact("foot", "tool"),),
+    contact_cost=ContactCost(2.0),
 )
 """A scene with something in every field."""
 
@@ -47,7 +66,7 @@ def _inside(value):
 def test_nothing_in_a_scene_can_be_edited():
     """The field cannot be set, its mapping not be written to, and nothing that it holds is a list, dict or array."""
     mappings = [field.name for field in fields(Scene) if hasattr(getattr(EVERYTHING, field.name), "items")]
-    assert {"friction", "rotor", "spring", "drive", "motor", "initial_q", "initial_qd"} == set(mappings)
+    assert {"friction", "rotor", "spring", "drive", "motor", "initial_q", "initial_qd", "weights"} == set(mappings)
     for field in fields(Scene):
         with pytest.raises(FrozenInstanceError):
             setattr(EVERYTHING, field.name, getattr(DEFAULT, field.name))

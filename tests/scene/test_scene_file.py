@@ -97,6 +97,7 @@ UNKNOWN = {
     "gravty = [0, 0, 0]": (
         *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor"),
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
+        *("actuated", "passive", "share", "weights", "contact", "contact_cost"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
@@ -176,8 +177,8 @@ WRONG = {
     "[initial]\nq = 3": "[initial] q is 3, not a table",
     '[initial]\nqd = { a = "" }': "[initial] qd: \"a\" is '', not a finite number",
     "[drive]\na = { kp = true }": '[drive] a: "kp" is True, not a finite number',
-    "[contact]\nstiffness = 1e5": '"contact" asks for contact, which robodyn does not compute (leave it out)',
-    "ground = 0": '"ground" asks for contact, which robodyn does not compute',
+    "contact = 0": '"contact" is not a list of tables',
+    "ground = 0": '"ground" is no key',
     "gravity = [": "is not TOML",
     "gravity = [0, 0, 0]\ngravity = [0, 0, 0]": "is not TOML",
     "\x00": "is not TOML",

@@ -69,7 +69,7 @@ WRONG = {
     '[[loop]]\nname = "a"': '[[loop]] number 1: "link" is missing',
     NAMED + 'kind = "ball"': '"kind" is "ball" (one of: point, hinge, weld)',
     NAMED + 'kind = "hinge"': '"axis" is missing',
-    NAMED + 'kind = "hinge"\naxis = [0, 0, 0]': '"axis" is zero (give a vector along the hinge)',
+    NAMED + 'kind = "hinge"\naxis = [0, 0, 0]': '"axis" is zero (give a vector that has a direction)',
     NAMED + 'kind = "hinge"\naxis = [0, 0, 1]\nto_axis = [0, 0, 0]': '"to_axis" is zero',
     NAMED + "axis = [0, 0, 1]": "unknown key \"axis\" (valid keys: 'kind', 'name', 'link', 'point', 'to', 'to_point', "
     "'directions')",
@@ -80,7 +80,7 @@ WRONG = {
     NAMED + "directions = [[1, 0, 0], [0, 1, 0], [1, 1, 0]]": '"directions" lie in a plane (two of them are enough)',
     NAMED + f"directions = {[[1, 0, 0]] * 4}": "not at most 3 vectors of 3 numbers",
     NAMED + 'to = "b"': '"link" and "to" are both "b" (a loop connects two links)',
-    NAMED + NAMED: '2 loops have the name "a" (give each a name of its own)',
+    NAMED + NAMED: '2 loops and contacts have the name "a" (give each a name of its own)',
     "baumgarte = -1": '"baumgarte" is -1 (it is positive, or 0 for projection after each step)',
 }
 

@@ -1,4 +1,4 @@
-"""External wrenches: forces and moments that the surroundings exert ON links."""
+"""Wrenches ON links: those of the surroundings, and those by which loops and contacts hold the robot."""
 
 from __future__ import annotations
 
@@ -13,13 +13,9 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Entry, ExternalWrench, Scene
 
 
-def _acting(scene: Scene) -> list[ExternalWrench]:
-    return [wrench for wrench in scene.wrenches if any(wrench.force) or any(wrench.moment)]
-
-
-def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
-    links = [wrench.link for wrench in _acting(scene)]
-    return Verdict.of(links, "the scene has no external wrench", f"acts on {', '.join(links)}")
+def acting(scene: Scene, cause: str) -> list[ExternalWrench]:
+    """Return the wrenches of one cause that are not nothing."""
+    return [each for each in scene.wrenches if each.cause == cause and (any(each.force) or any(each.moment))]
 
 
 def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:
@@ -29,15 +25,33 @@ def _entries(entries: tuple[Entry, Entry, Entry], sample: Sample) -> Array:
 def _on_body(wrench: ExternalWrench, sample: Sample, where: list[Pose]) -> tuple[int, Wrench]:
     """Return the body that the wrench acts on, and the wrench about that body's origin in its axes."""
     body, R, p = sample.model.links[wrench.link]
-    axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
+    if wrench.axes:
+        other, turn, _ = sample.model.links[wrench.axes]
+        axes = where[body].R.T @ (where[other].R @ turn)
+    else:
+        axes = {"link": R, "base": where[body].R.T @ where[0].R, "world": where[body].R.T}[wrench.frame]
     f = axes @ _entries(wrench.force, sample)
     return body, Wrench(f, axes @ _entries(wrench.moment, sample) + cross(p + R @ np.array(wrench.point), f))
 
 
-def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    where = poses(sample.model.parents, sample.motions())
-    acting = tuple(_on_body(wrench, sample, where) for wrench in _acting(scene))
-    return replace(terms, wrenches=terms.wrenches + acting)
+def wrench_effect(name: str, cause: str, none: str, adds: str) -> Effect:
+    """Return the effect of the scene's wrenches of one cause."""
+
+    def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
+        links = dict.fromkeys(wrench.link for wrench in acting(scene, cause))
+        return Verdict.of(links, none, f"acts on {', '.join(links)}")
+
+    def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
+        where = poses(sample.model.parents, sample.motions())
+        more = tuple(_on_body(wrench, sample, where) for wrench in acting(scene, cause))
+        return replace(terms, wrenches=terms.wrenches + more)
+
+    return Effect(name, adds, why, add)
 
 
-EFFECT = Effect("external wrench", "-J^T w for a force and a moment that act on a link", why, add)
+EFFECT = wrench_effect(
+    "external wrench",
+    "surroundings",
+    "the scene has no external wrench",
+    "-J^T w for a force and a moment that act on a link",
+)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
+from robodyn.dynamics.effects.external_wrench import acting
 from robodyn.dynamics.plan import at_rest
 from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.equations.free_body.types import Action, JointRow
@@ -24,6 +25,14 @@ _LETTERS = {
     "rotor inertia": "J",
     "joint spring": "S",
     "limit spring": "L",
+}
+
+_CAUSES = {"external wrench": "surroundings", "loop forces": "loop", "contact forces": "contact"}
+_OF_WRENCHES = {
+    "external wrench": ("E", "N"),
+    "loop forces": ("F", "G"),
+    "contact forces": ("P", "Q"),
+    "fluid": ("B", ""),
 }
 
 
@@ -49,9 +58,9 @@ class Applied(NamedTuple):
 
 
 def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> list[Applied]:
-    """Return the wrenches of the surroundings, each at the point of its link where it acts."""
+    """Return the wrenches of the surroundings, of loops and of contacts, at the points of links where they act."""
     places = {
-        "external wrench": [(w.link, w.point) for w in scene.wrenches if any(w.force) or any(w.moment)],
+        **{name: [(w.link, w.point) for w in acting(scene, cause)] for name, cause in _CAUSES.items()},
         "fluid": [(immersed.link, immersed.centre) for immersed in scene.immersed],
     }
     out = []
@@ -59,7 +68,7 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
         if effect.name not in places:
             continue
         found = effect.add(at_rest(sample), sample, scene).wrenches
-        letters = ("E", "N") if effect.name == "external wrench" else ("B", "")
+        letters = _OF_WRENCHES[effect.name]
         for k, ((i, loads), (link, point)) in enumerate(zip(found, places[effect.name], strict=True), 1):
             wrench = Wrench(*map(narrowed, loads))
             symbols = (f"{letters[0]}{k}", f"{letters[1]}{k}" if letters[1] else "")
@@ -67,7 +76,8 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
             where = p + product(R, np.array(point))
             moment = wrench.n - np.cross(where, wrench.f)
             what = f"{effect.name} on {link}"
-            out.append(Applied(i, Action(effect.name, what, "surroundings", symbols, where, wrench.f, moment)))
+            by = _CAUSES.get(effect.name, "surroundings")
+            out.append(Applied(i, Action(effect.name, what, by, symbols, where, wrench.f, moment)))
     return out
 
 

@@ -25,7 +25,7 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all
 from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_loops
+from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
 
 
@@ -58,7 +58,7 @@ def free_bodies(
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
     if shape:
         raise InputError(f"{shape} samples", remedy="a free-body diagram is of one state")
-    refuse_loops(scene)
+    refuse_constraints(scene)
     a_plan = plan(model, scene, zero_columns(sources))
     state = {name: tuple(values[0].tolist()) for name, values in sources.items() if values.size or name != "columns"}
     extra = dict(zip(scene.columns, state.pop("columns", ()), strict=True))

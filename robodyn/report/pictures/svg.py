@@ -26,6 +26,8 @@ COLOURS = {
     "joint spring": "#11837f",
     "limit spring": "#11837f",
     "external wrench": "#d9480f",
+    "loop forces": "#2f7fd6",
+    "contact forces": "#d9480f",
     "fluid": "#11837f",
 }
 """By kind of action; each can be read on white and on black."""
