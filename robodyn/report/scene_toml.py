@@ -78,9 +78,12 @@ _LIMITS = """A simulation ends where a joint reaches a limit, or ignores limits,
 stiffness N m/rad, damping N m s/rad."""
 _LOOP = """Loops of a simulation: a point of a link is held at a point of another or of the "ground"; kind "point",
 "hinge" with an axis, or "weld"."""
-_PASSIVE = "Joints that nothing drives; redundant actuators share by the least sum of squares."
-_CONTACT = """What a link stands on: point or polygon in the link's frame, normal in the ground's axes; on: "always",
-"auto", a column, or intervals of time."""
+_PASSIVE = "Joints that drive, or those that nothing drives; give one of these lists."
+_SHARE = """Actuators that are more than enough share a load by the least sum of weighted squares of their torques; a
+weight is a number, or "effort" for 1 / (effort limit)^2."""
+_CONTACT = """What a link of a robot whose base moves stands on: point or polygon in the link's frame, normal in the
+ground's axes, friction; on: "always", "auto", a column, or intervals of time."""
+_COST = "Of all contact forces that balance, those of least forces |f|^2 / W^2 + torques (tau / limit)^2 are taken."
 _BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
 
 

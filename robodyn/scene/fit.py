@@ -48,9 +48,6 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
             known(where, kind, name, valid, file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
-    if scene.contacts and not model.floating:
-        what = "[[contact]]: the base is fixed, and what it stands on is what carries it"
-        raise SceneError(what, remedy='let it move: [base] motion = "moving", and base_ columns', file=file)
     if scene.moving_base and not model.floating:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file

@@ -92,8 +92,8 @@ def _actuation(table: SceneTable) -> dict[str, Any]:
     actuated, passive = table.names("actuated"), table.names("passive")
     if actuated is not None and passive is not None:
         raise table.error('"actuated" and "passive" are both given', remedy="give one: the other joints are the other")
-    share = table.text("share", Scene.share, SHARES)
     weights = table.take("weights", None)
+    share = table.text("share", Scene.share if weights is None else "weighted", SHARES)
     if weights is not None and share != "weighted":
         raise table.error('"weights" are given, and "share" is "least"', remedy='write share = "weighted"')
     found = {"actuated": actuated, "passive": passive or (), "share": share}

@@ -56,7 +56,8 @@ def test_constrained(text):
 
 
 def test_weights_of_all():
-    scene = parse_scene(b'share = "weighted"\nweights = "effort"')
+    scene = parse_scene(b'weights = "effort"')
+    assert scene.share == "weighted"
     assert (dict(scene.weights), scene.weight) == ({}, "effort")
 
 
@@ -66,7 +67,7 @@ WRONG = {
     'passive = ["a", "a"]': '"passive" names a joint twice (name each once)',
     'actuated = ["a"]\npassive = ["b"]': '"actuated" and "passive" are both given (give one',
     'share = "equal"': '"share" is "equal" (one of: least, weighted)',
-    "weights = { a = 1 }": '"weights" are given, and "share" is "least" (write share = "weighted")',
+    'share = "least"\nweights = { a = 1 }': '"weights" are given, and "share" is "least" (write share = "weighted")',
     'share = "weighted"\nweights = { a = 0 }': '[weights]: "a" is 0 (give a positive weight, or "effort"',
     'share = "weighted"\nweights = { a = "x" }': "[weights]: \"a\" is 'x', not a finite number",
     '[[contact]]\nname = "f"': '"link" is missing',
