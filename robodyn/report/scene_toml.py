@@ -50,8 +50,12 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     yield _LIMITS, ['joint_limits = "ignore"', "limit_spring = { stiffness = 10000.0, damping = 100.0 }"]
     yield _LOOP, [_loop(model, own)] if own else []
     yield _BAUMGARTE, ["baumgarte = 10.0"]
-    yield _PASSIVE, [f"passive = [{_text(own[-1].name)}]", 'share = "weighted"'] if own else []
-    yield _CONTACT, [f'contact = [{{ name = "foot", link = {tip}, friction = 0.7 }}]'] if model.floating else []
+    if own:
+        last = _text(own[-1].name)
+        yield _PASSIVE, [f"actuated = [{last}]", f"passive = [{last}]"]
+        yield _SHARE, ['share = "weighted"', 'weights = "effort"', f"weights.{_key(own[-1].name)} = 2.0"]
+    yield _CONTACT, [f'contact = [{{ name = "foot", link = {tip}, friction = 0.7 }}]']
+    yield _COST, ["contact_cost = { forces = 1.0, torques = 1.0, within_limits = true }"]
 
 
 _ZERO, _DOWN = "[0.0, 0.0, 0.0]", "[0.0, 0.0, -10.0]"
