@@ -1,0 +1,212 @@
+"""Forces of constraints and torques against lstsq, null spaces and optimality conditions of random equations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from robodyn.dynamics.constraints.share import shares
+from robodyn.dynamics.constraints.structure import structure
+
+EPS = np.finfo(float).eps
+KINDS = {
+    "driven": {"rank": 3, "passive": 3, "actuated": 2},
+    "redundant": {"rank": 3, "passive": 3, "actuated": 4, "redundant": 2},
+    "overconstrained": {"rank": 3, "passive": 3, "actuated": 1, "implied": 3},
+    "both": {"rank": 4, "passive": 4, "actuated": 5, "redundant": 3, "implied": 2},
+    "undriven": {"rank": 2, "passive": 4, "actuated": 2},
+    "all at once": {"rank": 5, "passive": 7, "actuated": 6, "redundant": 2, "implied": 3},
+    "actuators fight": {"rank": 0, "passive": 0, "actuated": 4, "redundant": 3},
+    "passives alone": {"rank": 4, "passive": 4, "actuated": 0, "implied": 1},
+    "tree with passive joints": {"rank": 0, "passive": 2, "actuated": 3},
+    "tree": {"rank": 0, "passive": 0, "actuated": 3},
+    "rank 0 of many": {"rank": 0, "passive": 2, "actuated": 2, "redundant": 2, "implied": 1},
+}
+
+
+def drawn(rng, rank, passive, actuated, redundant=0, implied=0, samples=12):
+    """J (samples, m, n), its passive rates, mixed among the others, and torques."""
+    m, n = rank + redundant + implied, passive + actuated
+    J = np.zeros((samples, m, n))
+    for each in J:
+        V = np.linalg.qr(rng.normal(size=(m, m)))[0]
+        U = np.linalg.qr(rng.normal(size=(passive, passive)))[0][:, :rank]
+        A = U * rng.uniform(0.3, 2.0, rank) @ V[:, :rank].T
+        B = np.linalg.qr(rng.normal(size=(actuated, actuated)))[0][:, :redundant] @ V[:, rank : rank + redundant].T
+        each[:] = np.vstack((A, rng.normal(size=(actuated, rank)) @ V[:, :rank].T + B)).T
+    order = rng.permutation(n)
+    return J[:, :, order], (np.arange(n) < passive)[order], rng.normal(size=(samples, n))
+
+
+def balanced(J, passive, tau):
+    """The torques, those at passive joints projected on what forces of the constraints can give."""
+    out = tau.copy()
+    for each, one in zip(J, out, strict=True):
+        A = each[:, passive].T
+        one[passive] = A @ np.linalg.lstsq(A, one[passive], rcond=1e-10)[0] if A.size else 0.0
+    return out
+
+
+def optimum(J, passive, tau, weights):
+    """Multipliers and torques at one sample, by the optimality conditions and then the shortest multipliers."""
+    m, a = len(J), int((~passive).sum())
+    A, D = J[:, passive].T, J[:, ~passive].T
+    p = len(A)
+    conditions = np.block(
+        [
+            [np.diag(weights), np.zeros((a, m)), np.eye(a), np.zeros((a, p))],
+            [np.zeros((m, a)), np.zeros((m, m)), D.T, A.T],
+            [np.eye(a), D, np.zeros((a, a + p))],
+            [np.zeros((p, a)), A, np.zeros((p, a + p))],
+        ]
+    )
+    known = np.concatenate((np.zeros(a + m), tau[~passive], tau[passive]))
+    torques = scipy.linalg.lstsq(conditions, known, cond=1e-12)[0][:a]
+    rest = tau.copy()
+    rest[~passive] -= torques
+    return (np.linalg.lstsq(J.T, rest, rcond=1e-10)[0] if m else np.zeros(0)), torques
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
+def test_forces_and_torques_are_those_of_the_optimality_conditions(kind, seed):
+    rng = np.random.default_rng([seed, len(kind)])
+    J, passive, tau = drawn(rng, **KINDS[kind])
+    tau = balanced(J, passive, tau)
+    weights = rng.uniform(0.1, 10.0, int((~passive).sum()))
+    found = shares(structure(J, passive), J, tau, weights)
+    pairs = [optimum(each, passive, one, weights) for each, one in zip(J, tau, strict=True)]
+    for got, expected in zip(found, map(np.array, zip(*pairs, strict=True)), strict=False):
+        assert got.shape == expected.shape
+        scale = max(np.abs(expected).max(initial=0.0), np.abs(tau).max())
+        assert np.abs(got - expected).max(initial=0.0) <= 2000 * EPS * scale
+    assert np.abs(found.unbalanced).max(initial=0.0) <= 200 * EPS * np.abs(tau).max()
+    assert not found.singular.any()
+    assert not found.higher.any()
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", KINDS)
+def test_ranks_and_what_is_determined_are_those_of_null_spaces(kind, seed):
+    rng = np.random.default_rng([seed, len(kind)])
+    sizes = {"redundant": 0, "implied": 0} | KINDS[kind]
+    J, passive, _ = drawn(rng, **sizes)
+    found = structure(J, passive)
+    n, m = len(passive), J.shape[1]
+    assert (found.rank, found.redundancy) == (sizes["rank"], sizes["redundant"])
+    assert found.freedoms == n - sizes["rank"] - sizes["redundant"]
+    assert (found.undriven, found.overconstrained) == (sizes["passive"] - sizes["rank"], sizes["implied"])
+    A = J[0][:, passive].T
+    free = scipy.linalg.null_space(A, rcond=1e-10) if A.size else np.eye(m)
+    moved = scipy.linalg.null_space(A.T, rcond=1e-10) if A.size else np.eye(len(A))
+    assert found.torque_determined.tolist() == [
+        np.abs(row).max(initial=0) < 1e-10 for row in J[0][:, ~passive].T @ free
+    ]
+    assert found.equation_determined.tolist() == [np.abs(row).max(initial=0) < 1e-10 for row in free]
+    assert found.undriven_rates.tolist() == [np.abs(row).max(initial=0) > 1e-10 for row in moved]
+
+
+def test_parts_that_do_not_touch_are_judged_each_by_itself():
+    """A redundant loop, an overconstrained one, a determined one, a passive joint of none: block by block."""
+    rng = np.random.default_rng(7)
+    loose = drawn(rng, rank=0, passive=1, actuated=0)
+    parts = [drawn(rng, **KINDS[kind]) for kind in ("redundant", "overconstrained", "driven")] + [loose]
+    J = np.array([scipy.linalg.block_diag(*(part[0][k] for part in parts)) for k in range(12)])
+    found = structure(J, np.concatenate([part[1] for part in parts]))
+    assert found.torque_determined.tolist() == [False] * 4 + [True] * 3
+    assert found.equation_determined.tolist() == [False] * 11 + [True] * 3
+    assert found.undriven_rates.tolist() == [False] * 9 + [True]
+    assert (found.redundancy, found.overconstrained, found.undriven) == (2, 3, 1)
+
+
+def test_what_no_force_gives_is_told_where_it_is_needed():
+    """The remainder of least squares in equilibrated units; at a joint that no loop touches, all of it."""
+    rng = np.random.default_rng(3)
+    J, passive, tau = drawn(rng, **KINDS["undriven"])
+    J[:, :, np.flatnonzero(passive)[0]] = 0.0
+    decided = structure(J, passive)
+    found = shares(decided, J, tau, np.ones(2))
+    scale = decided.rate_scale[passive]
+    for each, one, left in zip(J, tau, found.unbalanced, strict=True):
+        A = each[:, passive].T * scale[:, None]
+        expected = one[passive] - A @ np.linalg.lstsq(A, one[passive] * scale, rcond=1e-10)[0] / scale
+        assert np.abs(left - expected).max() <= 1000 * EPS * np.abs(one).max()
+    assert np.array_equal(found.unbalanced[:, 0], tau[:, np.flatnonzero(passive)[0]])
+
+
+@pytest.mark.parametrize("size", [1e-5, 1e-3, 1e3, 1e5])
+@pytest.mark.parametrize("mass", [1e-6, 1.0, 1e6])
+def test_units_change_nothing(size, mass):
+    """The same robot, smaller or larger, lighter or heavier: the same ranks, and all figures in their units."""
+    rng = np.random.default_rng(11)
+    J, passive, tau = drawn(rng, **KINDS["both"])
+    tau = balanced(J, passive, tau)
+    weights = rng.uniform(0.1, 10.0, 5)
+    of_equation = np.where(np.arange(J.shape[1]) % 2, size, 1.0)
+    of_rate = np.where(np.arange(J.shape[2]) % 3, 1.0, 1.0 / size)
+    other = J * of_equation[:, None] * of_rate
+    here, there = structure(J, passive), structure(other, passive)
+    names = ("rank", "redundancy", "freedoms", "undriven", "overconstrained")
+    assert [getattr(here, name) for name in names] == [getattr(there, name) for name in names]
+    assert np.array_equal(here.equation_determined, there.equation_determined)
+    found = shares(here, J, tau, weights)
+    got = shares(there, other, mass * tau * of_rate, weights / of_rate[~passive] ** 2)
+    expected = found.torques * mass * of_rate[~passive]
+    assert (np.abs(got.torques - expected).max(axis=0) <= 1e5 * EPS * np.abs(expected).max(axis=0)).all()
+
+
+def turning(angles):
+    """J of two equations, two passive rates and one driven: the second equation turns into the first at angle 0."""
+    c, s, one = np.cos(angles), np.sin(angles), np.ones_like(angles)
+    return np.stack((np.stack((one, 0 * c, one), -1), np.stack((c, s, one), -1)), -2)
+
+
+def test_where_the_rank_drops_nothing_is_divided_through():
+    passive = np.array([True, True, False])
+    angles = np.array([0.3, 1e-4, 0.0, 1e-9, -0.2])
+    J = turning(angles)
+    decided = structure(turning(np.array([0.3, 1.0])), passive)
+    tau = np.tile([1.0, 2.0, 3.0], (5, 1))
+    found = shares(decided, J, tau, np.ones(1))
+    assert found.singular.tolist() == [False, False, True, True, False]
+    assert found.smallest[2] <= 1e-15
+    assert found.smallest[3] <= 1e-8
+    for k in (0, 1, 4):
+        exact = np.linalg.solve(J[k][:, :2].T, tau[k, :2])
+        assert np.abs(found.multipliers[k] - exact).max() <= 1e-11 * np.abs(exact).max()
+    c = decided.equation_scale
+    shortest = c * np.linalg.lstsq(J[2][:, :2].T * c, [1.0, 0.0], rcond=1e-10)[0]
+    assert np.allclose(found.multipliers[2], shortest, rtol=0, atol=1e-14)
+    assert np.allclose(found.unbalanced[2], [0.0, 2.0], rtol=0, atol=1e-14)
+
+
+def test_a_drop_of_the_redundant_part_is_singular_too():
+    """Two drives hold one force between them, whose lever arms vanish."""
+    levers = np.array([0.5, 0.1, 0.0])
+    J = np.stack((levers, -levers, np.zeros(3)), -1)[:, None, :]
+    decided = structure(J, np.zeros(3, dtype=bool))
+    assert (decided.rank, decided.redundancy) == (0, 1)
+    found = shares(decided, J, np.array([[1.0, 0.0, 2.0]] * 3), np.ones(3))
+    assert found.singular.tolist() == [False, False, True]
+    assert np.allclose(found.torques, [[0.5, 0.5, 2.0], [0.5, 0.5, 2.0], [1.0, 0.0, 2.0]], rtol=0, atol=1e-15)
+
+
+def test_a_rank_that_no_reference_sample_had_is_told():
+    J = turning(np.array([0.0, 0.4]))
+    decided = structure(J[:1], np.array([True, True, False]))
+    found = shares(decided, J, np.ones((2, 3)), np.ones(1))
+    assert decided.rank == 1
+    assert found.higher.tolist() == [False, True]
+
+
+def test_the_basis_does_not_matter():
+    """Equations in another order, and turned among each other, carry the same."""
+    rng = np.random.default_rng(5)
+    J, passive, tau = drawn(rng, **KINDS["all at once"])
+    tau, weights = balanced(J, passive, tau), rng.uniform(0.5, 2.0, 6)
+    Q = np.linalg.qr(rng.normal(size=(J.shape[1],) * 2))[0]
+    one = shares(structure(J, passive), J, tau, weights)
+    other = shares(structure(Q @ J, passive), Q @ J, tau, weights)
+    assert np.abs(other.torques - one.torques).max() <= 2000 * EPS * np.abs(tau).max()
+    assert np.abs(other.multipliers @ Q - one.multipliers).max() <= 2000 * EPS * np.abs(one.multipliers).max()
