@@ -43,6 +43,7 @@ HEAVY = {
     "casadi",
     "jax",
     "torch",
+    "clarabel",
 }
 
 

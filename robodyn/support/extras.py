@@ -50,6 +50,7 @@ OPTIONAL = (
     Library("mpmath", "mpmath", "reference values with many digits", "exact"),
     Library("sympy", "sympy", "equations in closed form", "symbolic"),
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
+    Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),
     Library("casadi", "casadi", "use of what `export --to casadi` writes", "casadi"),
     Library("jax", "jax", "use of what `export --to jax` writes", "jax"),

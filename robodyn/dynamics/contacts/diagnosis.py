@@ -1,0 +1,113 @@
+"""Why no contact forces make a motion: what is missing, whether feet slip, pull or tip, and what friction would do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.contacts.problem import Flags, Forces, Problem
+from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.programs.vectors import cross
+from robodyn.support.floats import Floats
+
+MOMENTS, FORCES = slice(0, 3), slice(3, 6)
+"""The first rows of the equations: those of the base, as `base_columns` makes them."""
+STEEPEST = 1e6
+"""More friction than this counts as unlimited."""
+
+
+def base_columns(arms: Floats, length: float) -> Floats:
+    """Return the columns of G (N, 6, 3 K) in the equations of moments, in units of `length` [m], and of forces.
+
+    Args:
+        arms: (N, K, 3) m, from the point that moments are taken about to the points of contact, in the axes of forces.
+    """
+    N, K, _ = arms.shape
+    x, y, z = np.moveaxis(arms, -1, 0) / length
+    G = np.zeros((N, 6, K, 3))
+    G[:, 0, :, 1], G[:, 0, :, 2] = -z, y
+    G[:, 1, :, 0], G[:, 1, :, 2] = z, -x
+    G[:, 2, :, 0], G[:, 2, :, 1] = -y, x
+    G[:, [3, 4, 5], :, [0, 1, 2]] = 1.0
+    return G.reshape(N, 6, 3 * K)
+
+
+def missing(forces: Forces, length: float, centre: Floats | None = None) -> tuple[Floats, Floats]:
+    """Return the force (N, 3) [N] and the moment (N, 3) [N m] that contacts leave unbalanced.
+
+    Args:
+        forces: of equations of `base_columns` with this length [m], b in N.
+        centre: (N, 3) m, from the point of those equations to the one that moments are wanted about; None: the same.
+    """
+    force, moment = forces.residual[:, FORCES], forces.residual[:, MOMENTS] * length
+    if centre is not None:
+        moment = moment - cross(centre.T, force.T).T
+    return force, moment
+
+
+def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]:
+    """Return why each sample has no forces: "" (it has), "slip", "pull" or "tip".
+
+    slip: unlimited friction would suffice. pull: even without the equations of moments, unlimited friction would not,
+    so that contacts had to pull. tip: all else.
+
+    Args:
+        problem: whose first six equations are those of `base_columns`.
+        forces: its solution.
+    """
+    found = np.full(len(forces.feasible), "", dtype=object)
+    lost = np.flatnonzero(~forces.feasible)
+    if len(lost):
+        unlimited = _with_friction(problem.chosen(lost), np.inf)
+        slip = contact_forces(unlimited, executor).feasible
+        found[lost[slip]] = "slip"
+        rest = lost[~slip]
+        if len(rest):
+            at_rest = unlimited.chosen(~slip)
+            pull = ~contact_forces(_forces_alone(at_rest), executor).feasible
+            found[rest] = np.where(pull, "pull", "tip")
+    return [str(kind) for kind in found]
+
+
+def least_friction(problem: Problem, executor: str = "auto") -> tuple[float, int] | None:
+    """Return the least mu of all contacts alike with which every sample has forces, and the sample that needs it.
+
+    Method: bisection, at each mu only of those samples that may need more.
+
+    Returns:
+        None where no friction suffices; (0, 0) where none is needed.
+
+    Accuracy: 1e-6 relative.
+    """
+    left = np.arange(problem.shape[0])
+    if not _suffices(problem, np.inf, executor).all():
+        return None
+    low, high = 0.0, 1.0
+    left = left[~_suffices(problem, 0.0, executor)]
+    if not len(left):
+        return 0.0, 0
+    while not (held := _suffices(problem.chosen(left), high, executor)).all():
+        if high > STEEPEST:
+            return None
+        low, high, left = high, 4.0 * high, left[~held]
+    while high - low > 1e-6 * high:
+        mu = 0.5 * (low + high)
+        held = _suffices(problem.chosen(left), mu, executor)
+        if held.all():
+            high = mu
+        else:
+            low, left = mu, left[~held]
+    return high, int(left[0])
+
+
+def _suffices(problem: Problem, mu: float, executor: str) -> Flags:
+    return contact_forces(_with_friction(problem, mu), executor).feasible
+
+
+def _with_friction(problem: Problem, mu: float) -> Problem:
+    return replace(problem, friction=np.full(problem.shape[2], mu), torques=None)
+
+
+def _forces_alone(problem: Problem) -> Problem:
+    return replace(problem, G=problem.G[:, FORCES], b=problem.b[:, FORCES], free=None)
