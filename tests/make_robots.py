@@ -6,47 +6,18 @@ Everything is computed to 30 digits and rounded once, so the files come out the 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
-from helpers.free_motions import BaseState, attitudes, tumble
+from helpers import constrained_tables
+from helpers.free_motions import attitudes, tumble
 from helpers.robot_motions import Motion, State, exact, fourier, quintic
+from helpers.robot_tables import Table, base, joints, times
 from helpers.satellite_motion import Satellite
 from mpmath import mp, mpf
 
-Table = dict[str, list[mpf]]
 ENCODER_STEPS = 2**17
 ZERO = 1e-20
-
-
-def times(count: int, rate: int) -> list[mpf]:
-    return [mpf(k) / rate for k in range(count)]
-
-
-def joints(clock: list[mpf], motions: Mapping[str, Motion]) -> Table:
-    """time, then q_, qd_ and qdd_ of every joint."""
-    table = {"time": clock}
-    for level, name in enumerate(("q", "qd", "qdd")):
-        for joint, motion in motions.items():
-            table[f"{name}_{joint}"] = [motion(t)[level] for t in clock]
-    return table
-
-
-def base(states: list[BaseState]) -> Table:
-    """The base_ columns: position, quaternion, velocity (linear, angular), acceleration (linear, angular)."""
-    groups = {
-        "x y z": [state.p for state in states],
-        "qx qy qz qw": [state.attitude for state in states],
-        "vx vy vz": [state.v for state in states],
-        "wx wy wz": [state.w for state in states],
-        "ax ay az": [state.a for state in states],
-        "wdx wdy wdz": [state.wd for state in states],
-    }
-    return {
-        f"base_{name}": [row[i] for row in rows]
-        for names, rows in groups.items()
-        for i, name in enumerate(names.split())
-    }
 
 
 def scara_pick_and_place() -> Table:
@@ -223,6 +194,7 @@ TRAJECTORIES: dict[str, Callable[[], Table]] = {
         gripper_pick,
         satellite_slew,
         rigid_body_flip,
+        *constrained_tables.EVERY,
     )
 }
 

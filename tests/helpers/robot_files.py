@@ -23,6 +23,15 @@ FULL = {
     "gripper_pick": "gripper",
     "satellite_slew": "satellite",
 }
+"""Motions of all joints, and their robots."""
+MOTORS_ONLY = {
+    "crank_slider_turn": "crank_slider",
+    "four_bar_lift": "four_bar",
+    "five_bar_reach": "five_bar",
+    "delta_pick": "delta",
+    "planar_3rrr_circle": "planar_3rrr",
+}
+"""Motions of the driven joints of closed chains."""
 
 
 def read_csv(name: str) -> dict[str, np.ndarray]:

@@ -26,7 +26,7 @@ def test_every_system_of_the_chapter_is_there():
     assert set(NAMES) == {
         *("composite", "cylindrical", "gripper", "meshed_arm", "puma", "puma560", "rigid_body", "satellite", "scara"),
         *("two_link_planar", "two_link_spatial", "pendulum", "four_bars", "crank_slider"),
-        *("double_pendulum", "heavy_top"),
+        *("double_pendulum", "heavy_top", "four_bar", "five_bar", "delta", "planar_3rrr", "quadruped"),
     }
 
 

@@ -30,6 +30,14 @@ SCENES = {
     "rigid_body_tumble": ("rigid_body", None),
     "double_pendulum_chaos": ("double_pendulum", None),
     "heavy_top_steady": ("heavy_top", None),
+    "crank_slider_turn": ("crank_slider", "crank_slider_turn"),
+    "four_bar_lift": ("four_bar", "four_bar_lift"),
+    "five_bar_reach": ("five_bar", "five_bar_reach"),
+    "delta_pick": ("delta", "delta_pick"),
+    "planar_3rrr_circle": ("planar_3rrr", "planar_3rrr_circle"),
+    "quadruped_stand": ("quadruped", "quadruped_stand"),
+    "quadruped_crouch": ("quadruped", "quadruped_crouch"),
+    "quadruped_trot": ("quadruped", "quadruped_trot"),
 }
 KEYS = {
     "friction": {"viscous", "coulomb", "stribeck", "stribeck_velocity"},
@@ -42,8 +50,9 @@ KEYS = {
     "limit_spring": {"stiffness", "damping"},
     "initial": {"q", "qd"},
     "loop": {"name", "link", "point", "to", "to_point", "kind", "axis", "to_axis", "rpy", "directions"},
+    "contact": {"name", "link", "point", "polygon", "normal", "friction", "on"},
 }
-SINGLE = {"gravity", "base", "slip_speed", "joint_limits"}
+SINGLE = {"gravity", "base", "slip_speed", "joint_limits", "actuated"}
 
 
 def test_every_scene_is_listed():
@@ -59,10 +68,12 @@ def test_scene_names_joints_links_and_columns_that_exist(name):
     for part in ("friction", "rotor", "spring", "drive", "motor"):
         assert set(scene.get(part, {})) <= {joint.name for joint in description.joints if joint.type != "fixed"}
         assert all(set(entry) <= KEYS[part] for entry in scene.get(part, {}).values())
-    for part in ("payload", "wrench", "loop"):
+    for part in ("payload", "wrench", "loop", "contact"):
         for entry in scene.get(part, []):
             assert set(entry) <= KEYS[part]
             assert entry["link"] in {link.name for link in description.links}
+    assert set(scene.get("actuated", [])) <= {joint.name for joint in description.joints if joint.type != "fixed"}
+    assert {contact["on"] for contact in scene.get("contact", [])} <= {"always", *columns}
     for wrench in scene.get("wrench", []):
         named = [x for x in [*wrench.get("force", []), *wrench.get("moment", [])] if isinstance(x, str)]
         assert set(named) <= columns

@@ -17,8 +17,8 @@ from helpers.robot_files import read_csv
 COMMANDS = {
     path.stem: command for name in names() for path in belonging(name, ".toml") if (command := simulation_command(path))
 }
-STILL = {"meshed_arm", "gripper"}
-"""Robots of other chapters: meshes, and mimic joints."""
+STILL = {"meshed_arm", "gripper", "four_bar", "five_bar", "delta", "planar_3rrr", "quadruped"}
+"""Robots of other chapters: meshes, mimic joints, and motions that are given."""
 Document = Mapping[str, Any]
 
 

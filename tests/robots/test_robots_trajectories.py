@@ -5,20 +5,20 @@ from __future__ import annotations
 import make_robots
 import numpy as np
 import pytest
-from helpers.robot_files import FOLDER, FULL, model, read_csv, stacked, torques
+from helpers.robot_files import FOLDER, FULL, MOTORS_ONLY, model, read_csv, stacked, torques
 from helpers.sampled import sampled
 from helpers.scene_files import read_scene
 
 from robodyn.robot.urdf.description import load_description
 
-MOVED_BY_JOINTS = sorted(FULL)
+MOVED_BY_JOINTS = sorted({**FULL, **MOTORS_ONLY})
 PERIODIC = ["puma560_sweep", "puma_polish", "two_link_planar_swing"]
-POINT_TO_POINT = sorted(set(FULL) - set(PERIODIC))
+POINT_TO_POINT = sorted({*FULL, *MOTORS_ONLY} - {*PERIODIC, "delta_pick", "planar_3rrr_circle"})
 KNOTS = 9
 
 
 def _limits(name):
-    return {joint.name: joint for joint in load_description(FOLDER / f"{FULL[name]}.urdf").joints}
+    return {joint.name: joint for joint in load_description(FOLDER / f"{(FULL | MOTORS_ONLY)[name]}.urdf").joints}
 
 
 def _joints(table):
@@ -60,7 +60,7 @@ def test_within_position_and_velocity_limits_and_every_joint_moves(name):
             assert q.max() <= limits[joint].limit.upper
 
 
-@pytest.mark.parametrize("name", sorted(set(MOVED_BY_JOINTS) - {"satellite_slew", "gripper_pick"}))
+@pytest.mark.parametrize("name", sorted(set(FULL) - {"satellite_slew", "gripper_pick"}))
 def test_within_effort_limits(name):
     table, limits, robot = read_csv(name), _limits(name), model(FULL[name])
     names = list(robot.names)[1:]

@@ -1,0 +1,101 @@
+"""The quadruped's motions by Pinocchio: feet that stand do not move, and two feet can carry the trot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.peers import pin
+from helpers.quadruped_motion import LEGS, columns, trot
+from helpers.robot_files import model, read_csv, stacked
+
+MOTIONS = ("quadruped_stand", "quadruped_crouch", "quadruped_trot")
+EPS = np.finfo(float).eps
+WEIGHT = 10 * 9.81
+LARGEST = 50.0
+"""rad/s^2, as a scale of accelerations."""
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return model("quadruped", pin.JointModelFreeFlyer())
+
+
+def states(robot, table):
+    """Pinocchio's q, v and a: the velocity of the base in its own axes, whose rate is `R' a - w x R' v`."""
+    names = [name for name in robot.names if name not in ("universe", "root_joint")]
+    q, qd, qdd = (stacked(table, [f"{level}_{name}" for name in names]) for level in ("q", "qd", "qdd"))
+    place, w, wd, v, a = (
+        stacked(table, [f"base_{name}" for name in group.split()])
+        for group in ("x y z qx qy qz qw", "wx wy wz", "wdx wdy wdz", "vx vy vz", "ax ay az")
+    )
+    for k in range(len(q)):
+        R = pin.Quaternion(place[k, 3:]).toRotationMatrix()
+        speed = R.T @ v[k]
+        rate = R.T @ a[k] - np.cross(w[k], speed)
+        yield np.r_[place[k], q[k]], np.r_[speed, w[k], qd[k]], np.r_[rate, wd[k], qdd[k]]
+
+
+def standing(table):
+    return np.column_stack([table.get(f"on_{leg}", np.ones(len(table["time"]))) for leg in LEGS]).astype(bool)
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_feet_that_stand_stay_where_they_are(robot, name):
+    table, data = read_csv(name), robot.createData()
+    before = np.full((4, 3), np.nan)
+    for row, on in zip(states(robot, table), standing(table), strict=True):
+        pin.forwardKinematics(robot, data, *row)
+        pin.updateFramePlacements(robot, data)
+        for leg, stands in enumerate(on):
+            frame = robot.getFrameId(f"{[*LEGS][leg]}_foot")
+            place = data.oMf[frame].translation.copy()
+            if not stands:
+                assert place[2] >= -10 * EPS
+                before[leg] = np.nan
+                continue
+            speed = pin.getFrameVelocity(robot, data, frame, pin.LOCAL_WORLD_ALIGNED).linear
+            rate = pin.getFrameClassicalAcceleration(robot, data, frame, pin.LOCAL_WORLD_ALIGNED).linear
+            assert abs(place[2]) <= 10 * EPS
+            assert not np.abs(place - before[leg]).max() > 10 * EPS
+            assert np.abs(speed).max() <= 20 * EPS
+            assert np.abs(rate).max() <= 10 * EPS * LARGEST
+            before[leg] = place
+
+
+def base_wrenches(robot, table):
+    """Yield force and moment of the ground on the robot about the middle of its trunk, in the world's axes."""
+    data = robot.createData()
+    for q, v, a in states(robot, table):
+        wrench = pin.rnea(robot, data, q, v, a)[:6]
+        R = pin.Quaternion(q[3:7]).toRotationMatrix()
+        yield q[:3], R @ wrench[:3], R @ wrench[3:]
+
+
+def test_two_feet_carry_the_trot(robot):
+    """The resultant is a vertical force through the middle and a moment about it, which point feet can give."""
+    table = read_csv("quadruped_trot")
+    seen = set()
+    for on, (place, f, m) in zip(standing(table), base_wrenches(robot, table), strict=True):
+        seen.add(tuple(on))
+        assert np.abs(place[:2]).max() == 0.0
+        assert np.abs(f[:2]).max() <= 20 * EPS * WEIGHT
+        assert np.abs(m[:2]).max() <= 20 * EPS * WEIGHT
+        assert 0.3 * WEIGHT <= f[2] <= 2 * WEIGHT
+        assert np.abs(m[2]) <= 0.5 * 0.6 * f[2] * 0.21
+    assert seen == {(True,) * 4, (True, False, False, True), (False, True, True, False)}
+
+
+@pytest.mark.parametrize("name", ["quadruped_stand", "quadruped_crouch"])
+def test_the_centre_of_pressure_stays_between_the_feet(robot, name):
+    for place, f, m in base_wrenches(robot, read_csv(name)):
+        arm = np.cross([0, 0, 1], m + np.cross(place, f)) / f[2]
+        assert np.abs(arm[:2]).max() <= 0.08
+        assert f[2] >= 0.7 * WEIGHT
+
+
+def test_any_number_of_samples_is_the_same_motion():
+    table, same = read_csv("quadruped_trot"), columns(trot, 201, 1.0)
+    assert [*same] == [*table]
+    for name, expected in table.items():
+        bound = 200 * EPS * max(1.0, np.abs(expected).max())
+        np.testing.assert_allclose(same[name], expected, rtol=0, atol=bound, err_msg=name)
