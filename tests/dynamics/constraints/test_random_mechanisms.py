@@ -1,0 +1,184 @@
+"""Random closed chains: their dense equations against robodyn's tree, Pinocchio and MuJoCo; torques against these."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from helpers.mechanisms import kernel, least_torques
+from helpers.peers import mujoco, pin
+from helpers.random_mechanisms import COUNT, SHAPES, mechanism
+from scipy.spatial.transform import Rotation
+
+import robodyn
+from robodyn.dynamics.constraints.share import shares
+from robodyn.dynamics.constraints.structure import structure
+from robodyn.dynamics.loops.find import closed_chain
+from robodyn.dynamics.plan import plan
+from robodyn.scene.scene import GROUND, Scene
+
+QUICK = 40
+SEEDS = [pytest.param(seed, marks=pytest.mark.slow if seed >= QUICK else ()) for seed in range(COUNT)]
+POINTS_AND_WELDS = [seed for seed in range(COUNT) if {"point", "weld"} & set(SHAPES[seed % len(SHAPES)].split())]
+"""Those whose loops Pinocchio has too."""
+
+kept = cache(mechanism)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_dense_tree_is_robodyns(seed):
+    """Masses, payloads, friction, rotors, springs and wrenches by virtual power."""
+    one = kept(seed)
+    bare = replace(one.scene, loops=(), actuated=None, share="least", weights={})
+    q = np.tile(one.q, (len(one.qd), 1))
+    found = robodyn.inverse_dynamics(one.model, q, one.qd, one.qdd, scene=bare, executor="numpy")
+    expected = np.array([one.open_torques(*state) for state in zip(one.qd, one.qdd, strict=True)])
+    assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_shares_of_random_mechanisms(seed):
+    """With J and the open tree by dense equations: torques and multipliers, and nothing left over."""
+    one = kept(seed)
+    J = np.array([one.rows(qd)[0] for qd in one.qd])
+    tau = np.array([one.open_torques(*state) for state in zip(one.qd, one.qdd, strict=True)])
+    found = shares(structure(J, one.passive), J, tau, one.weights)
+    pairs = [least_torques(each, one.passive, row, one.weights) for each, row in zip(J, tau, strict=True)]
+    for got, expected in zip((found.torques, found.multipliers), map(np.array, zip(*pairs, strict=True)), strict=True):
+        assert np.abs(got - expected).max(initial=0.0) <= 1e-11 * max(
+            np.abs(expected).max(initial=0.0), np.abs(tau).max()
+        )
+    assert np.abs(found.unbalanced).max(initial=0.0) <= 1e-12 * np.abs(found.multipliers).max()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_closures_have_the_same_rows(seed):
+    """What robodyn's kept equations allow is what the dense ones do; theirs are implied or among them."""
+    one = kept(seed)
+    chain = closed_chain(plan(one.model, one.scene))
+    ours = chain.jacobian(chain.sample(one.q.tolist()))
+    J = one.rows(one.qd[0])[0]
+    both = [np.linalg.svd(rows, compute_uv=False) for rows in (ours, J, np.vstack((ours, J)))]
+    assert len({int((values > 1e-9 * values.max()).sum()) for values in both}) == 1
+    here = chain.equations(chain.sample(one.q.tolist(), one.qd[0].tolist()))
+    assert np.abs(here.error).max() <= 1e-14
+    assert np.abs(ours @ one.qdd[0] + np.array(here.bias, dtype=float)).max() <= 1e-12 * np.abs(one.qdd[0]).max()
+
+
+class Pinocchio:
+    """A mechanism, bare of all but masses, in Pinocchio."""
+
+    def __init__(self, one):
+        self.one, self.model = one, pin.buildModelFromXML(one.text.decode())
+        self.data = self.model.createData()
+        self.joints = [self.model.joints[self.model.getJointId(f"j{k}")] for k in range(one.n)]
+        self.columns = [joint.idx_v for joint in self.joints]
+        self.q = pin.neutral(self.model)
+        for joint, x in zip(self.joints, one.q, strict=True):
+            self.q[joint.idx_q : joint.idx_q + joint.nq] = x if joint.nq == 1 else (np.cos(x), np.sin(x))
+
+    def rates(self, values):
+        out = np.zeros(self.model.nv)
+        out[self.columns] = values
+        return out
+
+    def torques(self, qd, qdd):
+        return pin.rnea(self.model, self.data, self.q, self.rates(qd), self.rates(qdd))[self.columns]
+
+    def constraints(self):
+        return [self._constraint(loop) for loop in self.one.scene.loops]
+
+    def _constraint(self, loop):
+        """In the axes of the loop's other link, which therefore comes first."""
+        B = Rotation.from_euler("xyz", loop.rpy).as_matrix() if loop.kind == "weld" else np.eye(3)
+        ends = [0 if name == GROUND else self.model.getJointId(f"j{name[1:]}") for name in (loop.to, loop.link)]
+        places = pin.SE3(np.eye(3), np.array(loop.to_point)), pin.SE3(B.T, np.array(loop.point))
+        kind = pin.ContactType.CONTACT_6D if loop.kind == "weld" else pin.ContactType.CONTACT_3D
+        return pin.RigidConstraintModel(kind, self.model, ends[0], places[0], ends[1], places[1], pin.LOCAL)
+
+    def jacobian(self):
+        models = self.constraints()
+        pin.computeJointJacobians(self.model, self.data, self.q)
+        parts = []
+        for model in models:
+            data = model.createData()
+            model.calc(self.model, self.data, data)
+            parts.append(pin.getConstraintJacobian(self.model, self.data, model, data))
+        return -np.vstack(parts)[:, self.columns]
+
+
+@pytest.mark.parametrize("seed", [seed for seed in POINTS_AND_WELDS if seed < QUICK])
+def test_pinocchio(seed):
+    """Its tree (`rnea`) and Jacobians of constraints, of point loops and welds."""
+    one = kept(seed)
+    one = replace(one, scene=Scene(loops=one.scene.loops))
+    peer = Pinocchio(one)
+    J, _, _ = one.rows(one.qd[0])
+    found = peer.jacobian()
+    assert found.shape == J.shape
+    assert np.abs(found - J).max() <= 1e-13 * np.abs(J).max()
+    for state in zip(one.qd, one.qdd, strict=True):
+        expected = one.open_torques(*state)
+        assert np.abs(peer.torques(*state) - expected).max() <= 1e-13 * np.abs(expected).max()
+
+
+class Mujoco:
+    """A mechanism, bare of all but masses, in MuJoCo with stiff equality constraints; at rest."""
+
+    def __init__(self, one):
+        spec = mujoco.MjSpec.from_string(one.text.decode())
+        for each in spec.joints:
+            each.limited = 0
+        for loop in one.scene.loops:
+            weld = loop.kind == "weld"
+            tie = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD if weld else mujoco.mjtEq.mjEQ_CONNECT)
+            tie.objtype = mujoco.mjtObj.mjOBJ_BODY
+            tie.name1, tie.name2 = loop.link, "world" if loop.to == GROUND else loop.to
+            tie.solimp = [0.9999, 0.9999, 0.001, 0.5, 2.0]
+        self.one, self.model = one, spec.compile()
+        self.model.opt.tolerance, self.model.opt.iterations = 0.0, 200
+        for data, loop in zip(self.model.eq_data, one.scene.loops, strict=True):
+            ends = (loop.to_point, loop.point) if loop.kind == "weld" else (loop.point, loop.to_point)
+            data[:6] = [*ends[0], *ends[1]]
+            if loop.kind == "weld":
+                data[6:10] = Rotation.from_euler("xyz", loop.rpy).inv().as_quat(scalar_first=True)
+        self.data = mujoco.MjData(self.model)
+        joints = [self.model.joint(f"j{k}") for k in range(one.n)]
+        self.columns = [each.dofadr[0] for each in joints]
+        self.data.qpos[[each.qposadr[0] for each in joints]] = one.q
+
+    def driven(self, tau):
+        """J of the constraints, the accelerations that torques give, and the torques that `mj_inverse` finds then."""
+        self.data.qfrc_applied[self.columns] = tau
+        mujoco.mj_forward(self.model, self.data)
+        J = self.data.efc_J.reshape(self.data.nefc, self.model.nv).copy()
+        qdd = self.data.qacc[self.columns].copy()
+        mujoco.mj_inverse(self.model, self.data)
+        return J[:, self.columns], qdd, self.data.qfrc_inverse[self.columns].copy()
+
+
+@pytest.mark.parametrize("seed", [seed for seed in POINTS_AND_WELDS if seed < QUICK])
+def test_mujoco(seed):
+    """From rest its drives accelerate a mechanism; these accelerations take the same torques, or such as do as much.
+
+    Its constraints are a little soft, which the torques of given accelerations do not see.
+    """
+    one = kept(seed)
+    one = replace(one, scene=replace(Scene(loops=one.scene.loops), actuated=one.scene.actuated))
+    still, drive = np.zeros(one.n), np.random.default_rng(seed).normal(size=one.n) * ~one.passive
+    J = one.rows(still)[0]
+    theirs, qdd, back = Mujoco(one).driven(drive)
+    ranks = [np.linalg.matrix_rank(rows, tol=1e-9) for rows in (J, theirs, np.vstack((J, theirs)))]
+    assert len(set(ranks)) == 1
+    tau = one.open_torques(still, qdd)
+    scale = np.abs(tau).max()
+    assert np.abs(back - drive).max() <= 1e-9 * scale
+    decided = structure(J[None], one.passive)
+    found = shares(decided, J[None], tau[None], one.weights)
+    gap = found.torques[0] - drive[~one.passive]
+    assert np.abs(gap[decided.torque_determined]).max(initial=0.0) <= 1e-11 * scale
+    assert np.abs(kernel(J).T[:, ~one.passive] @ gap).max() <= 1e-11 * scale
+    assert np.abs(found.unbalanced).max(initial=0.0) <= 1e-11 * scale
+    assert (one.weights * found.torques[0] ** 2).sum() <= (one.weights * drive[~one.passive] ** 2).sum() * (1 + 1e-9)
