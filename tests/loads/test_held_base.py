@@ -31,8 +31,9 @@ HELD = (
     "alex_nub_hands alex_sake_hands allegro_left_hand allegro_right_hand TwoDofs baxter double_pendulum "
     "double_pendulum_continuous double_pendulum_simple finger_edu kinova panda panda_collision so100 so101 "
     "talos_left_arm ur10_joint_limited_robot ur10_robot ur3_gripper ur3_joint_limited_robot ur3_robot ur5_gripper "
-    "ur5_joint_limited_robot ur5_robot xarm7 z1 iCub-part crank_slider cylindrical four_bars gripper heavy_top "
-    "meshed_arm pendulum puma puma560 rigid_body satellite scara two_link_planar two_link_spatial"
+    "ur5_joint_limited_robot ur5_robot xarm7 z1 iCub-part crank_slider cylindrical delta five_bar four_bar four_bars "
+    "gripper heavy_top meshed_arm pendulum planar_3rrr puma puma560 rigid_body satellite scara two_link_planar "
+    "two_link_spatial"
 )
 """Arms, hands and mechanisms; rigid_body floats by its own description and satellite by its scene."""
 
