@@ -1,0 +1,67 @@
+"""Drive torques of closed chains by virtual work, in the few coordinates that describe them, with no loop forces.
+
+The kinetic energy is a sum of `c(u) |f'(u)|^2 / 2`, so that Lagrange's equation has no derivative of a velocity:
+    Q_j = sum (c' f' + c f'') . df/du_j - dc/du_j |f'|^2 / 2 + dV/du_j,
+and what motors at th(u) must give is `tau = (dth/du)^-T Q`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from helpers.jets import Jet, jet
+
+
+class Moving(NamedTuple):
+    """What has the kinetic energy `c |f'|^2 / 2`: a mass and its place, or a moment of inertia and its angle."""
+
+    c: Jet | float
+    f: tuple[Jet, ...]
+
+
+class Place(NamedTuple):
+    """A mechanism where its coordinates say.
+
+    Attributes:
+        joints: all coordinates of the tree, by joint.
+        motors: names of those that are driven, as many as there are coordinates.
+        moving: all that has kinetic energy.
+        potential: V [J].
+    """
+
+    joints: dict[str, Jet]
+    motors: tuple[str, ...]
+    moving: list[Moving]
+    potential: Jet
+
+
+Mechanism = Callable[[Sequence[Jet]], Place]
+
+
+def torques(mechanism: Mechanism, u: Sequence[Jet]) -> dict[str, np.ndarray]:
+    """Return (samples,) of each motor along a motion: jets of arrays."""
+    here = mechanism(u)
+    seeds = [mechanism([Jet(x.x, float(k == j), 0.0) for k, x in enumerate(u)]) for j in range(len(u))]
+    Q = np.array([_force(here, seed) for seed in seeds])
+    slope = np.array([[seed.joints[name].v + 0 * Q[0] for name in here.motors] for seed in seeds])
+    tau = np.linalg.solve(slope.transpose(2, 0, 1), Q.T[..., None])[..., 0]
+    return dict(zip(here.motors, tau.T, strict=True))
+
+
+def _force(here: Place, seed: Place) -> np.ndarray:
+    """Q_j; rates in `seed` are derivatives by u_j."""
+    total = seed.potential.v
+    for now, change in zip(here.moving, seed.moving, strict=True):
+        c, dc = jet(now.c), jet(change.c).v
+        for f, df in zip(now.f, change.f, strict=True):
+            total = total + (c.v * f.v + c.x * f.a) * df.v - 0.5 * dc * f.v * f.v
+    return np.asarray(total)
+
+
+def energy(place: Place) -> np.ndarray:
+    """Return T + V [J]."""
+    kinetic = sum(0.5 * jet(part.c).x * f.v * f.v for part in place.moving for f in part.f)
+    return np.asarray(kinetic + place.potential.x)
