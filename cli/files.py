@@ -34,11 +34,14 @@ def robot_in_scene(
 ) -> tuple[Model, Scene]:
     """Return the robot of a URDF or xacro file, and the scene that the options of `SCENE` and `BASE_HELD` make.
 
+    The loops that the description closes are among those of the scene.
+
     Args:
         scene_file: in place of --scene.
         loops, contacts: whether the scene may have some.
     """
     from robodyn.robot.assemble import load
+    from robodyn.scene.described_loops import scene_of
     from robodyn.scene.fit import check_scene, known, refuse_constraints
     from robodyn.scene.scene import DEFAULT
 
@@ -46,6 +49,7 @@ def robot_in_scene(
     scene = _scene(scene_file) if scene_file is not None else DEFAULT
     scene = scene.changed(gravity(), held=kept_value("base_held", False))
     model = load(robot_source(urdf), moving_base=scene.moving_base, **lookup())
+    scene = scene_of(model, scene)
     check_scene(scene, model, scene_file)
     for payload in payloads():
         known("--payload", "link", payload.link, model.links)

@@ -16,7 +16,7 @@ from markdown_text import escaped
 import robodyn
 
 TOPICS = {
-    "Read a robot and its surroundings": ("load", "Model", "load_scene", "read_motion", "motion"),
+    "Read a robot and its surroundings": ("load", "Model", "load_scene", "scene_of", "read_motion", "motion"),
     "Compute": ("inverse_dynamics", "forward_dynamics", "mass_matrix", "bias_forces", "momenta", "free_bodies", "dae"),
     "Differentiate": (
         "inverse_dynamics_derivatives",

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.assemble import load as load
     from robodyn.robot.model import Model as Model
+    from robodyn.scene.described_loops import scene_of as scene_of
     from robodyn.scene.motor import Motor as Motor
     from robodyn.scene.read import load_scene as load_scene
     from robodyn.scene.scene import Drive as Drive
@@ -73,6 +74,7 @@ _HOMES = {
     "loads.torques": ("torques",),
     "robot.assemble": ("load",),
     "robot.model": ("Model",),
+    "scene.described_loops": ("scene_of",),
     "scene.motor": ("Motor",),
     "scene.read": ("load_scene",),
     "scene.scene": ("Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor", "Scene", "Spring"),

@@ -19,6 +19,7 @@ from robodyn.robot.assemble import assemble
 from robodyn.robot.configuration import beyond_limits, body_poses, configuration
 from robodyn.robot.model import Joint as ModelJoint
 from robodyn.robot.model import Model
+from robodyn.robot.urdf.constraints import constraint_count
 from robodyn.robot.urdf.description import load_description
 from robodyn.robot.urdf.parts import Description, Geometry, Joint
 
@@ -58,6 +59,7 @@ class Overview:
         base: the link in whose frame the centre of mass is.
         branches: the links, depth first and in the order of the file; massive: how many of them have mass.
         types: how many joints there are of each type, the most frequent first.
+        loops: how many <constraint> elements close it.
         freedoms: degrees of freedom; `base_freedoms` of them are those of a base that floats.
         mass: of all links [kg]; inf beyond the range of numbers.
         com: [m], or None without mass.
@@ -72,6 +74,7 @@ class Overview:
     massive: int
     types: Mapping[str, int]
     mimics: int
+    loops: int
     freedoms: int
     base_freedoms: int
     mass: float
@@ -126,6 +129,7 @@ def overview(
         massive=len(description.massive),
         types=dict(Counter(joint.type for joint in description.joints).most_common()),
         mimics=sum(joint.mimic is not None for joint in description.joints),
+        loops=constraint_count(description),
         freedoms=model.n,
         base_freedoms=6 if model.floating else 0,
         mass=mass,

@@ -40,6 +40,8 @@ def _head(found: Overview) -> list[str]:
         freedoms += f"; {count(merged, 'fixed joint is', 'fixed joints are')} merged"
     if found.mimics:
         freedoms += f"; {count(found.mimics, 'joint mimics another', 'joints mimic others')}"
+    if found.loops:
+        freedoms += f"; of the open tree, which {count(found.loops, '<constraint> closes', '<constraint>s close')}"
     return [
         f"{found.file}: robot {shown(found.name)}",
         f"links: {len(found.branches)}, {found.massive} with mass",

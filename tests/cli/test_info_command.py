@@ -107,6 +107,7 @@ def test_types_axes_mimics_and_the_order_of_the_tree() -> None:
         "joints": 3,
         "joints_by_type": {"revolute": 1, "prismatic": 1, "fixed": 1},
         "mimic_joints": 1,
+        "loops": 0,
         "merged_fixed_joints": 1,
         "degrees_of_freedom": 1,
         "base_degrees_of_freedom": 0,

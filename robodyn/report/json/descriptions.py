@@ -19,7 +19,7 @@ def overview_json(found: Overview) -> str:
     """Return a description at a glance; links and joints stand depth first."""
     counts = select(
         found,
-        "links links_with_mass:massive joints joints_by_type:types mimic_joints:mimics merged_fixed_joints "
+        "links links_with_mass:massive joints joints_by_type:types mimic_joints:mimics loops merged_fixed_joints "
         "degrees_of_freedom:freedoms base_degrees_of_freedom:base_freedoms",
         links=len(found.branches),
         joints=sum(found.types.values()),
