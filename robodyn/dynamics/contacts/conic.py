@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from robodyn.dynamics.contacts.dual import SOFTNESS
 from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
+from robodyn.errors import InputError
 from robodyn.programs.linear import shortest
 from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
-from robodyn.support.floats import Floats
+from robodyn.support.floats import BEYOND, Floats
 
 TOLERANCE = 1e-12
-MISSING = 1e7
+SCALES = "look for masses, inertias or efforts of unlikely sizes"
+MISSING = 1.0 / SOFTNESS[-1]
 """Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
 
 
@@ -39,7 +42,7 @@ def conic_forces(problem: Problem) -> Forces:
     """Return what `contact_forces` returns, of any problem.
 
     Limits of torques give way before the equations do; where these have no solution in the cones, the squares of what
-    is missing weigh 1e7 times as much as forces.
+    is missing weigh 1e6 times as much as forces.
     """
     need("contact forces that cost torques or are bounded by them", "clarabel")
     N, R, K = problem.shape
@@ -91,28 +94,34 @@ def _solved(sample: _Sample) -> tuple[Floats, bool]:
     """Return x, and whether the torques stay within their limits."""
     bounded = bool(np.isfinite(sample.limits).any())
     for limited in (True, False) if bounded else (False,):
-        x = _by_clarabel(sample, limited, soft=False)
+        x = _by_clarabel(sample, limited)
         if x is not None:
             return x + shortest(sample.A, sample.b - product(sample.A, x), 1e-10), limited or not bounded
-    x = _by_clarabel(sample, limited=False, soft=True)
+    n = len(sample.q)
+    x = _by_clarabel(_softened(sample), limited=False)
     if x is None:
-        raise ArithmeticError("Clarabel finds no least residual")
-    excess = np.abs(sample.tau0 - product(sample.M, x)) <= sample.limits * (1.0 + 1e-9)
-    return x, bool(excess.all())
+        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
+    within = np.abs(sample.tau0 - product(sample.M, x[:n])) <= sample.limits * BEYOND
+    return x[:n], bool(within.all())
 
 
-def _by_clarabel(sample: _Sample, limited: bool, soft: bool) -> Floats | None:
-    """Return x; None where there is none. Soft equations are a part of the cost."""
+def _softened(sample: _Sample) -> _Sample:
+    """Return the sample with r added to its equations, A x + r = b, whose square is a part of the cost."""
+    R = len(sample.b)
+    weight = np.full(R, MISSING * float(np.abs(sample.P).max(initial=0.0)) or 1.0)
+    n = len(sample.q)
+    P = np.zeros((n + R, n + R))
+    P[:n, :n], P[n:, n:] = sample.P, np.diag(weight)
+    A, M = np.hstack((sample.A, np.eye(R))), np.hstack((sample.M, np.zeros((len(sample.M), R))))
+    return replace(sample, P=P, q=np.append(sample.q, np.zeros(R)), A=A, M=M)
+
+
+def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
+    """Return x; None where there is none."""
     import clarabel
     from scipy import sparse
 
-    P, q, rows, bounds, cones = sample.P, sample.q, [], [], []
-    if soft:
-        weight = MISSING * float(np.abs(P).max(initial=1e-300))
-        P = P + weight * product(sample.A.T, sample.A)
-        q = q - weight * product(sample.A.T, sample.b)
-    else:
-        rows, bounds, cones = [sample.A], [sample.b], [clarabel.ZeroConeT(len(sample.b))]
+    rows, bounds, cones = [sample.A], [sample.b], [clarabel.ZeroConeT(len(sample.b))]
     if limited:
         finite = np.isfinite(sample.limits)
         M, tau0, limits = sample.M[finite], sample.tau0[finite], sample.limits[finite]
@@ -120,32 +129,21 @@ def _by_clarabel(sample: _Sample, limited: bool, soft: bool) -> Floats | None:
         bounds += [limits - tau0, limits + tau0]
         cones += [clarabel.NonnegativeConeT(2 * len(limits))]
     for k, mu in enumerate(sample.friction.tolist()):
-        block = np.zeros((3, len(q)))
-        block[[1, 2, 0], range(3 * k, 3 * k + 3)] = -1.0, -1.0, -mu
-        if np.isinf(mu):
-            block = block[:1]
-            block[0, 3 * k + 2] = -1.0
-        rows.append(block)
-        bounds.append(np.zeros(len(block)))
-        cones.append(clarabel.NonnegativeConeT(1) if np.isinf(mu) else clarabel.SecondOrderConeT(3))
-        if mu == 0.0:
-            normal = np.zeros((1, len(q)))
-            normal[0, 3 * k + 2] = -1.0
-            rows.append(normal)
-            bounds.append(np.zeros(1))
-            cones.append(clarabel.NonnegativeConeT(1))
+        block = np.zeros((4, len(sample.q)))
+        block[0, 3 * k + 2] = -1.0
+        block[1:, 3 * k : 3 * k + 3] = -np.array(
+            ((0.0, 0.0, mu if np.isfinite(mu) else 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+        )
+        unlimited = np.isinf(mu)
+        rows.append(block[:1] if unlimited else block)
+        bounds.append(np.zeros(len(rows[-1])))
+        cones += [clarabel.NonnegativeConeT(1)] + ([] if unlimited else [clarabel.SecondOrderConeT(3)])
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    solver = clarabel.DefaultSolver(
-        sparse.csc_matrix(np.triu(P)),
-        q,
-        sparse.csc_matrix(np.vstack(rows)),
-        np.concatenate(bounds),
-        cones,
-        settings,
-    )
-    solution = solver.solve()
+    scale = float(np.abs(sample.P).max(initial=0.0)) or 1.0
+    P, A = sparse.csc_matrix(np.triu(sample.P) / scale), sparse.csc_matrix(np.vstack(rows))
+    solution = clarabel.DefaultSolver(P, sample.q / scale, A, np.concatenate(bounds), cones, settings).solve()
     if solution.status in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
         return np.array(solution.x)
     return None

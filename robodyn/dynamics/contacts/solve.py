@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.dynamics.contacts.dual import Cones, columns, least_forces
+from robodyn.dynamics.contacts.dual import Cones, least_forces
 from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
 from robodyn.support.floats import Floats
 
@@ -32,34 +32,32 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
 
         return conic_forces(problem)
     cones, axes, sizes = local(problem)
-    f = least_forces(cones, executor=executor, expected=expected)
-    return in_given_axes(problem, f, axes, sizes)
+    N, _, K = problem.shape
+    f, _ = least_forces(cones, executor, expected)
+    return in_given_axes(problem, f.T.reshape(N, K, 3), axes, sizes)
 
 
 def local(problem: Problem) -> tuple[Cones, Floats, Floats]:
-    """Return the problem in axes of the contacts with |b| = 1 and all weights 1; those axes, and what b was."""
+    """Return the problem in axes of the contacts with |b| = 1 and weights 1; those axes, and the lengths of f = 1."""
     N, R, K = problem.shape
-    axes = np.broadcast_to(axes_of(np.asarray(problem.normals, dtype=float)), (N, K, 3, 3))
+    axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
     sizes = np.sqrt(np.einsum("ni,ni->n", problem.b, problem.b))
     scale = np.ones((N, K)) if problem.active is None else problem.active.astype(float)
     if problem.weights is not None:
-        scale = scale / np.sqrt(problem.weights)
-    G = np.einsum("nikj,nkjl,nk->nikl", problem.G.reshape(N, R, K, 3), axes, scale).reshape(N, R, 3 * K)
-    angle = np.broadcast_to(np.arctan(problem.friction), (N, K))
+        scale = scale * np.sqrt(problem.weights.max() / problem.weights)
+    G = np.einsum("nikj,nkjl,nk->nikl", problem.G.reshape(N, R, K, 3), axes, scale)
+    friction = np.broadcast_to(problem.friction, (N, K))
+    cosine = np.where(np.isinf(friction), 0.0, np.cos(np.arctan(friction)))
+    sine = np.sin(np.arctan(friction))
     b = problem.b / np.where(sizes > 0.0, sizes, 1.0)[:, None]
-    cosine = np.where(np.isinf(problem.friction), 0.0, np.cos(angle))
-    return Cones(columns(G), columns(b), columns(cosine), columns(np.sin(angle))), axes, sizes
+    parts = (np.ascontiguousarray(part.reshape(N, -1).T) for part in (G, b, cosine, sine))
+    return Cones(*parts), axes, sizes[:, None] * scale
 
 
-def in_given_axes(problem: Problem, f: Floats, axes: Floats, sizes: Floats) -> Forces:
+def in_given_axes(problem: Problem, f: Floats, axes: Floats, scale: Floats) -> Forces:
     """Return forces of the problem of `local` as those of the given one."""
     N, _, K = problem.shape
-    scale = np.broadcast_to(sizes[:, None], (N, K))
-    if problem.weights is not None:
-        scale = scale / np.sqrt(problem.weights)
-    if problem.active is not None:
-        scale = scale * problem.active
     found = np.einsum("nkij,nkj,nk->nki", axes, f, scale)
     residual = problem.b - np.einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
-    feasible = np.sqrt(np.einsum("ni,ni->n", residual, residual)) <= FEASIBLE * sizes
-    return Forces(found, np.zeros((N, 0)), residual, feasible, np.ones(N, dtype=bool))
+    missing, sizes = (np.sqrt(np.einsum("ni,ni->n", x, x)) for x in (residual, problem.b))
+    return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
