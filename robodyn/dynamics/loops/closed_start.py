@@ -42,10 +42,10 @@ def closed_start(plan: Plan, state: Floats) -> Floats:
     chain = closed_chain(plan)
     model, scene = plan.model, plan.scene
     q, qd = state[: model.nq], state[model.nq : model.nq + model.n]
-    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: _closed(chain, q, _others(model.n, kept)))
+    closed = _keeping(_rates_of(model, scene.initial_q), lambda kept: closed_by(chain, q, _others(model.n, kept)))
     if closed is None:
         raise _open(chain, q)
-    _check_dropped(chain, closed)
+    check_dropped(chain, closed)
     given = [model.rates.index(name) for name in scene.initial_qd]
     rolling = _keeping(given, lambda kept: _rolling(chain, closed, qd, _others(model.n, kept)))
     if rolling is None:
@@ -89,7 +89,7 @@ def _others(n: int, given: Sequence[int]) -> list[int]:
     return [rate for rate in range(n) if rate not in given]
 
 
-def _closed(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
+def closed_by(chain: ClosedChain, q: Floats, free: Sequence[int]) -> Floats | None:
     """q with the loops closed by moving the free coordinates alone; None if that fails."""
     model = chain.model
     reach = _reach(chain)
@@ -111,7 +111,7 @@ def closed_near(chain: ClosedChain, q: Floats, moves: Floats) -> Floats | None:
     """Return the closed place nearest to q after some moves; None if there is none."""
     sample = chain.sample(q.tolist())
     there = unit(chain.model, moved(chain.model, q.tolist(), chain.along_parents(sample, moves.tolist())))
-    return _closed(chain, np.array(there, dtype=float), range(chain.model.n))
+    return closed_by(chain, np.array(there, dtype=float), range(chain.model.n))
 
 
 def _left(chain: ClosedChain, sample: Sample) -> tuple[Floats, Floats]:
@@ -188,7 +188,7 @@ def _open(chain: ClosedChain, q: Floats) -> InputError:
     )
 
 
-def _check_dropped(chain: ClosedChain, q: Floats) -> None:
+def check_dropped(chain: ClosedChain, q: Floats) -> None:
     """Raise if an equation that was dropped does not hold."""
     motions = chain.sample(q.tolist()).motions()
     for closure, equation in chain.dropped:

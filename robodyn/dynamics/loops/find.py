@@ -31,6 +31,18 @@ NOTHING = 1e-8
 def closed_chain(plan: Plan) -> ClosedChain:
     """Return the closed chain of a model in a scene.
 
+    Raises:
+        InputError: nothing resists a joint.
+    """
+    chain = tied_chain(plan)
+    largest = np.max([_sizes(chain, chain.sample(q)) for q in _trials(chain.model)], axis=0)
+    return replace(chain, sizes=tuple(largest.tolist()))
+
+
+@lru_cache(maxsize=16)
+def tied_chain(plan: Plan) -> ClosedChain:
+    """Return the closed chain of a model in a scene as it moves, whatever its masses; its `sizes` tell nothing.
+
     Equations that never change on their own, such as the one across the plane of a planar linkage, are found at
     configurations drawn at random: of the rows of J, side by side for all of them, the largest are kept one after
     another, each without what it has in common with those before it, until nothing is left.
@@ -39,15 +51,12 @@ def closed_chain(plan: Plan) -> ClosedChain:
     every = [closure_of(model, loop) for loop in scene.loops]
     sizes = [len(closure.equations) for closure in every]
     whole = ClosedChain(model, scene, tuple(every), (1.0,) * sum(sizes))
-    samples = [whole.sample(q) for q in _trials(model)]
-    rows = np.array([whole.jacobian(sample) for sample in samples])
+    rows = np.array([whole.jacobian(whole.sample(q)) for q in _trials(model)])
     kept: set[int] = set()
     for at, size in zip(np.cumsum([0, *sizes]).tolist(), sizes, strict=False):
         own = rows[:, at : at + size].transpose(1, 0, 2).reshape(size, -1)
         kept |= {at + k for k in independent(own)}
-    chain = whole.keeping(kept)
-    largest = np.max([_sizes(chain, sample) for sample in samples], axis=0)
-    return replace(chain, sizes=tuple(largest.tolist()))
+    return whole.keeping(kept)
 
 
 def closure_of(model: Model, loop: Loop) -> Closure:

@@ -36,8 +36,8 @@ def necessary(plan: Plan) -> ClosedChain:
         return chain
     J = chain.jacobian(chain.sample(begun.tolist()))
     rank = _rank(J)
-    nearby = (chain.jacobian(chain.sample(q.tolist())) for q in _nearby(chain, begun, J))
-    if rank == chain.count or any(_rank(near) > rank for near in nearby):
+    others = (chain.jacobian(chain.sample(q.tolist())) for q in nearby(chain, begun))
+    if rank == chain.count or any(_rank(other) > rank for other in others):
         return chain
     return chain.keeping(independent(J, FEW))
 
@@ -50,9 +50,9 @@ def _begun(plan: Plan) -> Floats | None:
         return None
 
 
-def _nearby(chain: ClosedChain, q: Floats, J: Floats) -> list[Floats]:
-    """Closed places that motions which the loops allow lead to."""
-    free = across(J, FEW)
+def nearby(chain: ClosedChain, q: Floats) -> list[Floats]:
+    """Return closed places that motions which the loops allow lead to from the closed place q (nq,)."""
+    free = across(chain.jacobian(chain.sample(q.tolist())), FEW)
     drawn = product(np.random.default_rng(0).normal(size=(LOOKS, len(free))), free)
     places = [closed_near(chain, q, AWAY * u / max(float(np.abs(u).max(initial=0.0)), 1e-300)) for u in drawn]
     return [place for place in places if place is not None]

@@ -1,0 +1,190 @@
+"""Motions of closed chains of which not all coordinates are given: the others follow, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.loops.block_equations import block_equations
+from robodyn.dynamics.loops.branch import FEW, Branch, Lost
+from robodyn.dynamics.loops.branch_search import search
+from robodyn.dynamics.loops.branch_start import OFF, UNREACHED, begin, given, singular
+from robodyn.dynamics.loops.closed_start import check_dropped
+from robodyn.dynamics.loops.misfit import Misfit, Misfits
+from robodyn.dynamics.loops.necessary import nearby
+from robodyn.dynamics.plan import Plan
+from robodyn.errors import TrajectoryError
+from robodyn.programs.stacked import least_squares
+from robodyn.support.doubts import Doubt
+from robodyn.support.floats import Floats
+
+ENTRIES = 2_000_000
+"""Of J in one piece of a block: some 50 MB of work."""
+
+BACK = 1e-4
+"""Ratio of `LeastSquares` where a row that is not reached is one at which what follows turns back."""
+
+
+class Whole(NamedTuple):
+    """Samples with all coordinates.
+
+    Attributes:
+        q: (N, nq). qd, qdd: (N, n).
+        bars: for each that was given, (N, n) of all coordinates.
+    """
+
+    q: Floats
+    qd: Floats
+    qdd: Floats
+    bars: tuple[Floats, ...]
+
+
+class Follow:
+    """Completes a motion, block after block: what is not given follows from the loops.
+
+    Attributes:
+        notes: what was chosen. mismatch: what the loops miss by, see `Misfits`.
+    """
+
+    def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
+        """
+        Args:
+            plan: with loops. followed: joints that follow; the others are given, all of them where none follows.
+            file: as messages name it.
+
+        Raises:
+            TrajectoryError: a joint is in no loop.
+        """
+        self.plan, self.file = plan, file
+        self.equations = block_equations(plan)
+        joints = [joint for joint in plan.model.independent if joint.name in followed]
+        rates = [joint.rate + k for joint in joints for k in range(6 if joint.kind == "floating" else 1)]
+        strange = [plan.model.rates[rate] for rate in rates if rate not in self.equations.rates]
+        if strange:
+            what = f"no column says where {strange[0]!r} is, and it is in no loop that could tell"
+            raise TrajectoryError(what, remedy=f"give q_{strange[0]}, or --hold {strange[0]}=rest", file=file)
+        self.branch = Branch(self.equations, rates)
+        self.notes: tuple[str, ...] = ()
+        self._misfits = Misfits(self.equations)
+        self._place: Floats | None = None
+        self._sign, self._time = 0.0, 0.0
+        self._crossed: list[float] = []
+
+    @property
+    def mismatch(self) -> tuple[Misfit, ...]:
+        """The largest |phi|, |phi'| and |phi''| so far, in this order."""
+        return self._misfits.largest
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What makes the motion so far doubtful: ways that part, rates that do not go with the loops."""
+        found = [*self._misfits.doubts()]
+        if self._crossed:
+            times = ", ".join(f"{time:.4g}" for time in self._crossed[:4]) + (", ..." if self._crossed[4:] else "")
+            said = (
+                f"the loops are singular where the motion passes at {times} s ({len(self._crossed)} in all): ways "
+                "part there, and it is assumed to go straight on; columns of more joints would tell"
+            )
+            found.append(Doubt("by one of several motions that are possible (assumed)", said))
+        return tuple(found)
+
+    @np.errstate(all="ignore")
+    def take(
+        self, time: Floats, q: Floats, qd: Floats, qdd: Floats, bars: Sequence[Floats] = (), first_row: int = 1
+    ) -> Whole:
+        """Return the samples with what follows: positions along one branch from the block before, rates by
+
+            J_d qd_d = -J_g qd_g,   J_d qdd_d = -J_g qdd_g - J' qd.
+
+        Args:
+            time: (N,) s. q: (N, nq). qd, qdd: (N, n); entries of what follows do not count.
+            bars: (N, n) standard deviations of the given accelerations, each apart from the others; those of what
+                follows are sqrt(sum (D_dg bar_g)^2) with D = -J_d^+ J_g.
+            first_row: as messages count.
+
+        Raises:
+            TrajectoryError: too little is given, the loops do not close or are singular in a row, or what is given
+                misses them by more than OFF.
+
+        Accuracy: |phi| <= 1e-13 of the loops' size; rates 1e-12 of the largest where the loops are well conditioned.
+        """
+        q, qd, qdd = (np.array(each, dtype=float, order="F") for each in (q, qd, qdd))
+        whole = Whole(q, qd, qdd, tuple(bar.copy() for bar in bars))
+        try:
+            self._close(time, q, first_row)
+            pieces = max(ENTRIES // max(self.equations.count * len(self.equations.rates), 1), 1)
+            for k in range(0, len(time), pieces):
+                rows = slice(k, k + pieces)
+                part = Whole(q[rows], qd[rows], qdd[rows], tuple(bar[rows] for bar in whole.bars))
+                self._rates(time[rows], part, first_row + k)
+        except TrajectoryError as error:
+            raise TrajectoryError(error.what, remedy=error.remedy, file=self.file) from None
+        return whole
+
+    def _close(self, time: Floats, q: Floats, first_row: int) -> None:
+        """Fill in positions."""
+        if self._place is None:
+            self._place = q[0].copy()
+            if len(self.branch.followed):
+                self._place, notes = begin(self.branch, q[0], _where(first_row, time[0]))
+                self.notes = tuple(notes)
+            chain = self.equations.chain
+            for place in nearby(chain, self._place)[:1] if chain.dropped else []:
+                check_dropped(chain, place)
+        if len(self.branch.followed):
+            lost = self.branch.along(self._place, q)
+            if lost is not None:
+                raise self._lost(lost, q, _where(first_row + lost.row, time[lost.row]))
+        self._place = q[-1].copy()
+
+    def _lost(self, lost: Lost, q: Floats, where: str) -> TrajectoryError:
+        """Return the error about a row that the branch does not reach."""
+        if lost.singular:
+            return singular(self.branch, where)
+        found = search(self.branch, q[lost.row], lost.place, OFF)
+        values = given(self.branch, q[lost.row])
+        if any(self._turns(place) for place in found.places[:1]):
+            return singular(self.branch, where)
+        if len(found.places):
+            what = f"{where}: the loops close with {values}, but no way leads there from the row before"
+            return TrajectoryError(what, remedy="give more rows, or columns of more joints")
+        return TrajectoryError(f"{where}: {found.missed} at least with {values}, out of reach", remedy=UNREACHED)
+
+    def _turns(self, place: Floats) -> bool:
+        """Return whether what follows turns back at a closed place (nq,), or nearly so."""
+        J = self.equations.places(place[None])[1][:, :, self.branch.own]
+        return bool(least_squares(J, J[:, :, :0]).ratio[0] <= BACK)
+
+    def _rates(self, time: Floats, part: Whole, first_row: int) -> None:
+        """Fill in velocities, accelerations and bars, and look at what is left."""
+        branch, equations = self.branch, self.equations
+        phi, J = equations.places(part.q)
+        self._misfits.refuse(phi, time, first_row, bool(len(branch.followed)))
+        if len(branch.followed):
+            own, others = J[:, :, branch.own], J[:, :, branch.others]
+            found = least_squares(own, -others)
+            self._watch(time, found.ratio, found.sign, first_row)
+            part.qd[:, branch.followed] = np.einsum("ndg,ng->nd", found.x, part.qd[:, branch.given])
+            right = equations.bias(part.q, part.qd) + np.einsum("nmg,ng->nm", others, part.qdd[:, branch.given])
+            part.qdd[:, branch.followed] = least_squares(own, -right[:, :, None]).x[:, :, 0]
+            for bar in part.bars:
+                squares = np.einsum("ndg,ng->nd", found.x**2, bar[:, branch.given] ** 2)
+                bar[:, branch.followed] = np.sqrt(squares)
+        self._misfits.update(time, phi, J, part.qd, part.qdd, equations.bias(part.q, part.qd))
+
+    def _watch(self, time: Floats, ratio: Floats, sign: Floats, first_row: int) -> None:
+        """Raise where the loops are singular; remember where they have been between rows."""
+        if (ratio <= FEW).any():
+            k = int(np.argmax(ratio <= FEW))
+            raise singular(self.branch, _where(first_row + k, time[k]))
+        if len(self.branch.followed) == self.equations.count:
+            signs = np.append(self._sign or sign[0], sign)
+            times = np.append(self._time, time)
+            self._crossed += [float(0.5 * (times[k] + times[k + 1])) for k in np.flatnonzero(signs[1:] != signs[:-1])]
+            self._sign, self._time = float(sign[-1]), float(time[-1])
+
+
+def _where(row: int, time: float) -> str:
+    return f"row {row}, {time:.6g} s"

@@ -1,0 +1,203 @@
+"""What loops imply of coordinates that are not given: closed forms, simulated motions, blocks, branches."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.closed_chains import bennett, crank_slider, four_bars, parallelogram, spatial_loop
+from helpers.followed import follow, named
+from helpers.small_robots import built, joint, link
+
+import robodyn
+from robodyn.dynamics.loops.follow import Follow
+from robodyn.dynamics.plan import plan
+from robodyn.scene.scene import Loop, Scene
+
+CRANK, ROD = 0.3, 0.8
+
+
+def slider(th, w, a):
+    """q, qd and qdd of the slider-crank by angle, speed and acceleration of its crank."""
+    sine = CRANK * np.sin(th) / ROD
+    tilt = np.arcsin(sine)
+    first = CRANK * np.cos(th) * w / (ROD * np.cos(tilt))
+    second = (CRANK * (np.cos(th) * a - np.sin(th) * w**2) / ROD + sine * first**2) / np.cos(tilt)
+    return (
+        {"main": th, "rail": CRANK * np.cos(th) + ROD * np.cos(tilt), "big_end": -tilt - th},
+        {"main": w, "rail": -CRANK * np.sin(th) * w - ROD * sine * first, "big_end": -first - w},
+        {
+            "main": a,
+            "rail": -CRANK * (np.cos(th) * w**2 + np.sin(th) * a) - ROD * (np.cos(tilt) * first**2 + sine * second),
+            "big_end": -second - a,
+        },
+    )
+
+
+def crank_motion(rows, turns=3.0):
+    """Time, and what a crank does that speeds up; the other joints by closed form."""
+    t = np.linspace(0.0, 1.0, rows)
+    th = 0.7 + 2 * np.pi * turns * (0.3 * t + 0.7 * t**2)
+    return t, slider(th, 2 * np.pi * turns * (0.3 + 1.4 * t), np.full(rows, 2 * np.pi * turns * 1.4))
+
+
+@pytest.mark.parametrize("given", [{}, None], ids=["nothing begun with", "begun with"])
+def test_slider_crank_is_that_of_the_closed_form(given):
+    model, scene = crank_slider()
+    scene = scene if given is None else replace(scene, initial_q=given)
+    t, exact = crank_motion(500)
+    follower, *found = follow(model, scene, ("rail", "big_end"), *exact, time=t)
+    for values, names, expected in zip(found, (model.coordinates, model.rates, model.rates), exact, strict=True):
+        for k, name in enumerate(names):
+            assert np.abs(values[:, k] - expected[name]).max() <= 1e-13 * np.abs(expected[name]).max(), name
+    assert max(each.size for each in follower.mismatch[:1]) <= 1e-13 * ROD
+    assert follower.doubts == ()
+
+
+@pytest.mark.parametrize("rows", [4, 7, 20])
+def test_few_rows_of_a_full_turn(rows):
+    model, scene = crank_slider()
+    th = 0.7 + np.linspace(0.0, 2.0 * np.pi, rows)
+    q, _, _ = slider(th, 0.0 * th, 0.0 * th)
+    _, found, _, _ = follow(model, scene, ("rail", "big_end"), {"main": th})
+    assert np.abs(found[:, model.coordinates.index("rail")] - q["rail"]).max() <= 1e-13
+    assert np.abs(found[:, model.coordinates.index("big_end")] - q["big_end"]).max() <= 1e-12
+
+
+def test_stamps_of_a_continuous_joint_may_jump_by_a_turn():
+    model, scene = crank_slider()
+    th = 0.7 + np.linspace(0.0, 20.0, 300)
+    q, _, _ = slider(th, 0.0 * th, 0.0 * th)
+    _, found, _, _ = follow(model, scene, ("rail", "big_end"), {"main": (th + np.pi) % (2 * np.pi) - np.pi})
+    assert np.abs(found[:, model.coordinates.index("big_end")] - q["big_end"]).max() <= 1e-12
+
+
+def test_both_branches_of_a_slider_are_kept():
+    """Given the slider, the crank may stand on either side; the scene says on which."""
+    model, scene = crank_slider()
+    x = 0.9 + 0.15 * np.sin(np.linspace(0.0, 6.0, 60))
+    for side in (1.0, -1.0):
+        begun = replace(scene, initial_q={"rail": 0.9, "main": 1.0 * side, "big_end": -1.4 * side})
+        _, q, _, _ = follow(model, begun, ("main", "big_end"), {"rail": x})
+        exact = np.arccos((x**2 + CRANK**2 - ROD**2) / (2 * CRANK * x))
+        assert np.abs(q[:, model.coordinates.index("main")] - side * exact).max() <= 1e-12
+
+
+def simulated(model, scene, duration=0.3):
+    run = robodyn.simulate(model, scene, duration)
+    return run.time, (run.q, run.qd, run.qdd)
+
+
+SIMULATED = [
+    pytest.param(four_bars(2), ("c0", "k1", "c1", "k2"), id="four-bars"),
+    pytest.param(bennett(), ("j2", "j3"), id="Bennett"),
+    *(
+        pytest.param(*each, id=name, marks=pytest.mark.slow)
+        for name, each in {
+            "free base": (spatial_loop(1, "point", moving_base=True), ("ja0", "ja2", "jb1")),
+            "point": (spatial_loop(0, "point"), ("ja0", "ja1", "ja2")),
+            "hinge": (spatial_loop(2, "hinge"), ("ja0", "ja1", "ja2", "ja3", "jb0")),
+            "weld": (spatial_loop(1, "weld"), ("ja0", "ja1", "ja2", "ja3", "jb0", "jb1")),
+            "free base, tied": (spatial_loop(1, "point", moving_base=True, to="ground"), ("ja0", "ja2", "ja3")),
+            "base that follows": (spatial_loop(4, "weld", moving_base=True, to="ground"), ("base",)),
+        }.items()
+    ),
+]
+
+
+@pytest.mark.parametrize(("robot", "followed"), SIMULATED)
+def test_simulated_motions_come_back(robot, followed):
+    model, scene = robot
+    time, arrays = simulated(model, scene)
+    _, *found = follow(model, scene, followed, *named(model, *arrays), time=time)
+    for values, exact in zip(found, arrays, strict=True):
+        assert np.abs(values - exact).max() <= 1e-12 * np.abs(exact).max()
+
+
+def test_the_motion_of_a_base_does_not_count():
+    """Loops within the robot close as on a base that stands."""
+    fixed, scene = spatial_loop(1, "point")
+    free, moving = spatial_loop(1, "point", moving_base=True)
+    rng = np.random.default_rng(0)
+    given = {name: np.linspace(0.0, 0.2, 20) * rng.uniform(0.5, 1.0) for name in ("ja1", "ja3", "jb0", "jb2")}
+    rates = {name: np.full(20, rng.normal()) for name in given}
+    _, *still = follow(fixed, scene, ("ja0", "ja2", "jb1"), given, rates)
+    base = {f"base_{part}": rng.normal(size=20) for part in ("x", "y", "z", "qx", "qy", "qz", "qw")}
+    length = np.sqrt(sum(base[f"base_{part}"] ** 2 for part in ("qx", "qy", "qz", "qw")))
+    base |= {f"base_{part}": base[f"base_{part}"] / length for part in ("qx", "qy", "qz", "qw")}
+    turning = {f"base_{part}": rng.normal(size=20) for part in ("wx", "wy", "wz", "vx", "vy", "vz")}
+    _, *found = follow(free, moving, ("ja0", "ja2", "jb1"), given | base, rates | turning)
+    for k, (values, exact) in enumerate(zip(found, still, strict=True)):
+        own = slice(7 if k == 0 else 6, None)
+        assert np.abs(values[:, own] - exact).max() <= 1e-12 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("more", [(), ("k1",)], ids=["as many as needed", "one too many"])
+def test_blocks_do_not_matter(more):
+    model, scene = four_bars(2)
+    time, arrays = simulated(model, scene, 0.1)
+    followed = [name for name in ("c0", "k1", "c1", "k2") if name not in more]
+    given = named(model, *arrays)
+    _, *whole = follow(model, scene, followed, *given, time=time)
+    follower, *parts = follow(model, scene, followed, *given, time=time, blocks=7)
+    for a, b in zip(whole, parts, strict=True):
+        assert np.abs(a - b).max() <= 1e-13 * np.abs(a).max()
+    assert len(follower.mismatch) == 3
+
+
+def test_ways_that_part_between_rows_are_passed_straight_on():
+    """A parallelogram that turns fully lies flat twice; it remains one."""
+    model, scene = parallelogram()
+    th = 0.3 + np.linspace(0.0, 2.0 * np.pi, 20)
+    begun = replace(scene, initial_q={"a": 0.3, "b": 0.3, "c": -0.3})
+    follower, q, _, _ = follow(model, begun, ("b", "c"), {"a": th})
+    assert np.abs(q[:, model.coordinates.index("b")] - th).max() <= 1e-12
+    assert np.abs(q[:, model.coordinates.index("c")] + th).max() <= 1e-12
+    (doubt,) = follower.doubts
+    assert "singular where the motion passes at 0.4474, 0.9737 s (2 in all)" in doubt.said
+
+
+def test_error_bars_are_those_of_the_rates_they_come_of():
+    """a_d = D a_g + ...: by differences of the given acceleration."""
+    model, scene = four_bars(1)
+    time, arrays = simulated(model, scene, 0.05)
+    q, qd, qdd = (each.copy() for each in arrays)
+    bar = np.zeros_like(qdd)
+    bar[:, model.rates.index("k0")] = 0.25
+    whole = Follow(plan(model, scene), ("k1", "c0")).take(time, q, qd, qdd, [bar])
+    qdd[:, model.rates.index("k0")] += 0.25
+    more = Follow(plan(model, scene), ("k1", "c0")).take(time, q, qd, qdd)
+    assert np.abs(whole.bars[0] - np.abs(more.qdd - whole.qdd)).max() <= 1e-12
+
+
+def test_joints_that_mimic_follow_with_their_master():
+    """A rhombus whose right half mimics the left: one coordinate is given, one follows, b = pi - 2 a."""
+    turn = (0, -1, 0)
+    parts = [link("frame"), link("left", 1.0), link("left_up", 1.0), link("right", 1.0), link("right_up", 1.0)]
+    parts += [
+        joint("a", "frame", "left", "continuous", turn),
+        joint("b", "left", "left_up", "continuous", turn, (1, 0, 0)),
+        joint("c", "frame", "right", "continuous", turn, more=f'<mimic joint="a" multiplier="-1" offset="{np.pi!r}"/>'),
+        joint("d", "right", "right_up", "continuous", turn, (1, 0, 0), more='<mimic joint="b" multiplier="-1"/>'),
+    ]
+    loop = Loop("top", "left_up", (1, 0, 0), "right_up", (1, 0, 0))
+    model = built(*parts)
+    scene = Scene(loops=(loop,), initial_q={"a": 0.5, "b": 2.0})
+    a = np.linspace(0.5, 1.0, 30)
+    _, q, qd, _ = follow(model, scene, ("b",), {"a": a}, {"a": np.ones(30)})
+    assert np.abs(q[:, 1] - (np.pi - 2.0 * a)).max() <= 1e-13
+    assert np.abs(qd[:, 1] + 2.0).max() <= 1e-13
+
+
+def test_links_may_be_massless():
+    """Positions and rates have no masses in them."""
+    turn = (0, -1, 0)
+    parts = [link("frame"), link("left"), link("right"), link("bar")]
+    parts += [joint("a", "frame", "left", "continuous", turn), joint("c", "left", "bar", "continuous", turn, (1, 0, 0))]
+    parts.append(joint("b", "frame", "right", "continuous", turn, (2, 0, 0)))
+    scene = Scene(loops=(Loop("pin", "bar", (2, 0, 0), "right", (1, 0, 0)),), initial_q={"a": 0.5, "b": 0.5, "c": -0.5})
+    a = np.linspace(0.5, 2.5, 30)
+    model = built(*parts)
+    _, q, _, _ = follow(model, scene, ("b", "c"), {"a": a})
+    assert np.abs(q[:, model.coordinates.index("b")] - a).max() <= 1e-13
