@@ -62,6 +62,7 @@ class Assembly:
             stamps=clock.given(stamps, time),
             origin=float(clock.start),
             held={self.signals.positions[i]: position for i, position in self.layout.held.items()},
+            followed=self.layout.followed,
         )
         return self._normalise(samples)
 

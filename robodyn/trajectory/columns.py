@@ -68,10 +68,14 @@ class Signals:
     Args:
         joints: one entry per coordinate; a floating joint is one entry.
         dependent: joints that have no coordinate (mimic, fixed); their columns are accepted and not used.
+        looped: joints that move a loop: those without columns follow from it.
+        constraints: loops and contacts, whose wrenches may have columns, which are not used.
     """
 
     joints: tuple[Signal, ...]
     dependent: tuple[str, ...] = ()
+    looped: tuple[str, ...] = ()
+    constraints: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         stems = self.positions + self.velocities
@@ -151,6 +155,11 @@ class Signals:
                 found.setdefault(f"{quantity}{i + 1}", Meaning((quantity, i)))
                 found.setdefault(matrix_column(quantity, i), Meaning((quantity, i)))
         return found
+
+    @cached_property
+    def wrenches(self) -> frozenset[str]:
+        """The columns of the constraints' wrenches."""
+        return frozenset(f"{part}_{name}" for name in self.constraints for part in COMPONENTS)
 
     def find(self, column: str) -> Meaning | None:
         """Return what a column of this name holds, None if the robot does not know it.

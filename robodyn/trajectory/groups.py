@@ -47,7 +47,8 @@ def missing(signals: Signals, layout: Layout) -> tuple[tuple[Group, ...], tuple[
             for i, axis in enumerate(_AXES):
                 groups += _scalar(f"{joint.name}_{axis}", "scalar", layout, position + i, velocity + 3 + i)
             groups += _rotation(f"{joint.name} orientation", layout, position + 3, velocity)
-            notes += _assumptions(joint.name, layout, position, velocity)
+            if joint.name not in layout.followed:
+                notes += _assumptions(joint.name, layout, position, velocity)
             position, velocity = position + 7, velocity + 6
         else:
             kind: Literal["scalar", "continuous"] = "continuous" if joint.kind == "continuous" else "scalar"

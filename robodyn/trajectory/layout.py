@@ -11,7 +11,7 @@ from robodyn.trajectory.columns import MEASURED, TIME_NAMES, Meaning, Place, Sig
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.reading import DEFAULT, Reading
 from robodyn.trajectory.units import ANGLES, RATES, AngleUnit, split_unit, unit_of
-from robodyn.trajectory.unknown_columns import held_still, is_of_message, refuse_loops, unknown_error
+from robodyn.trajectory.unknown_columns import is_of_message, placed, refuse_loops, unknown_error
 
 ABSENT = -1
 
@@ -25,6 +25,7 @@ class Layout:
         told: columns whose unit is told by a name or an option, and not only assumed.
         extra: name of a column that the scene needs -> its index.
         held: index in q -> position of what has no column and is held.
+        followed: joints that have no column and follow from loops.
     """
 
     names: tuple[str, ...]
@@ -36,6 +37,7 @@ class Layout:
     parts: Mapping[int, float] = field(default_factory=dict)
     told: frozenset[int] = frozenset()
     held: Mapping[int, float] = field(default_factory=dict)
+    followed: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
@@ -49,7 +51,8 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
 
     Args:
         header: the column names.
-        signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns.
+        signals: what the robot wants; every scalar joint needs its position, a floating joint any one of its columns,
+            unless loops tell.
         extra: columns that the scene names; they must exist.
 
     Raises:
@@ -62,12 +65,13 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     clock, times = _clock(header, signals, reading)
     meanings = {i: signals.find(name) for i, name in enumerate(called) if i not in clock.columns}
     places = _places(header, meanings)
-    strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in extra and i not in times]
+    known = {*extra, *signals.wrenches}
+    strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in known and i not in times]
     unused = times | {i for i, meaning in meanings.items() if meaning and meaning.place is None}
     if strange:
         refuse_loops(header, signals, strange)
         unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
-    held = held_still(header, signals, places, strange, reading)
+    held, followed = placed(header, signals, places, strange, reading)
     if absent := [name for name in extra if name not in called and name not in header.names]:
         remedy = alternatives(absent[0], header.names, "columns")
         raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
@@ -84,6 +88,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
         parts={i: parts for i, (parts, _) in units.items() if parts != 1.0},
         told=frozenset(i for i, (_, told) in units.items() if told),
         held=held,
+        followed=followed,
         notes=(f"columns not used: {listing(header.names[i] for i in sorted(unused))}",) if unused else (),
     )
 

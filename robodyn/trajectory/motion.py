@@ -83,6 +83,7 @@ class Trajectory:
         stamps: (N,) the time as the table gives it; None if that is `time`.
         origin: what `time` counts from [s], in the table's count.
         held: position [rad or m] of each coordinate without a column that is held.
+        followed: joints without columns, which loops tell; zero until they are filled in, see `loads.follow`.
         doubts: what makes the table's units doubtful, by all samples up to the last of these.
         sampling: how far the derived accelerations of these samples can be trusted; None if that is not known.
     """
@@ -98,6 +99,7 @@ class Trajectory:
     stamps: Floats | None = None
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
+    followed: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
     sampling: Sampling | None = None
 

@@ -52,24 +52,27 @@ def open_trajectory(
 def from_arrays(
     signals: Signals,
     time: ArrayLike,
-    q: ArrayLike,
-    qd: ArrayLike | None = None,
-    qdd: ArrayLike | None = None,
+    q: ArrayLike | Mapping[str, ArrayLike],
+    qd: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    qdd: ArrayLike | Mapping[str, ArrayLike] | None = None,
     extra: Mapping[str, ArrayLike] | None = None,
     reading: Reading = DEFAULT,
 ) -> Trajectory:
     """A trajectory from arrays, checked and derived as one from a file.
 
     Args:
-        time: (N,) s; q: (N, nq) rad, m; qd, qdd: (N, n); extra: (N,) columns that the scene names.
+        time: (N,) s; q: (N, nq) rad, m; qd, qdd: (N, n), or (N,) by coordinate and rate; extra: (N,) columns that the
+            scene names.
 
     Raises:
-        TrajectoryError: an array has the wrong shape, is not finite, or time does not increase.
+        TrajectoryError: an array has the wrong shape, is not finite, or time does not increase; a name is none.
     """
     columns = {"time": _stamps(time)}
     widths = {"q": len(signals.positions), "qd": len(signals.velocities), "qdd": len(signals.velocities)}
     for (name, width), values in zip(widths.items(), (q, qd, qdd), strict=True):
-        if values is not None:
+        if isinstance(values, Mapping):
+            columns |= {f"{name}_{stem}": _array(f"{name}[{stem!r}]", each, None) for stem, each in values.items()}
+        elif values is not None:
             matrix = _array(name, values, width)
             columns |= {matrix_column(name, i): matrix[:, i] for i in range(width)}
     columns |= {name: _array(name, values, None) for name, values in (extra or {}).items()}

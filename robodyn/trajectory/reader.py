@@ -36,7 +36,7 @@ class TrajectoryReader:
 
     columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
     notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given;
-    doubts: what makes the units doubtful, by all that has been read.
+    doubts: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class TrajectoryReader:
             lost = [group.name for group in self._groups]
             what = f"velocity or acceleration of {listing(lost)} is not given"
             raise header.error(what, "--derivatives auto derives what is missing")
-        self.notes = layout.notes + assumptions
+        self.notes, self.followed = layout.notes + assumptions, layout.followed
         self.doubts: tuple[Doubt, ...] = ()
         self._plan: Plan | None = None
 

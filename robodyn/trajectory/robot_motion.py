@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import inf
 
 import numpy as np
@@ -21,10 +21,28 @@ from robodyn.trajectory.reading import Derivatives, HoldGiven, Reading, hold_of
 from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 
-def signals(model: Model) -> Signals:
+def signals(model: Model, scene: Scene = DEFAULT) -> Signals:
     """Return what the model wants to read from a trajectory."""
     dependent = tuple(body.joint.name for body in model.bodies if body.joint.mimics is not None)
-    return Signals(tuple(_signal(model, joint) for joint in model.independent), dependent)
+    constraints = (*(loop.name for loop in scene.loops), *(contact.name for contact in scene.contacts))
+    joints = tuple(_signal(model, joint) for joint in model.independent)
+    return Signals(joints, dependent, _looped(model, scene), constraints)
+
+
+def _looped(model: Model, scene: Scene) -> tuple[str, ...]:
+    """Return the joints that move a loop: those between the two links and what carries both."""
+    found: set[int] = set()
+    for loop in scene.loops:
+        there = (model.links[loop.to].body if loop.to in model.links else -1, model.links[loop.link].body)
+        ways = [{*_outward(model, body)} for body in there]
+        found |= {model.bodies[i].joint.coordinate for i in ways[0] ^ ways[1]}
+    return tuple(joint.name for joint in model.independent if joint.coordinate in found)
+
+
+def _outward(model: Model, i: int) -> Iterator[int]:
+    while i >= 0:
+        yield i
+        i = model.parents[i]
 
 
 def _signal(model: Model, joint: Joint) -> Signal:
@@ -61,13 +79,15 @@ def read_motion(
 ) -> TrajectoryReader:
     """Return a reader of the motion of this robot in this scene, for `torques`.
 
+    Joints of loops may be without columns: they follow, see `loads.follow`.
+
     Args:
         path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
         derivatives: how missing velocities and accelerations are derived: "auto", "given" (not at all), "spline",
             "savgol" or "central".
         ignore_extra: leave unknown columns out instead of refusing them.
         hold: where joints without columns are held: "rest" (nearest to zero within the limits), a position for all, or
-            positions by joint; None refuses them.
+            positions by joint; None refuses them. Those of loops are held only by name.
         columns: our name -> the table's, such as {"q_elbow": "Elbow angle"}.
         time_unit, angle_unit: of columns whose names do not tell; None assumes s and rad, and doubts them where the
             motion could hardly be so.
@@ -77,16 +97,17 @@ def read_motion(
     """
     refuse_others(model, scene)
     reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit)
-    return open_trajectory(path, signals(model), extra=scene.columns, reading=reading)
+    return open_trajectory(path, signals(model, scene), extra=scene.motion_columns, reading=reading)
 
 
 def motion(
     model: Model,
     time: ArrayLike,
-    q: ArrayLike,
-    qd: ArrayLike | None = None,
-    qdd: ArrayLike | None = None,
+    q: ArrayLike | Mapping[str, ArrayLike],
+    qd: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    qdd: ArrayLike | Mapping[str, ArrayLike] | None = None,
     *,
+    scene: Scene = DEFAULT,
     columns: Mapping[str, ArrayLike] | None = None,
     derivatives: Derivatives = "auto",
     time_unit: TimeUnit | None = None,
@@ -97,16 +118,17 @@ def motion(
     Args:
         time: (N,) s, increasing.
         q: (N, nq) rad or m; qd, qdd: (N, n) per s and per s^2; in the order of `model.coordinates` and `model.rates`.
-        columns: (N,) values of the columns that the scene's wrenches name.
+            Or (N,) by coordinate or rate: what is left out follows from the loops of the scene.
+        scene: with the loops that tell what is left out.
+        columns: (N,) values of the columns that the scene's wrenches and contacts name.
         derivatives, time_unit, angle_unit: as for `read_motion`.
 
     Raises:
         TrajectoryError: an array has the wrong shape or is not finite, or time does not increase.
     """
-    refuse_others(model)
-    return from_arrays(
-        signals(model), time, q, qd, qdd, columns, Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit)
-    )
+    refuse_others(model, scene)
+    reading = Reading(derivatives, time_unit=time_unit, angle_unit=angle_unit)
+    return from_arrays(signals(model, scene), time, q, qd, qdd, columns, reading)
 
 
 def sources_of(block: Trajectory, scene: Scene) -> dict[str, Floats]:

@@ -30,10 +30,10 @@ def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> No
     if loops:
         first, last = (f"{part}_{loops[0]}" for part in (COMPONENTS[0], COMPONENTS[-1]))
         what = (
-            f"columns '{first}' to '{last}' are what simulate writes of a loop, and inverse dynamics of closed chains "
-            "is not available: the torques would be those of the open tree"
+            f"columns '{first}' to '{last}' are what simulate writes of a loop, and the scene has no loop of that "
+            "name: the torques would be those of the open tree"
         )
-        remedy = f"the table's tau_ columns have the drives' torques; if {loops[0]!r} is no loop, rename its columns"
+        remedy = f"give --scene with its [[loop]]; if {loops[0]!r} is no loop, rename its columns"
         raise header.error(what, remedy)
 
 
@@ -128,10 +128,12 @@ def _plain(name: str) -> str:
 Places = dict[Place, int]
 
 
-def held_still(
+def placed(
     header: Header, signals: Signals, places: Places, unknown: Sequence[int], reading: Reading
-) -> dict[int, float]:
-    """Return index in q -> position of what is held because no column says where it is.
+) -> tuple[dict[int, float], tuple[str, ...]]:
+    """Return what no column places: index in q -> position of what is held, and the joints that follow from loops.
+
+    Joints of loops are held where they are named, and not where all are.
 
     Args:
         places: (quantity, index) -> column; unknown: columns without a meaning, which may be meant for what is missing.
@@ -146,6 +148,7 @@ def held_still(
         raise header.error(error.what, error.remedy or "") from None
     found: dict[int, float] = {}
     missing: list[str] = []
+    followed: list[str] = []
     for name, (q, qd) in signals.spans.items():
         given = {i: header.names[places["q", i]] for i in q if ("q", i) in places}
         moved = [header.names[i] for (quantity, k), i in places.items() if quantity != "q" and k in qd]
@@ -155,6 +158,10 @@ def held_still(
             _check_turn(header, name, [given[i] for i in q[3:] if i in given])
         if given or (floating and moved):  # of a floating joint one column will do
             still &= {i for i in q if {name, signals.positions[i]} & reading.hold.named.keys()}
+        elif name in signals.looped and name not in reading.hold.named:
+            _refuse_rates(header, name, moved)
+            followed.append(name)
+            still = set()
         elif not still:
             missing.append(name)
         if still and (both := [given[i] for i in sorted(still) if i in given] or ([] if floating else moved)):
@@ -164,7 +171,13 @@ def held_still(
         found |= {i: held[i] for i in sorted(still)}
     if missing:
         raise _incomplete(header, signals, missing, unknown)
-    return found
+    return found, tuple(followed)
+
+
+def _refuse_rates(header: Header, name: str, moved: Sequence[str]) -> None:
+    if moved:
+        what = f"column {moved[0]!r} moves joint {name!r}, and no column says where it is"
+        raise header.error(what, f"give q_{name}, or leave it out: it follows from the loops")
 
 
 def _check_turn(header: Header, name: str, given: Sequence[str]) -> None:

@@ -81,9 +81,9 @@ def test_torques_refuse_a_table_of_a_closed_chain(more: tuple[str, ...], tmp_pat
     outcome = run("torques", PUMP[0], str(out), *more)
     assert (outcome.status, outcome.out) == (2, "")
     assert outcome.err == (
-        f"error: {out}:1: columns 'fx_wrist_pin' to 'mz_wrist_pin' are what simulate writes of a loop, and inverse "
-        "dynamics of closed chains is not available: the torques would be those of the open tree (the table's tau_ "
-        "columns have the drives' torques; if 'wrist_pin' is no loop, rename its columns)\n"
+        f"error: {out}:1: columns 'fx_wrist_pin' to 'mz_wrist_pin' are what simulate writes of a loop, and the scene "
+        "has no loop of that name: the torques would be those of the open tree (give --scene with its [[loop]]; if "
+        "'wrist_pin' is no loop, rename its columns)\n"
     )
 
 
