@@ -93,7 +93,10 @@ def _drawn_shape(rng, shape):
         first = int(rng.integers(1, count))
         pieces = _planar(rng, first, turn) + _planar(rng, count - first, turn, start=first)
         q = rng.uniform(-1, 1, count)
-        return pieces, q, [_tied(rng, pieces, q, first - 1, count - 1, kind, "tie", turn.apply([0, 0, 1]))]
+        ends = (first - 1, count - 1) if rng.random() < 0.6 else (count - 1, GROUND)
+        if GROUND in ends:  # one chain, in a plane that is oblique to the ground's axes
+            pieces = _planar(rng, count, turn)
+        return pieces, q, [_tied(rng, pieces, q, *ends, kind, "tie", turn.apply([0, 0, 1]))]
     if shape == "two loops":
         pieces = _spatial(rng, 4) + _spatial(rng, 3, 0, 4) + _spatial(rng, 3, 4, 7)
         q = rng.uniform(-1, 1, 10)

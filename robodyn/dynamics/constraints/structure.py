@@ -13,6 +13,8 @@ Mask = NDArray[np.bool_]
 
 NONE = 1e-8
 """Singular values below this part of the largest of J are none."""
+NOISY = 10.0
+"""So many times the noise of J is none too."""
 NOISE = 1e-12
 """Entries of J below this part of the largest do not count for the scales."""
 GOOD = 1e-2
@@ -63,7 +65,7 @@ class Structure:
         return np.asarray(J * self.equation_scale[:, None] * self.rate_scale)
 
 
-def structure(J: Floats, passive: Mask) -> Structure:
+def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
     """Return what constraints determine along a motion.
 
     Method: singular values of the equilibrated J, A and B (LAPACK's gesdd); ranks are the largest of all samples.
@@ -71,9 +73,13 @@ def structure(J: Floats, passive: Mask) -> Structure:
     Args:
         J: (k, m, n) at reference samples, spread over the motion: up to about 16 will do.
         passive: (n,) rates that nothing drives.
+        noise: relative error of J's entries, as of loops that are open by this part of the robot's size: equations that
+            others imply on closed loops are then taken for implied.
 
-    Accuracy: ranks are those of the equilibrated matrices, singular values below 1e-8 of the largest taken for none.
+    Accuracy: ranks are those of the equilibrated matrices, singular values below 1e-8 of the largest, or 10 times the
+    noise, taken for none.
     """
+    none = max(NONE, NOISY * noise)
     J, passive = np.asarray(J, dtype=float), np.asarray(passive, dtype=bool)
     _, m, n = J.shape
     equation_scale, rate_scale = _scales(np.abs(J).max(axis=0, initial=0.0))
@@ -82,10 +88,10 @@ def structure(J: Floats, passive: Mask) -> Structure:
     largest = float(values.max(initial=0.0))
     size = np.where(values[:, :1] > 0.0, values[:, :1], 1.0) if values.size else np.ones((len(J), 1))
     left, sizes, right = svd(J[:, :, passive].transpose(0, 2, 1))
-    rank, usual, good = _usual(sizes, size, largest)
+    rank, usual, good = _usual(sizes, none * size, largest)
     open_forces = right[good][:, rank:].transpose(0, 2, 1)
     B = times(J[good][:, :, ~passive].transpose(0, 2, 1), open_forces)
-    redundancy, usual_redundancy, _ = _usual(_values(B), size[good], largest)
+    redundancy, usual_redundancy, _ = _usual(_values(B), none * size[good], largest)
     return Structure(
         passive=passive,
         equation_scale=equation_scale,
@@ -97,10 +103,10 @@ def structure(J: Floats, passive: Mask) -> Structure:
         usual_redundancy=usual_redundancy,
         freedoms=n - rank - redundancy,
         undriven=int(passive.sum()) - rank,
-        undriven_rates=_rows(left[good][:, :, rank:]) > NONE,
+        undriven_rates=_rows(left[good][:, :, rank:]) > none,
         overconstrained=m - rank - redundancy,
-        torque_determined=_rows(B) <= NONE * largest,
-        equation_determined=_rows(open_forces) <= NONE,
+        torque_determined=_rows(B) <= none * largest,
+        equation_determined=_rows(open_forces) <= none,
     )
 
 
@@ -121,9 +127,13 @@ def _inverse(sums: Floats) -> Floats:
     return np.where(sums > 0.0, 1.0 / np.where(sums > 0.0, sums, 1.0), 1.0)
 
 
-def _usual(sizes: Floats, size: Floats, largest: float) -> tuple[int, float, Mask]:
-    """Return the rank, its smallest singular value relative to the largest of all, and which samples are near that."""
-    ranks = (sizes > NONE * size).sum(axis=1)
+def _usual(sizes: Floats, none: Floats, largest: float) -> tuple[int, float, Mask]:
+    """Return the rank, its smallest singular value relative to the largest of all, and which samples are near that.
+
+    Args:
+        none: (k, 1) at each sample, up to where singular values are none.
+    """
+    ranks = (sizes > none).sum(axis=1)
     rank = int(ranks.max(initial=0))
     if not rank:
         return 0, 1.0, np.ones(len(sizes), dtype=bool)
