@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from robodyn.checks.project import check as check
+    from robodyn.dynamics.constraints.inverse import constraint_forces as constraint_forces
     from robodyn.dynamics.coriolis import coriolis_matrix as coriolis_matrix
     from robodyn.dynamics.derivative_entries import (
         inverse_dynamics_derivative_entries as inverse_dynamics_derivative_entries,
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from robodyn.dynamics.function import function as function
     from robodyn.dynamics.inverse import bias_forces as bias_forces
     from robodyn.dynamics.inverse import inverse_dynamics as inverse_dynamics
-    from robodyn.dynamics.inverse import mass_matrix as mass_matrix
+    from robodyn.dynamics.mass import mass_matrix as mass_matrix
     from robodyn.dynamics.momenta import momenta as momenta
     from robodyn.dynamics.regressor import regressor as regressor
     from robodyn.dynamics.second_derivatives import (
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
     from robodyn.scene.described_loops import scene_of as scene_of
     from robodyn.scene.motor import Motor as Motor
     from robodyn.scene.read import load_scene as load_scene
+    from robodyn.scene.scene import Contact as Contact
+    from robodyn.scene.scene import ContactCost as ContactCost
     from robodyn.scene.scene import Drive as Drive
     from robodyn.scene.scene import ExternalWrench as ExternalWrench
     from robodyn.scene.scene import Friction as Friction
@@ -57,12 +60,14 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "checks.project": ("check",),
+    "dynamics.constraints.inverse": ("constraint_forces",),
     "dynamics.coriolis": ("coriolis_matrix",),
     "dynamics.derivative_entries": ("inverse_dynamics_derivative_entries",),
     "dynamics.derivatives": ("forward_dynamics_derivatives", "inverse_dynamics_derivatives"),
     "dynamics.forward": ("forward_dynamics",),
     "dynamics.function": ("function",),
-    "dynamics.inverse": ("bias_forces", "inverse_dynamics", "mass_matrix"),
+    "dynamics.inverse": ("bias_forces", "inverse_dynamics"),
+    "dynamics.mass": ("mass_matrix",),
     "dynamics.momenta": ("momenta",),
     "dynamics.regressor": ("regressor",),
     "dynamics.second_derivatives": ("inverse_dynamics_second_derivatives",),
@@ -77,7 +82,10 @@ _HOMES = {
     "scene.described_loops": ("scene_of",),
     "scene.motor": ("Motor",),
     "scene.read": ("load_scene",),
-    "scene.scene": ("Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor", "Scene", "Spring"),
+    "scene.scene": (
+        *("Contact", "ContactCost", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor"),
+        *("Scene", "Spring"),
+    ),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),

@@ -148,16 +148,25 @@ def results(
     if out is None:
         values: Floats = runner.run(sources, samples, executor=executor, threads=threads, dtype=dtype).values
         return values.reshape(whole)
-    if not isinstance(out, np.ndarray):
-        raise InputError(f"out is no array but of type {type(out).__name__}")
-    if out.shape != whole or out.dtype != dtype or not out.flags.writeable:
-        found = f"shape {out.shape}, type {out.dtype}" + ("" if out.flags.writeable else ", read-only")
-        raise InputError(f"out has {found}, not {whole} and {np.dtype(dtype).name}")
+    check_out(out, whole, dtype)
     flat = out.reshape(samples, prod(outputs))
     runner.run(sources, samples, flat, executor=executor, threads=threads, dtype=dtype)
     if not np.may_share_memory(flat, out):  # a copy is apart from it
         out[...] = flat.reshape(whole)
     return out
+
+
+def check_out(out: object, shape: tuple[int, ...], dtype: DTypeLike) -> None:
+    """Raise unless results of this shape and dtype can be written to an array.
+
+    Raises:
+        InputError: it is no array, another one, or read-only.
+    """
+    if not isinstance(out, np.ndarray):
+        raise InputError(f"out is no array but of type {type(out).__name__}")
+    if out.shape != shape or out.dtype != dtype or not out.flags.writeable:
+        found = f"shape {out.shape}, type {out.dtype}" + ("" if out.flags.writeable else ", read-only")
+        raise InputError(f"out has {found}, not {shape} and {np.dtype(dtype).name}")
 
 
 def _common_shape(given: Mapping[str, Floats], columns: Mapping[str, Floats]) -> tuple[int, ...]:

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import coriolis, payload
-from robodyn.dynamics.inverse import mass_runner, runner_of
+from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan, applied, loads, plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.derivatives import InverseDerivatives, inverse_derivatives
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import Program
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import CONSTANT

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.inverse import mass_runner, runner_of
+from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan, loads, plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.derivative import Direction, Row, again, jacobian
 from robodyn.programs.program import Program, trace, traced
 from robodyn.programs.run.runner import Runner

@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
 from robodyn.dynamics.effects.rotor_inertia import reflected
-from robodyn.dynamics.inverse import mass_matrix, runner_of
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import RESIST, aligned
 from robodyn.dynamics.recursions.newton_euler import inertial_wrenches
+from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner

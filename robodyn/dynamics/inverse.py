@@ -1,25 +1,16 @@
-"""Inverse dynamics, mass matrix and bias for arrays of samples: the Python interface to the recursion."""
+"""Inverse dynamics and bias for arrays of samples: the Python interface to the recursion."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects import payload
-from robodyn.dynamics.effects.effect import ZeroColumns
-from robodyn.dynamics.effects.rotor_inertia import reflected
-from robodyn.dynamics.plan import Plan, applied, plan
-from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
-from robodyn.programs.program import Program, trace
-from robodyn.programs.run.runner import Runner
+from robodyn.dynamics.arrays import arrays_of, check_out, results, zero_sources
+from robodyn.dynamics.runners import torque_runner
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_others
+from robodyn.scene.fit import refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -59,15 +50,42 @@ def inverse_dynamics(
         (..., n) N m or N, in the order of `model.rates`. The columns of a matrix are contiguous, which is fastest.
 
     Raises:
-        InputError: a shape, or a joint or link that the scene names, does not fit the model; no such executor.
+        InputError: a shape, or a joint or link that the scene names, does not fit the model; no such executor; loops of
+            the scene are open.
+
+    In a scene with loops, contacts or passive joints these are the torques of the drives, as `constraint_forces` finds
+    them.
 
     Accuracy: 1e-14 of the largest torque for chains of up to 100 bodies. The executors agree within 4 ulp of it for
     real robots on a fixed base, 8 on a free one. Bit-identical wherever a fixed base stands and with every effect whose
     coefficient is zero. In float32, 1e-6 of the largest torque.
     """
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {}, dtype)
+    if scene.constrained:
+        return _constrained(model, (q, qd, qdd), scene, columns, out, executor, threads, dtype)
     runner = torque_runner(model, scene, zero_sources(sources))
     return results(runner, sources, shape, (model.n,), out, executor, threads, dtype)
+
+
+def _constrained(
+    model: Model,
+    state: tuple[ArrayLike, ArrayLike, ArrayLike],
+    scene: Scene,
+    columns: Mapping[str, ArrayLike] | None,
+    out: Floats | None,
+    executor: str,
+    threads: int | None,
+    dtype: DTypeLike,
+) -> Floats:
+    """Return the torques of a robot that loops or contacts hold."""
+    from robodyn.dynamics.constraints.inverse import constraint_forces
+
+    found = constraint_forces(model, *state, scene=scene, columns=columns, executor=executor, threads=threads).tau
+    if out is None:
+        return found.astype(dtype, copy=False)
+    check_out(out, found.shape, dtype)
+    out[...] = found
+    return out
 
 
 def bias_forces(
@@ -83,55 +101,10 @@ def bias_forces(
     """b(q, qd) = c(q, qd) + g(q) + friction + springs - J^T w: the torque of a motion without acceleration.
 
     Args, returns and accuracy: as for `inverse_dynamics` with qdd = 0.
-    """
-    return inverse_dynamics(model, q, qd, 0.0, scene=scene, columns=columns, executor=executor, threads=threads)
-
-
-def mass_matrix(
-    model: Model, q: ArrayLike, *, scene: Scene = DEFAULT, executor: str = "auto", threads: int | None = None
-) -> Floats:
-    """M(q), with payloads and rotor inertias of the scene.
-
-    Args:
-        q: (..., nq) rad or m.
-        executor, threads: as for `inverse_dynamics`.
-
-    Returns:
-        (..., n, n) kg m^2, kg m or kg; exactly symmetric.
 
     Raises:
-        InputError: a shape that does not fit the model.
-
-    Accuracy: 1e-14 of the largest entry.
+        InputError: as `inverse_dynamics`; or the scene has loops or contacts, whose forces follow from qdd.
     """
     refuse_others(model, scene)
-    sources, shape = arrays_of(model, {"q": q})
-    return results(mass_runner(model, scene), sources, shape, (model.n, model.n), None, executor, threads)
-
-
-@lru_cache(maxsize=16)
-def torque_runner(model: Model, scene: Scene, zero_columns: ZeroColumns = frozenset()) -> Runner:
-    """Return tau of their plan, ready to run."""
-    a_plan = plan(model, scene, zero_columns)
-    return runner_of(a_plan.torques(), a_plan)
-
-
-@lru_cache(maxsize=16)
-def mass_runner(model: Model, scene: Scene) -> Runner:
-    """Return the entries of M(q) row by row, ready to run."""
-    a_plan = plan(model, scene)
-    armature = reflected(model, scene)
-
-    def outputs(tape: Any) -> Any:
-        sample = a_plan.sample(tape)
-        inertias = applied([payload.EFFECT], sample, scene).inertias
-        return mass_matrix_of(model, sample.q, inertias, armature).ravel()
-
-    return runner_of(trace(outputs), a_plan)
-
-
-def runner_of(program: Program, a_plan: Plan, more: Mapping[str, int] = MappingProxyType({})) -> Runner:
-    """Return a program of this plan, ready to run; `more` are widths of sources that are its own."""
-    model = a_plan.model
-    widths = {"q": model.nq, "qd": model.n, "qdd": model.n, "tau": model.n, "columns": len(a_plan.scene.columns)}
-    return Runner(program, {**widths, **more})
+    refuse_constraints(scene)
+    return inverse_dynamics(model, q, qd, 0.0, scene=scene, columns=columns, executor=executor, threads=threads)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from robodyn.dynamics.coriolis import coriolis_program
 from robodyn.dynamics.derivatives import forward_derivatives, inverse_derivatives
 from robodyn.dynamics.forward import acceleration_program
-from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.regressor import parameters, regressor_program
 from robodyn.programs.program import Program

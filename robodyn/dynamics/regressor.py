@@ -25,8 +25,8 @@ from robodyn.dynamics.effects import (
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner

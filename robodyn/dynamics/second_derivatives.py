@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.derivatives import inverse_derivatives, moves
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.derivative import again, jacobian
 from robodyn.programs.program import Program, traced

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics.mass import mass_runner
 from robodyn.equations.ode import bias_plan, check_equations, identifiers
 from robodyn.equations.polynomial import TooLargeError
 from robodyn.equations.trigonometric import Forms, largest

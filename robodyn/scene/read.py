@@ -15,6 +15,7 @@ from robodyn.support.input_file import read_input
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
+_HELD = "true if something carries the base, else leave it out"
 NOT_COMPUTED = ("ground", "floor")
 
 
@@ -127,6 +128,6 @@ def _immersed(table: SceneTable) -> Immersed:
 
 def _base(table: SceneTable) -> dict[str, Any]:
     base = SceneTable(table.take("base", {}), "[base]", table.file)
-    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.flag("held", False)
+    moving, held = base.text("motion", "fixed", MOTIONS) == "moving", base.flag("held", False, _HELD)
     base.finish()
     return {"moving_base": moving, "held": held}

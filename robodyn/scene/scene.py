@@ -306,6 +306,11 @@ class Scene(FrozenValue):
         return bool(self.loops or self.contacts or self.passive) or self.actuated is not None
 
     @property
+    def constraint_names(self) -> tuple[str, ...]:
+        """The names of loops, then of contacts."""
+        return (*(loop.name for loop in self.loops), *(contact.name for contact in self.contacts))
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """The trajectory columns that its wrenches need, each once."""
         return tuple(dict.fromkeys(name for wrench in self.wrenches for name in wrench.columns))

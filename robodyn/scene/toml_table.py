@@ -114,10 +114,10 @@ class SceneTable:
             raise self.error(f'"{key}" names a joint twice', remedy="name each once")
         return tuple(value)
 
-    def flag(self, key: str, default: bool) -> bool:
+    def flag(self, key: str, default: bool, remedy: str = "true or false") -> bool:
         value = self.take(key, default)
         if not isinstance(value, bool):
-            raise self.error(f'"{key}" is {value!r:.60}', remedy="true or false")
+            raise self.error(f'"{key}" is {value!r:.60}', remedy=remedy)
         return value
 
     def entries(self, key: str, default: Any = (0.0, 0.0, 0.0)) -> tuple[Entry, Entry, Entry]:

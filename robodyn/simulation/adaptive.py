@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.robot.configuration import unit_rows

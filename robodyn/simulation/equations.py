@@ -11,13 +11,13 @@ from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import accelerations
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
 from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.dynamics.recursions.momentum import momenta, position_rates
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import Program, traced
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.programs.run.runner import Runner

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import Plan, applied
+from robodyn.dynamics.runners import runner_of
 from robodyn.errors import InputError
 from robodyn.programs.program import trace, traced
 from robodyn.programs.run.repeated import COLUMNS

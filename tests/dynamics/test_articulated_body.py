@@ -21,7 +21,8 @@ from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, loads
 from robodyn.dynamics.recursions.articulated_body import articulated_body
 from robodyn.dynamics.recursions.elimination import aligned

@@ -13,7 +13,8 @@ from helpers.oracles import EPS, random_state, worst
 from helpers.small_robots import built, chain, chain_parts, link, random_tree
 
 from robodyn.dynamics.forward import forward_dynamics
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.scene.scene import Scene
 
 SAMPLES = 10

@@ -12,7 +12,8 @@ from helpers.pinocchio_robots import PinocchioRobot
 from helpers.sampled import sampled
 
 from robodyn.dynamics.forward import forward_dynamics
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.errors import InputError
 from robodyn.robot.assemble import load
 

@@ -15,7 +15,7 @@ from helpers.robot_catalogue import FOLDER
 
 import robodyn
 from robodyn.dynamics.coriolis import coriolis_matrix
-from robodyn.dynamics.inverse import mass_runner
+from robodyn.dynamics.mass import mass_runner
 from robodyn.scene.scene import Scene
 
 SAMPLES = 4

@@ -7,7 +7,8 @@ from helpers.example_robots import path_of, real
 from helpers.oracles import frictionless, golden_model, random_state, worst
 from helpers.peers import peer
 
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 
 
 def test_drake():

@@ -12,7 +12,8 @@ from helpers.robot_catalogue import names
 from helpers.sampled import sampled
 
 from robodyn.dynamics.balance import energy, laws, losses
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 from robodyn.programs.run.numpy_blocks import NumpyBlocks

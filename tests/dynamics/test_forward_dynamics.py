@@ -12,7 +12,8 @@ from helpers.oracles import EPS, frictionless, golden_model, random_state, robot
 
 import robodyn
 from robodyn.dynamics.forward import acceleration_program, forward_dynamics
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.multiprecision import Multiprecision

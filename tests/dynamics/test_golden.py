@@ -9,7 +9,8 @@ import pytest
 from helpers.oracles import golden_model, reference, run, worst
 
 from robodyn.dynamics.effects import coriolis, gravity
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.scene import Scene
 

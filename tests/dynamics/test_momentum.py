@@ -10,7 +10,8 @@ from helpers.peers import pin
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.small_robots import urdf
 
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.recursions.momentum import dual_state, momenta, momentum_of_bodies
 from robodyn.programs.dual import rate_of, value_of

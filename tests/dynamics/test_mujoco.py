@@ -12,7 +12,8 @@ from helpers.oracles import random_state, worst
 from helpers.peers import mujoco
 from helpers.small_robots import built, joint, link, random_tree_parts, urdf
 
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.robot.assemble import load
 from robodyn.scene.scene import Friction, Rotor, Scene
 

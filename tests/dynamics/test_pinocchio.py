@@ -9,7 +9,8 @@ from helpers.oracles import frictionless, random_state, run, worst
 from helpers.pinocchio_robots import PinocchioRobot
 from helpers.sampled import sampled
 
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.robot.assemble import load
 

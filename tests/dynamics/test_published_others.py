@@ -11,7 +11,8 @@ from helpers.oracles import frictionless, golden_model, reference, run, worst
 from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.effects import coriolis, gravity
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.scene import ExternalWrench, Scene
 

@@ -13,7 +13,8 @@ from helpers.oracles import frictionless, reference, robot, run, worst
 from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.effects import coriolis
-from robodyn.dynamics.inverse import bias_forces, inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import ExternalWrench, Payload

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.dynamics.inverse import bias_forces, mass_matrix
+from robodyn.dynamics.inverse import bias_forces
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.scene.scene import DEFAULT
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robodyn.dynamics.inverse import runner_of
+from robodyn.dynamics.runners import runner_of
 from robodyn.robot.assemble import load
 from robodyn.scene.scene import Friction, Scene
 

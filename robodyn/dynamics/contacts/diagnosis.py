@@ -70,23 +70,22 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
     return [str(kind) for kind in found]
 
 
-def least_friction(problem: Problem, executor: str = "auto") -> tuple[float, int] | None:
-    """Return the least mu of all contacts alike with which every sample has forces, and the sample that needs it.
+def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto") -> float | None:
+    """Return the least mu of all contacts alike, not below `known`, with which every sample has forces.
 
     Method: bisection, at each mu only of those samples that may need more.
 
     Returns:
-        None where no friction suffices; (0, 0) where none is needed.
+        None where no friction suffices.
 
     Accuracy: 1e-6 relative.
     """
-    left = np.arange(problem.shape[0])
-    if not _suffices(problem, np.inf, executor).all():
-        return None
-    low, high = 0.0, 1.0
-    left = left[~_suffices(problem, 0.0, executor)]
+    left = np.flatnonzero(~_suffices(problem, known, executor))
     if not len(left):
-        return 0.0, 0
+        return known
+    if not _suffices(problem.chosen(left), np.inf, executor).all():
+        return None
+    low, high = known, max(1.0, 2.0 * known)
     while not (held := _suffices(problem.chosen(left), high, executor)).all():
         if high > STEEPEST:
             return None
@@ -98,7 +97,7 @@ def least_friction(problem: Problem, executor: str = "auto") -> tuple[float, int
             high = mu
         else:
             low, left = mu, left[~held]
-    return high, int(left[0])
+    return high
 
 
 def _suffices(problem: Problem, mu: float, executor: str) -> Flags:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -118,6 +118,10 @@ class Forces:
     residual: Floats
     feasible: Flags
     within_limits: Flags
+
+    def chosen(self, rows: Any) -> Forces:
+        """Return the forces of some samples."""
+        return Forces(*(getattr(self, each.name)[rows] for each in fields(self)))
 
 
 FEASIBLE = 1e-9

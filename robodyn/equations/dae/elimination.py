@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robodyn.dynamics.inverse import bias_forces, mass_matrix
+from robodyn.dynamics.inverse import bias_forces
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.equations.dae.posed import Posed
 from robodyn.equations.dae.solve import Reduced, Solution, accelerations_along, independent_accelerations
 from robodyn.programs.vectors import product

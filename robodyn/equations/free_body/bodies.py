@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, zero_columns
+from robodyn.dynamics.constraints.inverse import as_tree
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
@@ -25,7 +26,7 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all
 from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_constraints
+from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 
 
@@ -55,10 +56,13 @@ def free_bodies(
     Accuracy: forces, and moments about each body's origin, add up to zero within 1e-14 of the largest on any body, for
     chains of up to 100 bodies.
     """
-    sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, columns or {})
+    refuse_others(model, scene)
+    given: Mapping[str, ArrayLike] = columns or {}
+    if scene.constrained:
+        scene, given = as_tree(model, (q, qd, qdd), scene, given)
+    sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, given)
     if shape:
         raise InputError(f"{shape} samples", remedy="a free-body diagram is of one state")
-    refuse_constraints(scene)
     a_plan = plan(model, scene, zero_columns(sources))
     state = {name: tuple(values[0].tolist()) for name, values in sources.items() if values.size or name != "columns"}
     extra = dict(zip(scene.columns, state.pop("columns", ()), strict=True))

@@ -8,7 +8,8 @@ from helpers.busy_robot import busy_robot
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
 from helpers.small_robots import built, joint, link
 
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.scene.scene import Friction, Rotor, Scene, Spring
 
 GEARED = (

@@ -9,7 +9,8 @@ from helpers.oracles import EPS, random_state, run, worst
 from helpers.small_robots import body_numbers, joint, link, urdf
 
 from robodyn.dynamics.effects import payload
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.robot.assemble import load
 from robodyn.scene.scene import Payload, Scene

@@ -13,7 +13,8 @@ from helpers.robot_files import FOLDER
 
 from robodyn.dynamics.effects import coriolis, gravity, inertia, payload
 from robodyn.dynamics.effects.catalogue import EFFECTS
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene

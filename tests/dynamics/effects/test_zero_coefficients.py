@@ -7,7 +7,8 @@ import pytest
 from helpers.busy_robot import busy_robot
 from helpers.oracles import random_state, robot
 
-from robodyn.dynamics.inverse import inverse_dynamics, mass_matrix
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
 

@@ -12,7 +12,7 @@ from helpers.oracles import ROBOTS, robot
 from helpers.peers import needs_peers
 
 from robodyn.dynamics.balance import energy, laws
-from robodyn.dynamics.inverse import mass_matrix
+from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.speed import executors as bench_executors

@@ -1,0 +1,70 @@
+"""Which joints drive, and how they share."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.constraints.structure import Mask
+from robodyn.errors import SceneError
+from robodyn.robot.limits import binding
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.scene import EFFORT, Scene
+from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
+
+
+class Actuation(NamedTuple):
+    """Of a robot's rates.
+
+    Attributes:
+        passive: (n,) which nothing drives: those of passive joints and of floating ones, and with contacts the base's.
+        driven: (n,) joints that drive; a base that is neither passive nor driven is held.
+        weights: (driven,) of the squares of their torques.
+        limits: (driven,) effort limits [N m or N], infinite where there is none.
+    """
+
+    passive: Mask
+    driven: Mask
+    weights: Floats
+    limits: Floats
+
+    @property
+    def counted(self) -> Mask:
+        """(n,) rates that constraints act on: all but those of a base that is held."""
+        return np.asarray(self.passive | self.driven)
+
+
+@lru_cache(maxsize=16)
+def actuation(model: Model, scene: Scene) -> Actuation:
+    """Return what drives in a scene.
+
+    Raises:
+        SceneError: a weight or a cost asks for the effort limit of a joint that has none.
+    """
+    passive, driven = np.zeros(model.n, dtype=bool), np.zeros(model.n, dtype=bool)
+    weights, limits = [], []
+    base = 6 if model.floating else 0
+    for joint in model.independent:
+        if joint.kind == "floating":
+            passive[joint.rate : joint.rate + 6] = joint.rate >= base or bool(scene.contacts)
+            continue
+        drives = joint.name in scene.actuated if scene.actuated is not None else joint.name not in scene.passive
+        passive[joint.rate], driven[joint.rate] = not drives, drives
+        if drives:
+            weights.append(_weight(joint, scene))
+            limits.append(binding(joint.effort) or np.inf)
+    return Actuation(passive, driven, np.array(weights), np.array(limits))
+
+
+def _weight(joint: Joint, scene: Scene) -> float:
+    weight = scene.weights.get(joint.name, scene.weight) if scene.share == "weighted" else 1.0
+    if weight != EFFORT:
+        return float(weight)
+    limit = binding(joint.effort)
+    if not limit:
+        what = f'[weights]: {shown(joint.name)} has no effort limit, by which "{EFFORT}" weighs'
+        raise SceneError(what, remedy="give its weight as a number, or the limit in the description")
+    return 1.0 / limit**2

@@ -1,0 +1,139 @@
+"""Inverse dynamics under constraints for arrays of samples."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import prod
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robodyn.dynamics.arrays import arrays_of, numbers, zero_sources
+from robodyn.dynamics.constraints.maps import closures
+from robodyn.dynamics.constraints.solve import ConstraintSolver
+from robodyn.dynamics.constraints.touching import touching
+from robodyn.dynamics.constraints.tree import constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.plan import Plan, plan
+from robodyn.dynamics.runners import torque_runner
+from robodyn.errors import InputError
+from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_others
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
+
+CLOSED = 1e-3
+"""m or rad by which loops may be open."""
+
+
+class ConstrainedForces(NamedTuple):
+    """What the drives, loops and contacts of a robot bear.
+
+    Attributes:
+        tau: (..., n) of the drives [N m or N], 0 at passive rates but for what nothing gives.
+        wrenches: by loop and contact (..., 6) force [N] and moment [N m] on its link: of a loop at its point in the
+            axes of the other link, of a contact at the middle of its points in the axes of the ground.
+    """
+
+    tau: Floats
+    wrenches: Mapping[str, Floats]
+
+
+def constraint_forces(
+    model: Model,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    scene: Scene,
+    columns: Mapping[str, ArrayLike] | None = None,
+    executor: str = "auto",
+    threads: int | None = None,
+) -> ConstrainedForces:
+    """Return torques of the drives, and the forces of loops and contacts, that a motion takes.
+
+    `S_a tau_a + J^T x = M qdd + b`, solved for the torques of the joints that drive and the forces x of loops and
+    contacts; see docs/explanation/constraints.md for what is taken where they are open.
+
+    Args:
+        model, executor, threads: as for `inverse_dynamics`.
+        q, qd, qdd: (..., nq), (..., n), (..., n); all coordinates, on the loops.
+        scene: with loops, contacts or passive joints.
+        columns: (...) values of the columns that the scene's wrenches and contacts name.
+
+    Raises:
+        InputError: as `inverse_dynamics`; or a loop is open by more than 1e-3 m or rad; or a contact is on by
+            intervals of time.
+
+    Accuracy: 1e-10 of the largest torque, where the loops are not nearly singular.
+    """
+    tau, wrenches = _solved(model, (q, qd, qdd), scene, columns or {}, executor, threads)
+    parts = {name: wrenches[..., 6 * i : 6 * i + 6] for i, name in enumerate(scene.constraint_names)}
+    return ConstrainedForces(tau, parts)
+
+
+def as_tree(
+    model: Model,
+    state: tuple[ArrayLike, ArrayLike, ArrayLike],
+    scene: Scene,
+    columns: Mapping[str, ArrayLike],
+) -> tuple[Scene, dict[str, ArrayLike]]:
+    """Return the scene of `tree_scene` and its columns: the tree that constraint forces hold where constraints did.
+
+    Args:
+        state: q, qd, qdd as for `constraint_forces`.
+    """
+    _, wrenches = _solved(model, state, scene, columns, "numpy", None)
+    found = dict(zip(constraint_columns(scene), np.moveaxis(wrenches, -1, 0), strict=True))
+    return tree_scene(model, scene), {**columns, **found}
+
+
+def _solved(
+    model: Model,
+    state: tuple[ArrayLike, ArrayLike, ArrayLike],
+    scene: Scene,
+    columns: Mapping[str, ArrayLike],
+    executor: str,
+    threads: int | None,
+) -> tuple[Floats, Floats]:
+    """Return torques (..., n) and wrenches (..., c) by `constraint_columns`."""
+    refuse_others(model, scene)
+    sources, shape = arrays_of(model, dict(zip(("q", "qd", "qdd"), state, strict=True)), scene, columns)
+    samples = prod(shape)
+    on = {name: _of_samples(name, columns[name], shape) for name in scene.motion_columns if name in columns}
+    runner = torque_runner(model, open_scene(scene), zero_sources(sources))
+    open_tau = runner.run(sources, samples, executor=executor, threads=threads).values
+    q, qd = np.ascontiguousarray(sources["q"]), np.ascontiguousarray(sources["qd"])
+    solver = ConstraintSolver(plan(model, scene), executor)
+    tau, wrenches = np.empty((samples, model.n)), np.empty((samples, len(constraint_columns(scene))))
+    for k in solver.pieces(samples):
+        here = {name: values[k] for name, values in on.items()}
+        found = solver.solve(q[k], qd[k], open_tau[k], touching(solver.plan, q[k], qd[k], None, here, executor))
+        check_closed(solver.plan, found.gap)
+        tau[k], wrenches[k] = found.tau, found.wrenches
+    return tau.reshape(*shape, -1), wrenches.reshape(*shape, -1)
+
+
+def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    return np.broadcast_to(numbers(name, values, np.dtype(float)), shape).reshape(prod(shape))
+
+
+def check_closed(a_plan: Plan, gap: Floats, first_row: int | None = None) -> None:
+    """Raise if a loop is open.
+
+    Args:
+        gap: (N, m) phi of the loops' equations; first_row: of the data, where they have one.
+
+    Raises:
+        InputError: naming the loop that is open the furthest.
+    """
+    worst = np.abs(gap).max(axis=1, initial=0.0)
+    if not len(worst) or not (found := float(worst.max())) > CLOSED:
+        return
+    at = int(worst.argmax())
+    equations = [(each.loop.name, equation.unit) for each in closures(a_plan) for equation in each.equations]
+    name, unit = equations[int(np.abs(gap[at]).argmax())]
+    row = "" if first_row is None else f"row {first_row + at}: "
+    what = f"{row}loop {shown(name)} is open by {found:.3g} {unit}"
+    raise InputError(what, remedy="leave out coordinates that follow from the loops, or give some that close them")

@@ -1,0 +1,225 @@
+"""What unit forces of loops and contacts do to the joints, traced once per model and scene: J by columns of J^T."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.constraints.tree import middle
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.loops.closure import Closure, Equations, held
+from robodyn.dynamics.loops.equation import Equation
+from robodyn.dynamics.loops.find import closure_of
+from robodyn.dynamics.loops.necessary import necessary
+from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
+from robodyn.dynamics.runners import runner_of
+from robodyn.programs.program import traced
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.scalar import Tape
+from robodyn.programs.vectors import IDENTITY, ZERO, Scalar, cross, product, vector
+from robodyn.robot.kinematics import Motion, Pose, Wrench, motions, poses, velocities
+from robodyn.robot.model import Frame
+from robodyn.scene.scene import Contact
+from robodyn.solids.inertia.laws import Inertia
+from robodyn.support.floats import Floats
+
+NOTHING = Inertia(0.0, ZERO, np.zeros((3, 3), dtype=object))
+Pushes = list[tuple[int, Wrench]]
+
+
+class LoopMap(NamedTuple):
+    """At N samples, for m equations of L loops.
+
+    Attributes:
+        J: (N, m, n) rates of the equations by the robot's rates, as `torques` are dual to them.
+        error: (N, m) phi [m or rad].
+        moments: (N, m, 3) on the link about its point for a multiplier of 1, in the axes of the other.
+        gaps: (N, L, 3) the link's point from the other's, in the axes of the other [m].
+    """
+
+    J: Floats
+    error: Floats
+    moments: Floats
+    gaps: Floats
+
+
+@lru_cache(maxsize=16)
+def closures(plan: Plan) -> tuple[Closure, ...]:
+    """Return the scene's loops with the equations that `necessary` keeps, found in the model as it is."""
+    kept = necessary(plan).closures
+    return tuple(replace(closure_of(plan.model, each.loop), equations=each.equations) for each in kept)
+
+
+def loop_map(plan: Plan, q: Floats, executor: str = "auto") -> LoopMap:
+    """Return what the loops' equations are at q (N, nq).
+
+    Accuracy: 1e-14 of the largest entry of J, for chains of up to 100 bodies.
+    """
+    of = [len(closure.equations) for closure in closures(plan)]
+    m, n, samples = sum(of), plan.model.n, len(q)
+    out = _runner(plan, "loops").run({"q": q}, samples, executor=executor).values
+    J, error, moments, gaps = np.split(out, np.cumsum([m * n, m, 3 * m]), axis=1)
+    return LoopMap(J.reshape(samples, m, n), error, moments.reshape(samples, m, 3), gaps.reshape(samples, len(of), 3))
+
+
+class ContactMap(NamedTuple):
+    """At N samples, for K points of all contacts, one contact after another; all in the axes of the ground.
+
+    Attributes:
+        J: (N, 3 K, n) what a force at each point, along each axis, does to the joints.
+        arms: (N, K, 3) of the points from the middle of their contact [m].
+        places, speeds: (N, K, 3) of the points [m, m/s].
+    """
+
+    J: Floats
+    arms: Floats
+    places: Floats
+    speeds: Floats
+
+
+def contact_map(plan: Plan, q: Floats, qd: Floats, executor: str = "auto") -> ContactMap:
+    """Return where the contacts' points are and what forces there do, at q (N, nq) and qd (N, n)."""
+    scene, n, samples = plan.scene, plan.model.n, len(q)
+    points = [len(contact.points) for contact in scene.contacts]
+    K = sum(points)
+    out = _runner(plan, "contacts").run({"q": q, "qd": qd}, samples, executor=executor).values
+    units, places, speeds = np.split(out, np.cumsum([6 * n * len(points), 3 * K]), axis=1)
+    units = units.reshape(samples, len(points), 6, n)
+    places, speeds = (each.reshape(samples, K, 3) for each in (places, speeds))
+    arms, J, at = np.empty((samples, K, 3)), np.empty((samples, K, 3, n)), 0
+    for c, count in enumerate(points):
+        k = slice(at, at + count)
+        arms[:, k] = places[:, k] - places[:, k].mean(axis=1, keepdims=True)
+        J[:, k] = units[:, c, None, :3]
+        for axis in range(3):
+            moment = cross(arms[:, k].transpose(2, 0, 1), IDENTITY[axis])
+            J[:, k, axis] += np.einsum("jsp,sjn->spn", moment, units[:, c, 3:])
+        at += count
+    return ContactMap(J.reshape(samples, 3 * K, n), arms, places, speeds)
+
+
+@lru_cache(maxsize=32)
+def _runner(plan: Plan, what: str) -> Runner:
+    return runner_of(_loop_program(plan) if what == "loops" else _contact_program(plan), plan)
+
+
+@traced
+def _loop_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    sample = plan.sample(tape)
+    still = motions(sample.model, sample.q, *_rest(sample))
+    found = [(closure, held(closure, closure.relative(sample.model, still))) for closure in closures(plan)]
+    pairs = [(c, here, equation) for c, here in found for equation in c.equations]
+    for closure, here, equation in pairs:
+        yield from _pushed(sample, still, _unit(sample, closure, here, equation))
+    for _, here in found:
+        yield from here.error
+    for _, here, equation in pairs:
+        yield from equation.moment(here.places[0].B)
+    for _, here in found:
+        yield from here.places[0].d
+
+
+def _unit(sample: Sample, closure: Closure, here: Equations, equation: Equation) -> Pushes:
+    """Return the wrenches of a multiplier of 1 on both links, about their bodies' origins and in their axes."""
+    a, b = (_frame(sample, closure, end) for end in (0, 1))
+    place = here.places[0]
+    f, m = equation.force().astype(object), equation.moment(place.B)
+    on_link = product(place.B.T, f)
+    at = a.p + product(a.R, vector(*closure.loop.point))
+    force = product(a.R, on_link)
+    out = [(a.body, Wrench(force, product(a.R, product(place.B.T, m)) + cross(at, force)))]
+    if b.body >= 0:
+        force, about = -product(b.R, f), product(b.R, m + cross(place.d, f))
+        at = b.p + product(b.R, vector(*closure.loop.to_point))
+        out.append((b.body, Wrench(force, cross(at, force) - about)))
+    return out
+
+
+def _frame(sample: Sample, closure: Closure, end: int) -> Frame:
+    """Return the frame of an end, its numbers being scalars; the ground's is itself."""
+    frame = closure.ends[end]
+    name = (closure.loop.link, closure.loop.to)[end]
+    return frame if frame.body < 0 else sample.model.links[name]
+
+
+@traced
+def _contact_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    sample = plan.sample(tape)
+    still = motions(sample.model, sample.q, *_rest(sample))
+    moving = motions(sample.model, sample.q, sample.qd, _rest(sample)[1])
+    where, speeds = poses(sample.model.parents, still), velocities(sample.model.parents, moving)
+    for contact in plan.scene.contacts:
+        yield from _units(sample, still, where, contact)
+    points = [(sample.model.links[c.link], vector(*point)) for c in plan.scene.contacts for point in c.points]
+    at = [(frame.body, frame.p + product(frame.R, point)) for frame, point in points]
+    for i, r in at:
+        yield from where[i].p + product(where[i].R, r)
+    for i, r in at:
+        yield from product(where[i].R, speeds[i].v + cross(speeds[i].w, r))
+
+
+def _units(sample: Sample, still: list[Motion], where: list[Pose], contact: Contact) -> Iterator[Scalar]:
+    """Yield what unit forces at a contact's middle, then unit moments, along the ground's axes do to the joints."""
+    body, R, p = sample.model.links[contact.link]
+    r = p + product(R, vector(*middle(contact)))
+    for axis in IDENTITY:
+        force = product(where[body].R.T, axis)
+        yield from _pushed(sample, still, [(body, Wrench(force, cross(r, force)))])
+    for axis in IDENTITY:
+        yield from _pushed(sample, still, [(body, Wrench(ZERO, product(where[body].R.T, axis)))])
+
+
+def _pushed(sample: Sample, still: list[Motion], pushes: Pushes) -> list[Scalar]:
+    """Return J^T w of some wrenches on bodies: what they spare the actuators of a robot at rest without weight."""
+    model = sample.model
+    reactions = newton_euler(model.parents, still, [NOTHING] * len(model.bodies), ZERO, pushes)
+    return [0.0 - torque for torque in joint_torques(model, still, reactions, {})]
+
+
+def _rest(sample: Sample) -> tuple[list[Scalar], list[Scalar]]:
+    nothing: list[Scalar] = [0.0] * sample.model.n
+    return nothing, nothing
+
+
+def no_loops(samples: int, n: int) -> LoopMap:
+    """Return the map of a scene without loops."""
+    return LoopMap(*(np.zeros((samples, 0, *more)) for more in ((n,), (), (3,), (3,))))
+
+
+def no_contacts(samples: int, n: int) -> ContactMap:
+    """Return the map of a scene without contacts."""
+    return ContactMap(*(np.zeros((samples, 0, k)) for k in (n, 3, 3, 3)))
+
+
+def loop_wrenches(plan: Plan, loops: LoopMap, multipliers: Floats) -> Floats:
+    """Return (N, 6 L) the wrench of each loop on its link at its point, in the axes of the other link [N, N m].
+
+    Args:
+        multipliers: (N, m) of the equations.
+    """
+    parts, at = [np.zeros((len(multipliers), 0))], 0
+    for closure in closures(plan) if plan.scene.loops else ():
+        k = slice(at, at + len(closure.equations))
+        force = np.array([equation.force() for equation in closure.equations]).reshape(-1, 3)
+        parts.append(np.einsum("nk,ki->ni", multipliers[:, k], force))
+        parts.append(np.einsum("nk,nki->ni", multipliers[:, k], loops.moments[:, k]))
+        at = k.stop
+    return np.hstack(parts)
+
+
+def reactions(plan: Plan, loops: LoopMap, wrenches: Floats) -> Floats:
+    """Return (N, 6 L) what each loop does to the other link, at that link's point and in its axes.
+
+    Args:
+        wrenches: (N, ...) of `loop_wrenches`, and what follows.
+    """
+    parts = [np.zeros((len(wrenches), 0))]
+    for k in range(len(plan.scene.loops)):
+        force, moment = wrenches[:, 6 * k : 6 * k + 3], wrenches[:, 6 * k + 3 : 6 * k + 6]
+        parts += [-force, -moment - cross(loops.gaps[:, k].T, force.T).T]
+    return np.hstack(parts)

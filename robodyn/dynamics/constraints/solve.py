@@ -1,0 +1,171 @@
+"""The forces of loops and contacts along a motion, and the torques that are left to the drives."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.constraints.actuation import actuation
+from robodyn.dynamics.constraints.maps import (
+    ContactMap,
+    LoopMap,
+    contact_map,
+    loop_map,
+    loop_wrenches,
+    no_contacts,
+    no_loops,
+    reactions,
+)
+from robodyn.dynamics.constraints.share import shares
+from robodyn.dynamics.constraints.structure import Mask, Structure, structure
+from robodyn.dynamics.constraints.tree import normal_of
+from robodyn.dynamics.contacts.problem import Forces, FreeTerms, Problem, TorqueTerms
+from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.plan import Plan
+from robodyn.programs.vectors import cross, length
+from robodyn.support.floats import Floats
+
+PIECE = 2048
+"""Samples worked on at a time, so that memory does not grow with the motion."""
+REFERENCES = 16
+"""Samples of the first block by which ranks are decided."""
+BALANCED = 1e-9
+"""Of the largest generalised force of a sample: a smaller remainder at passive joints is rounding."""
+
+
+class Found(NamedTuple):
+    """For N samples.
+
+    Attributes:
+        wrenches: (N, c) by `constraint_columns`.
+        tau: (N, n) of the drives; at passive rates what nothing gives, 0 where it is nothing.
+        singular: (N,) where loops hold less than elsewhere along the motion.
+        gap: (N, m) phi of the loops' equations [m or rad].
+        forces: (N, K, 3) at the contacts' points, in the axes of the ground [N].
+        contacts, problem, solved: where the points are, and what was asked and found; None without contacts.
+    """
+
+    wrenches: Floats
+    tau: Floats
+    singular: Mask
+    gap: Floats
+    forces: Floats
+    contacts: ContactMap
+    problem: Problem | None
+    solved: Forces | None
+
+
+class ConstraintSolver:
+    """Finds what loops and contacts bear, piece by piece of one motion.
+
+    Attributes:
+        structure: of the loops' equations, decided by the first samples; None before.
+        open_drives: (driven,) torques that other forces of loops or contacts than those found could change.
+    """
+
+    def __init__(self, plan: Plan, executor: str = "auto") -> None:
+        self.plan, self.executor = plan, executor
+        self.actuation = actuation(plan.model, plan.scene)
+        self.structure: Structure | None = None
+        self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
+        self._patterns: set[bytes] = set()
+
+    def pieces(self, samples: int) -> list[slice]:
+        """Return the parts of a block that `solve` takes."""
+        return [slice(start, start + PIECE) for start in range(0, samples, PIECE)]
+
+    def solve(self, q: Floats, qd: Floats, tau: Floats, touching: Mask) -> Found:
+        """Return constraint forces and torques.
+
+        `S_a tau_a + J^T x = tau`, see `shares` for loops and `contact_forces` for contacts.
+
+        Args:
+            q, qd: (N, nq), (N, n), N at most PIECE.
+            tau: (N, n) of the open tree.
+            touching: (N, K) points that touch.
+        """
+        plan, samples, n = self.plan, len(q), tau.shape[1]
+        loops = loop_map(plan, q, self.executor) if plan.scene.loops else no_loops(samples, n)
+        contacts = contact_map(plan, q, qd, self.executor) if plan.scene.contacts else no_contacts(samples, n)
+        self._decide(loops.J, contacts.J, touching)
+        forces, problem, solved = np.zeros((samples, 0, 3)), None, None
+        if plan.scene.contacts:
+            problem = self._problem(loops, contacts, tau, touching)
+            solved = contact_forces(problem, self.executor)
+            forces, multipliers = solved.f, solved.free
+            singular = np.zeros(samples, dtype=bool)
+        else:
+            multipliers, singular = self._shared(loops, tau)
+        left = tau - np.einsum("nki,nk->ni", loops.J, multipliers)
+        left = left - np.einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
+        wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
+        wrenches = np.hstack((wrenches, reactions(plan, loops, wrenches)))
+        return Found(wrenches, self._settled(left, tau), singular, loops.error, forces, contacts, problem, solved)
+
+    def _settled(self, left: Floats, tau: Floats) -> Floats:
+        """Return the torques without what rounding leaves at passive rates."""
+        small = BALANCED * np.abs(tau).max(axis=1, initial=0.0)
+        nothing = (np.abs(left) <= small[:, None]) & self.actuation.passive
+        return np.where(nothing, 0.0, left)
+
+    def _shared(self, loops: LoopMap, tau: Floats) -> tuple[Floats, Mask]:
+        """Return the loops' multipliers of least torque, and where the loops are singular."""
+        assert self.structure is not None
+        counted, part = self.actuation.counted, self.actuation
+        found = shares(self.structure, loops.J[:, :, counted], tau[:, counted], part.weights)
+        return found.multipliers, found.singular | found.higher
+
+    def _decide(self, loops: Floats, contacts: Floats, touching: Mask) -> None:
+        """Decide the ranks of loops once, and which torques are open for each set of points that touch."""
+        part = self.actuation
+        counted = part.counted
+        rows = np.unique(np.linspace(0, len(loops) - 1, REFERENCES).astype(int))
+        if self.structure is None:
+            self.structure = structure(loops[rows][:, :, counted], part.passive[counted])
+            if not contacts.shape[1]:
+                self.open_drives |= ~self.structure.torque_determined
+        if contacts.shape[1]:
+            patterns, first = np.unique(touching, axis=0, return_index=True)
+            for pattern, row in zip(patterns, first, strict=True):
+                if pattern.tobytes() not in self._patterns:
+                    self._patterns.add(pattern.tobytes())
+                    J = np.concatenate((loops[row], contacts[row][np.repeat(pattern, 3)]))[None, :, counted]
+                    self.open_drives |= ~structure(J, part.passive[counted]).torque_determined
+
+    def _problem(self, loops: LoopMap, contacts: ContactMap, tau: Floats, touching: Mask) -> Problem:
+        """Return what contact forces have to do: balance what is passive, its moments in units of the robot's reach."""
+        model, scene, part = self.plan.model, self.plan.scene, self.actuation
+        unit, weight = np.ones(model.n), max(model.total_mass * length(np.asarray(scene.gravity)), 1e-300)
+        for joint in model.independent:
+            if joint.kind in ("floating", "revolute"):
+                unit[joint.rate : joint.rate + (3 if joint.kind == "floating" else 1)] = 1.0 / (model.reach or 1.0)
+        P, A, cost = part.passive, part.driven, scene.contact_cost
+        torques, free = None, None
+        if cost.torques or cost.within_limits:
+            weights = cost.torques * weight**2 / cost.forces / part.limits**2
+            limits = part.limits if cost.within_limits else None
+            torques = TorqueTerms(tau[:, A], contacts.J[:, :, A].transpose(0, 2, 1), weights, limits)
+        if scene.loops:
+            S = loops.J[:, :, A].transpose(0, 2, 1) if torques is not None else None
+            free = FreeTerms((loops.J * unit)[:, :, P].transpose(0, 2, 1), S)
+        return Problem(
+            (contacts.J * unit)[:, :, P].transpose(0, 2, 1),
+            (tau * unit)[:, P],
+            np.array([normal_of(contact, scene) for contact in scene.contacts for _ in contact.points]),
+            np.array([contact.friction for contact in scene.contacts for _ in contact.points]),
+            touching,
+            torques=torques,
+            free=free,
+        )
+
+
+def _of_contacts(plan: Plan, contacts: ContactMap, forces: Floats) -> Floats:
+    """Return (N, 6 C) force and moment of each contact about the middle of its points, in the axes of the ground."""
+    parts, at = [np.zeros((len(forces), 0))], 0
+    for contact in plan.scene.contacts:
+        k = slice(at, at + len(contact.points))
+        moments = cross(contacts.arms[:, k].transpose(2, 0, 1), forces[:, k].transpose(2, 0, 1))
+        parts += [forces[:, k].sum(axis=1), moments.sum(axis=2).T]
+        at = k.stop
+    return np.hstack(parts)
