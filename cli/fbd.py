@@ -78,7 +78,7 @@ def command(urdf: str, svg: str | None, **given: Any) -> None:
       robodyn fbd robots/puma.urdf --traj robots/puma_reach.csv --time 0.5 --svg drawings
     """
     check_names(urdf, given["traj"])
-    model, scene = robot_in_scene(urdf)
+    model, scene = robot_in_scene(urdf, loops=True, contacts=True)
     words, state, warnings = state_of(model, scene, **given)
     found = free_bodies(model, scene=scene, **state)
     found = replace(found, warnings=(*warnings, *found.warnings))

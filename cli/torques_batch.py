@@ -69,7 +69,7 @@ def run_batch(
 
 def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
-    model, scene = robot_in_scene(urdf)
+    model, scene = robot_in_scene(urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
     if options["momentum"] is not None:
         options["momentum"].check(model, scene)

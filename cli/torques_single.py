@@ -44,7 +44,7 @@ def run_single(
     if out:
         format_of(out)
     get_ready()
-    model, scene = robot_in_scene(urdf)
+    model, scene = robot_in_scene(urdf, loops=True, contacts=True)
     lines = ""
     if example:
         write_example(trajectory, model, scene)
@@ -53,7 +53,7 @@ def run_single(
     if accuracy is not None:
         way = arithmetic_for(accuracy, trajectory, model, scene)
         options["executor"] = way.executor or options["executor"]
-    names = output_names(model, options["reactions"], options["momentum"] is not None)
+    names = output_names(model, options["reactions"], options["momentum"] is not None, scene)
     reader = read_motion(trajectory, model, scene, **reading())
     with reader, sinks(out, names, reader) as gather:
         result = torques(model, reader, scene, sinks=gather, history=pictured(), **options)

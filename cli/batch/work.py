@@ -73,7 +73,7 @@ def _finished(job: Job, digest: str) -> dict[str, Any] | None:
 
 def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
     model, scene = setup.loaded()
-    names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None)
+    names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None, scene)
     with ExitStack() as stack:
         reader = stack.enter_context(read_motion(job.path, model, scene, **setup.reading))
         _make_folder(os.path.dirname(job.table))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import astuple
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,10 +11,12 @@ import numpy as np
 from robodyn.dynamics.arrays import zero_columns, zero_sources
 from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import ZeroColumns
-from robodyn.dynamics.inverse import mass_matrix, runner_of
 from robodyn.dynamics.plan import Plan, plan
-from robodyn.loads.doubts import Openness, carried
+from robodyn.dynamics.runners import runner_of
+from robodyn.loads.constraint_result import constraint_doubts
+from robodyn.loads.doubts import carried
 from robodyn.loads.energy import EnergyLedger
+from robodyn.loads.error_bars import ErrorBars
 from robodyn.loads.figures import (
     base_loads,
     check_figures,
@@ -30,10 +31,9 @@ from robodyn.loads.result import Checks, Result
 from robodyn.loads.statistics import Statistics
 from robodyn.programs.run.choice import Choice
 from robodyn.programs.run.runner import Run, Runner
-from robodyn.programs.vectors import length
 from robodyn.robot.limits import binding, coverage
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Scene
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import COMPONENTS
 from robodyn.trajectory.motion import Trajectory
@@ -41,6 +41,7 @@ from robodyn.trajectory.robot_motion import sources_of
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
+    from robodyn.loads.constraints import ConstraintPass
     from robodyn.loads.history import Recorder
     from robodyn.loads.momenta import MomentumPass
     from robodyn.loads.sizing import SizingPass
@@ -49,8 +50,11 @@ CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
 
 
-def output_names(model: Model, reactions: bool, momentum: bool = False) -> list[str]:
-    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy."""
+def output_names(model: Model, reactions: bool, momentum: bool = False, scene: Scene = DEFAULT) -> list[str]:
+    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy.
+
+    In a scene with constraints tau of the drives alone, and after it the wrenches of loops and contacts.
+    """
     names = [f"tau_{name}" for name in model.rates]
     if reactions:
         names += [f"base_{part}" for part in COMPONENTS]
@@ -59,6 +63,10 @@ def output_names(model: Model, reactions: bool, momentum: bool = False) -> list[
         from robodyn.loads.momenta import NAMES
 
         names += NAMES
+    if scene.constrained:
+        from robodyn.loads.constraints import constrained_names
+
+        names = constrained_names(model, scene, names)
     return names
 
 
@@ -100,8 +108,16 @@ class TorqueAccumulator:
         whole, checked: how many samples there are in all, by the largest estimate so far, and those of the laws.
     """
 
-    def __init__(self, model: Model, scene: Scene, options: Options, file: str | None) -> None:
+    def __init__(
+        self,
+        model: Model,
+        scene: Scene,
+        options: Options,
+        file: str | None,
+        constraints: ConstraintPass | None = None,
+    ) -> None:
         self.model, self.scene, self.options, self.file = model, scene, options, file
+        self.constraints = constraints
         self.names = output_names(model, reactions=True)
         self.rates = slice(6 if model.floating else 0, model.n)
         self.joints = joint_of_rates(model)[self.rates]
@@ -115,8 +131,7 @@ class TorqueAccumulator:
         self.choice: Choice | None = None
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
-        self.openness = Openness(model.n)
-        self._inertia: Floats | None = None
+        self.bars = ErrorBars(model, scene, self.rates, constraints)
         self.laws = LawResiduals()
         self.history: Recorder | None = None
         if options.history:
@@ -160,6 +175,8 @@ class TorqueAccumulator:
             _loads(plan(self.model, self.scene, self.zero_columns), reactions), sources, self.whole
         )
         check_loads(loads, self.names, block.first_row, self.file)
+        if self.constraints is not None:
+            self.constraints.settle(loads)
         tau, base = loads[:, :n], loads[:, n : n + 6]
         net = np.einsum("ij,ij->i", tau, block.qd) - over_block(checks.losses)[:, 0]
         checked = {name: values[rows] for name, values in sources.items()}
@@ -167,14 +184,17 @@ class TorqueAccumulator:
         self.laws.update(expected, base[rows], net[rows], tau[rows] * block.qd[rows])
         energies = self.ledger.update(block.time, net, rows, run(checks.energy, checked, self.checked).values[:, 0])
         q, qd = (np.ascontiguousarray(x.T) for x in (block.q[:, self.positions], block.qd[:, self.rates]))
-        noise, off = self.openness.update(block)
+        noise, off = self.bars.openness.update(block)
         state = {**sources, "noise": noise, "off": off}
-        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self._open(block, off))
+        if self.constraints is not None:
+            state["touching"] = self.constraints.touching
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self.bars.over_block(state, off))
         if self.history is not None:
             motion = qd, block.qdd[:, self.rates].T
             self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
         if self.sizing is not None:
-            self.sizing.take(block, loads, over_block)
+            static = self.constraints.static(block) if self.constraints else over_block(self.sizing.static_runner())
+            self.sizing.take(block, loads, static)
         columns = loads if self.options.reactions else tau
         if self.momentum is None:
             return columns
@@ -199,7 +219,7 @@ class TorqueAccumulator:
             self.file,
         )
         shares = shares_at_peaks(whole, gathered.at_peak, self.rates.start)
-        bars = [self._uncertainty(k, shares[k]) for k in range(len(self.joints))]
+        bars = [self.bars.at_peak(k, gathered.at_peak.get(k), shares[k]) for k in range(len(self.joints))]
         joints = tuple(
             joint_load(gathered, k, joint, name, self.scene, shares[k], bars[k])
             for k, (joint, name) in enumerate(zip(self.joints, self.model.rates[self.rates], strict=True))
@@ -208,10 +228,12 @@ class TorqueAccumulator:
         moment = max(moment, force * self.model.reach)
         base = base_loads(gathered)
         left = np.maximum([bar for _, bar in bars], gathered.most - np.abs(gathered.torque.kept["value"])).tolist()
+        constraints = self.constraints.report() if self.constraints else None
         doubts = (
             *last.doubts,
+            *(constraint_doubts(constraints) if constraints else ()),
             *carried(self.model, self.scene, base, joints, force, moment),
-            *self.openness.doubts(joints, left, balance, total.samples, total.duration),
+            *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
         )
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
         return Result(
@@ -235,28 +257,9 @@ class TorqueAccumulator:
             doubts=doubts,
             origin=last.origin,
             held=last.held,
+            constraints=constraints,
         )
-
-    def _open(self, block: Trajectory, off: Floats) -> Floats | float:
-        """Return (joints, N) by how much torques may be off, with the inertia of the first pose; 0 for guesses."""
-        if self.openness.guessed or not off.any():
-            return 0.0
-        if self._inertia is None:
-            first = np.ascontiguousarray(block.q[0])
-            self._inertia = mass_matrix(self.model, first, scene=self.scene, executor="numpy")[self.rates]
-        found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._inertia**2, off**2))
-        return found
 
     def _poses(self) -> dict[int, Floats]:
         """q at the peak of each joint."""
         return {k: state["q"] for k, state in self.statistics.at_peak.items()}
-
-    def _uncertainty(self, k: int, shares: Mapping[str, float]) -> tuple[float, float]:
-        """sqrt(sum (M_kj s_j)^2) at the joint's peak: what noisy accelerations do to its torque; and its bar."""
-        if k not in self.statistics.at_peak:
-            return 0.0, 0.0
-        state = self.statistics.at_peak[k]
-        if not state["off"].any():
-            return 0.0, 0.0
-        M = mass_matrix(self.model, state["q"], scene=self.scene, executor="numpy")[k + self.rates.start]
-        return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)

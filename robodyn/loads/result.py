@@ -13,6 +13,7 @@ from robodyn.support.floats import BEYOND
 from robodyn.trajectory.motion import Derivation
 
 if TYPE_CHECKING:
+    from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.history import History
     from robodyn.loads.sizing_result import Sizing
 
@@ -225,6 +226,7 @@ class Result:
         doubts: what else keeps "No limit is exceeded" from being the whole truth.
         origin: the stamp in the table [s] that all times here count from; 0 where these are the stamps.
         held: position [rad or m] of every joint (or coordinate of a floating joint) that was held for want of a column.
+        constraints: what loops and contacts bear; None for a tree that stands on nothing.
     """
 
     robot: str
@@ -248,6 +250,7 @@ class Result:
     doubts: tuple[Doubt, ...] = ()
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
+    constraints: Constraints | None = None
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.inverse import mass_matrix, torque_runner
+from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.bearings import BearingPass
 from robodyn.loads.motors import MotorPass, train_of
 from robodyn.loads.result import JointLoad
@@ -44,15 +45,14 @@ class SizingPass:
         self,
         block: Trajectory,
         loads: Floats,
-        run: Callable[[Runner], Floats],
+        static: Floats,
     ) -> None:
         """Take in a block.
 
         Args:
             loads: (N, k) tau, the base wrench, and the wrenches of all other bodies.
-            run: runs a program over the block.
+            static: (N, n) torques that hold its poses at rest.
         """
-        static = run(self._static_runner())
         for start in range(0, len(block), PIECE):
             k = slice(start, start + PIECE)
             motion = (block.qd[k, self.rates], block.qdd[k, self.rates], static[k, self.rates])
@@ -79,7 +79,7 @@ class SizingPass:
             k = self.driven
             self.motors.update(time, row, tau[k], qd[k], qdd[k])
 
-    def _static_runner(self) -> Runner:
+    def static_runner(self) -> Runner:
         """Return the torques of standing still in each pose."""
         rates = frozenset((source, k) for source in ("qd", "qdd") for k in range(self.model.n))
         return torque_runner(self.model, self.scene, rates)

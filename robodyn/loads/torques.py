@@ -21,6 +21,7 @@ from robodyn.trajectory.robot_motion import read_motion
 
 if TYPE_CHECKING:
     from robodyn.dynamics.momenta import View
+    from robodyn.loads.constraints import ConstraintPass
 
 Sink = Callable[[Floats, Floats], None]
 
@@ -66,16 +67,29 @@ def torques(
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
         options = Options(reactions, executor, threads, momentum, sized, history)
-        run = TorqueAccumulator(model, scene, options, getattr(motion, "file", None))
+        held = _constraints(model, scene, options, motion)
+        run = TorqueAccumulator(model, held.tree if held else scene, options, getattr(motion, "file", None), held)
         last: Trajectory | None = None
-        for block, left in prefetch(_blocks(motion)):
-            if len(block):
+        for given, left in prefetch(_blocks(motion)):
+            if len(given):
+                block = held.take(given) if held else given
                 columns, last = run.take(block, left), block
                 for sink in sinks:
-                    sink(block.given_time, columns)
+                    sink(block.given_time, held.written(columns) if held else columns)
     if last is None:
         raise InputError("the trajectory has no samples")
     return run.result(last, explain)
+
+
+def _constraints(
+    model: Model, scene: Scene, options: Options, motion: Trajectory | TrajectoryReader
+) -> ConstraintPass | None:
+    """Return what finds the forces of loops and contacts; None for a tree that stands on nothing."""
+    if not scene.constrained:
+        return None
+    from robodyn.loads.constraints import ConstraintPass
+
+    return ConstraintPass(model, scene, options.executor, options.threads)
 
 
 def _opened(

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.loads.result import Result
+from robodyn.report.constraints import constraint_lines, constraint_tables
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
@@ -34,6 +36,8 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
     if result.joints:
         yield [Table("", *load_table(result))]
         yield [Table("What makes the peaks", *share_table(result))]
+    if result.constraints:
+        yield from _constraints(result, result.constraints)
     if result.derivation:
         methods, rows = derivation_table(result.derivation, result.samples_suffice)
         yield [Table(methods, *rows) if rows else Paragraph(methods)]
@@ -60,6 +64,12 @@ def _head(result: Result) -> Section:
     what = f"{count(len(result.joints), 'joint')}, {count(result.samples, 'sample')}, {result.duration:.6g} s"
     robot = f"{result.robot}: {what}, {gravity_text(result.gravity)}"
     return paragraphs([robot, *input_words(result)])
+
+
+def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
+    yield paragraphs(["Constraints", *constraint_lines(found)])
+    for title, rows in constraint_tables(result):
+        yield [Table(title, *rows)]
 
 
 def _base(result: Result) -> Section:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from robodyn.loads.history import SPANS, History
 from robodyn.loads.result import Result
+from robodyn.report.constraints import constraint_lines, constraint_tables
 from robodyn.report.document import (
     Block,
     Document,
@@ -69,6 +70,10 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         if result.sizing is not None:
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
         blocks += _shares(result, plots)
+    if result.constraints is not None:
+        blocks.append(Heading("Loops and contacts"))
+        blocks += [Paragraph(line) for line in constraint_lines(result.constraints)]
+        blocks += [Table(title, *rows) for title, rows in constraint_tables(result)]
     blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]
     return Document(result.robot, what, (*blocks, *_files(result, history)))
 

@@ -57,8 +57,6 @@ def test_table_and_document(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "call",
     [
-        ("torques", PUMP[0], "motion.csv", *PUMP[1:]),
-        ("fbd", PUMP[0], "--at", "0,0,0.4", *PUMP[1:]),
         ("equations", *PUMP),
         ("accuracy", PUMP[0], "motion.csv", *PUMP[1:]),
     ],

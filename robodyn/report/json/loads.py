@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
+from robodyn.loads.constraint_result import Peak
 from robodyn.report.json.encode import encode, select, written
 from robodyn.report.limits import limits_verdict
 from robodyn.robot.limits import Coverage
 
 if TYPE_CHECKING:
+    from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.many import Batch, Outcome
     from robodyn.loads.result import Checks, EffectReport, JointLoad, Result
     from robodyn.loads.sizing_result import BearingLoad, JointSizing, Sizing
@@ -31,8 +34,26 @@ def torques_json(result: Result) -> str:
         verdict=limits_verdict(result),
     )
     sizing = result.sizing and sizing_data(result.sizing)
-    parts = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
+    constraints = result.constraints and constraint_data(result.constraints)
+    parts = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing, "constraints": constraints}
     return written({**document, **{key: part for key, part in parts.items() if part is not None}})
+
+
+def constraint_data(found: Constraints) -> dict[str, Any]:
+    """Return what loops and contacts bear, peaks as objects of value, time and row."""
+    return {
+        **encode(found),
+        "loops": [_peaks(loop) for loop in found.loops],
+        "contacts": [_peaks(contact) for contact in found.contacts],
+        "unbalanced": [_peaks(each) for each in found.unbalanced],
+        "missing": [_peaks(each) for each in found.missing],
+    }
+
+
+def _peaks(load: object) -> dict[str, Any]:
+    """Return the fields of a load, its peaks as objects."""
+    values = {field.name: getattr(load, field.name) for field in fields(load)}  # type: ignore[arg-type]
+    return {name: value._asdict() if isinstance(value, Peak) else encode(value) for name, value in values.items()}
 
 
 def _joint(joint: JointLoad) -> dict[str, Any]:

@@ -1,0 +1,169 @@
+"""What loops and contacts carry along a motion, and how far that is determined: frozen data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from robodyn.support.doubts import Doubt
+from robodyn.support.wording import figure, shown
+
+
+class Peak(NamedTuple):
+    """A value, when [s], and in which row of the data, from 1."""
+
+    value: float
+    time: float
+    row: int
+
+
+@dataclass(frozen=True)
+class LoopLoad:
+    """What one loop bears.
+
+    Attributes:
+        force, moment: the largest magnitudes [N, N m]; rms_force, rms_moment: over the whole time.
+        determined: whether all parts of its wrench are the only ones that balance the motion.
+        gap: the largest |phi| [m or rad] of the positions that were given.
+    """
+
+    name: str
+    link: str
+    to: str
+    kind: str
+    force: Peak
+    moment: Peak
+    rms_force: float
+    rms_moment: float
+    determined: bool
+    gap: float
+
+
+@dataclass(frozen=True)
+class ContactLoad:
+    """What one contact bears while it is on.
+
+    Attributes:
+        friction: coefficient.
+        on: part of the samples in which it touches.
+        force: the largest magnitude [N]; normal, least_normal: the largest and the least part along the normal [N].
+        friction_used: the most of the available friction that one of its points uses, 1 at the cone; None if it is
+            never on.
+        margin: the least distance of the centre of pressure from the edges of its polygon [m], negative outside; None
+            for a point, and where nothing presses.
+    """
+
+    name: str
+    link: str
+    points: int
+    friction: float
+    on: float
+    force: Peak
+    normal: Peak
+    least_normal: Peak
+    friction_used: Peak | None
+    margin: Peak | None
+
+
+@dataclass(frozen=True)
+class Unbalanced:
+    """The most that a motion takes at a passive joint or at the base, and that nothing gives, with its sign."""
+
+    name: str
+    unit: str
+    most: Peak
+
+
+@dataclass(frozen=True)
+class Missing:
+    """A span of time in which no contact forces balance the motion.
+
+    Attributes:
+        kind: "slip" (more friction would do), "pull" (contacts had to pull) or "tip" (the robot tips over).
+        start, end: first and last time [s].
+        force, moment: the largest magnitudes that are missing [N, N m]; moments about the base's origin.
+    """
+
+    kind: str
+    start: float
+    end: float
+    force: Peak
+    moment: Peak
+
+
+@dataclass(frozen=True)
+class Constraints:
+    """Loops and contacts along a motion.
+
+    Attributes:
+        equations, rank: of the loops, and how many of them are independent.
+        freedoms: of the robot with its loops.
+        redundancy: actuators beyond the freedoms that they drive; overconstrained: equations that others imply.
+        undriven: passive joints that move while all drives stand still.
+        determined: by joint that drives, whether its torque is the only one that balances the motion.
+        share: how torques that are not determined were chosen, in words; empty where all are determined.
+        unbalanced: at passive joints, and at the base.
+        missing: spans without contact forces, the first of them; spans: how many there are.
+        singular: times [s] at which loops hold less than elsewhere, of each span the first.
+        followed: joints whose motion follows from the loops.
+        least_friction: the least coefficient, alike at all contacts, that the motion takes; None without contacts or
+            where none suffices.
+    """
+
+    loops: tuple[LoopLoad, ...]
+    contacts: tuple[ContactLoad, ...]
+    equations: int
+    rank: int
+    freedoms: int
+    redundancy: int
+    overconstrained: int
+    undriven: tuple[str, ...]
+    determined: Mapping[str, bool]
+    share: str
+    unbalanced: tuple[Unbalanced, ...]
+    missing: tuple[Missing, ...]
+    spans: int
+    singular: tuple[float, ...]
+    followed: tuple[str, ...]
+    least_friction: float | None
+
+    @property
+    def balanced(self) -> bool:
+        """Whether there are forces for all of the motion."""
+        return not self.unbalanced and not self.missing
+
+
+def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
+    """Return what keeps a verdict over a motion under constraints from being sure."""
+    doubts = []
+    if found.missing:
+        worst = max(found.missing, key=lambda each: each.force.value)
+        others = f" (and in {found.spans - 1} more spans)" if found.spans > 1 else ""
+        said = (
+            f"no contact forces balance the motion from {figure(worst.start)} s to {figure(worst.end)} s{others}: "
+            f"{_WHY[worst.kind]}; {figure(worst.force.value)} N and {figure(worst.moment.value)} N m are missing at "
+            f"{figure(worst.force.time)} s and {figure(worst.moment.time)} s"
+        )
+        doubts.append(Doubt("as long as something gives the forces that contacts cannot (assumed)", said))
+    elif found.unbalanced:
+        worst_joint = max(found.unbalanced, key=lambda each: abs(each.most.value))
+        value, time, _ = worst_joint.most
+        others = f", and {len(found.unbalanced) - 1} more" if len(found.unbalanced) > 1 else ""
+        said = (
+            f"nothing drives {shown(worst_joint.name)}{others}, and the motion takes {figure(value)} "
+            f"{worst_joint.unit} there at {figure(time)} s; let it drive, or give a motion that it makes by itself"
+        )
+        doubts.append(Doubt("as long as something gives what passive joints need (assumed)", said))
+    if found.singular:
+        times = ", ".join(f"{time:.4g}" for time in found.singular[:4]) + (", ..." if len(found.singular) > 4 else "")
+        said = f"the loops hold less at {times} s than elsewhere: torques there are not determined, the least are given"
+        doubts.append(Doubt("by torques that are open at singular places", said))
+    return tuple(doubts)
+
+
+_WHY = {
+    "slip": "feet would slip, more friction would do",
+    "pull": "contacts had to pull",
+    "tip": "the robot tips over",
+}

@@ -1,0 +1,142 @@
+"""Blocks of a motion under constraints: forces of loops and contacts, given to each block as columns of wrenches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.arrays import zero_sources
+from robodyn.dynamics.constraints.actuation import actuation
+from robodyn.dynamics.constraints.inverse import check_closed
+from robodyn.dynamics.constraints.maps import loop_map
+from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
+from robodyn.dynamics.constraints.structure import Mask
+from robodyn.dynamics.constraints.touching import touching
+from robodyn.dynamics.constraints.tree import columns_of, constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.loops.find import NOTHING
+from robodyn.dynamics.mass import mass_matrix
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.runners import torque_runner
+from robodyn.loads.constraint_figures import ConstraintFigures
+from robodyn.loads.constraint_result import Constraints
+from robodyn.programs.linear import shortest
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+from robodyn.trajectory.motion import Trajectory
+from robodyn.trajectory.robot_motion import sources_of
+
+
+def constrained_names(model: Model, scene: Scene, names: Sequence[str]) -> list[str]:
+    """Return the columns of a table of results under constraints: torques of drives, wrenches of loops and contacts.
+
+    Args:
+        names: those of the tree: tau of all rates, and what follows.
+    """
+    passive = actuation(model, scene).passive.tolist()
+    driven = [name for name, free in zip(names, passive, strict=False) if not free]
+    wrenches = [column for name in scene.constraint_names for column in columns_of(name)]
+    return [*driven, *wrenches, *names[model.n :]]
+
+
+class ConstraintPass:
+    """Finds what loops and contacts bear, block by block.
+
+    Attributes:
+        tree: the scene in which these act on the open tree.
+        followed: (n,) rates that follow from the loops.
+        touching: (N, K) 1 where points of contacts touch, at the samples of the last block.
+    """
+
+    def __init__(self, model: Model, scene: Scene, executor: str, threads: int | None) -> None:
+        self.model, self.scene, self.tree = model, scene, tree_scene(model, scene)
+        self.open, self.executor, self.threads = open_scene(scene), executor, threads
+        self.solver = ConstraintSolver(plan(model, scene), executor)
+        self.figures = ConstraintFigures(self.solver)
+        self.followed: Mask = np.zeros(model.n, dtype=bool)
+        self._tau = self._wrenches = self.touching = np.zeros((0, model.n))
+
+    def take(self, block: Trajectory) -> Trajectory:
+        """Return the block with the wrenches of its constraints."""
+        names = constraint_columns(self.scene)
+        self._wrenches, self._tau = np.empty((len(block), len(names))), np.empty((len(block), self.model.n))
+        self.touching = np.zeros((len(block), sum(len(contact.points) for contact in self.scene.contacts)))
+        for k, found in self._solved(block, sources_of(block, self.open)):
+            check_closed(self.solver.plan, found.gap, block.first_row + k.start)
+            self._wrenches[k], self._tau[k] = found.wrenches, found.tau
+            if found.problem is not None and found.problem.active is not None:
+                self.touching[k] = found.problem.active
+            self.figures.update(block.time[k], block.first_row + k.start, found)
+        return replace(block, extra={**block.extra, **dict(zip(names, self._wrenches.T, strict=True))})
+
+    def written(self, columns: Floats) -> Floats:
+        """Return the columns of `constrained_names` for the last block.
+
+        Args:
+            columns: (N, n and more) torques of all rates, and what follows them in tables.
+        """
+        n, passive = self.model.n, self.solver.actuation.passive
+        return np.hstack((columns[:, :n][:, ~passive], self._wrenches[:, : self._own], columns[:, n:]))
+
+    @property
+    def _own(self) -> int:
+        """Columns of the wrenches of loops on their links, and of contacts."""
+        return 6 * len(self.scene.constraint_names)
+
+    def settle(self, loads: Floats) -> None:
+        """Write what nothing gives at passive rates of the last block in place of what the recursion leaves there."""
+        passive = self.solver.actuation.passive
+        loads[:, : self.model.n][:, passive] = self._tau[:, passive]
+
+    def static(self, block: Trajectory) -> Floats:
+        """Return (N, n) the torques that hold a block's poses at rest."""
+        rest = {name: np.zeros_like(values) for name, values in (("qd", block.qd), ("qdd", block.qdd))}
+        sources = sources_of(block, self.open) | rest
+        return np.concatenate([found.tau for _, found in self._solved(block, sources)])
+
+    def _solved(self, block: Trajectory, sources: Mapping[str, Floats]) -> Iterator[tuple[slice, Found]]:
+        """Yield parts of a block with what is found there, its motion being that of `sources`."""
+        runner = torque_runner(self.model, self.open, zero_sources(sources))
+        tau = runner.run(sources, len(block), executor=self.executor, threads=self.threads).values
+        q, qd = (np.ascontiguousarray(x) for x in (block.q, block.qd))
+        for k in self.solver.pieces(len(block)):
+            on = {name: values[k] for name, values in block.extra.items()}
+            touch = touching(self.solver.plan, q[k], qd[k], block.time[k], on, self.executor)
+            yield k, self.solver.solve(q[k], qd[k], tau[k], touch)
+
+    def response(self, state: Mapping[str, Floats]) -> Floats:
+        """Return (n, n) by how much torques change with each acceleration that is given, the others following.
+
+        Of a solution that is linear in pieces, as cones of friction make it, half of the difference between a step
+        forwards and one back. Accelerations that follow from the loops are not given: their columns are 0.
+
+        Args:
+            state: q (nq,), qd, qdd (n,), columns and touching of one sample.
+        """
+        M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.open, executor="numpy")
+        sources = {name: state[name][None] for name in ("q", "qd", "qdd")}
+        sources["columns"] = state["columns"][None, : len(self.open.columns)]
+        tau = torque_runner(self.model, self.open).run(sources, 1, executor="numpy").values
+        moved = product(self._following(state["q"]), M)
+        q, qd = (np.repeat(sources[name], 2 * len(moved), axis=0) for name in ("q", "qd"))
+        touch = np.repeat(state["touching"][None] != 0.0, len(q), axis=0)
+        found = self.solver.solve(q, qd, np.concatenate((tau + moved, tau - moved)), touch).tau
+        return np.asarray(0.5 * (found[: len(moved)] - found[len(moved) :]).T)
+
+    def _following(self, q: Floats) -> Floats:
+        """Return (n, n) accelerations, row by row: what a unit of each given one takes along; 0 for followed ones."""
+        followed = self.followed
+        if not followed.any():
+            return np.eye(self.model.n)
+        J = loop_map(self.solver.plan, q[None], "numpy").J[0]
+        out = np.diag((~followed).astype(float))
+        for rate in np.flatnonzero(~followed):
+            out[rate, followed] = shortest(J[:, followed], -J[:, rate], NOTHING)
+        return out
+
+    def report(self) -> Constraints:
+        """Return the figures so far."""
+        return self.figures.report()

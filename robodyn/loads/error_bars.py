@@ -1,0 +1,62 @@
+"""By how much torques may be off that come of derived accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.dynamics.mass import mass_matrix
+from robodyn.loads.doubts import Openness
+from robodyn.programs.vectors import length
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+if TYPE_CHECKING:
+    from robodyn.loads.constraints import ConstraintPass
+
+
+class ErrorBars:
+    """Error bars of joint torques, by the derivatives of torques by accelerations.
+
+    Attributes:
+        openness: what is open of the accelerations.
+    """
+
+    def __init__(self, model: Model, scene: Scene, rates: slice, constraints: ConstraintPass | None) -> None:
+        """Args: rates: the entries of tau that are joints; constraints: of the motion, if there are any."""
+        self.model, self.scene, self.rates, self.constraints = model, scene, rates, constraints
+        self.openness = Openness(model.n)
+        self._first: Floats | None = None
+
+    def over_block(self, state: Mapping[str, Floats], off: Floats) -> Floats | float:
+        """Return (joints, N) by how much torques may be off, with the inertia of the first pose; 0 for guesses.
+
+        Args:
+            state: q (N, nq) and so on; off: (N, n) of accelerations.
+        """
+        if self.openness.guessed or not off.any():
+            return 0.0
+        if self._first is None:
+            self._first = self._response({name: values[0] for name, values in state.items()})[self.rates]
+        found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._first**2, off**2))
+        return found
+
+    def at_peak(self, k: int, state: Mapping[str, Floats] | None, shares: Mapping[str, float]) -> tuple[float, float]:
+        """Return sqrt(sum (M_kj s_j)^2) of joint k at its peak, what noise of accelerations does there; and its bar.
+
+        Args:
+            state: of the peak; None without one. shares: of the torque, by effect.
+        """
+        if state is None or not state["off"].any():
+            return 0.0, 0.0
+        M = self._response(state)[k + self.rates.start]
+        return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)
+
+    def _response(self, state: Mapping[str, Floats]) -> Floats:
+        """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it."""
+        if self.constraints is not None:
+            return self.constraints.response(state)
+        return mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.scene, executor="numpy")
