@@ -41,8 +41,8 @@ def state_of(
     if traj is None:
         if time is not None or given():
             raise click.UsageError(f"{given() or '--time'} goes with --traj", ctx)
-        if scene.columns:
-            raise click.UsageError("the scene's wrenches need columns of a trajectory: give --traj and --time", ctx)
+        if scene.motion_columns:
+            raise click.UsageError("the scene needs columns of a trajectory: give --traj and --time", ctx)
         words = ["at rest" if qd is None else "moving"] + ["accelerating"] * (qdd is not None)
         state = {"q": configuration(model, at or ()), "qd": rates(model, qd or ()), "qdd": rates(model, qdd or ())}
         return ("as given" if at is not None else "at zero") + ", " + ", ".join(words), state, ()
@@ -51,7 +51,13 @@ def state_of(
     if time is None:
         raise click.UsageError("--traj needs --time", ctx)
     with read_motion(traj, model, scene, **reading()) as reader:
-        row = row_at(reader, time)
+        if scene.loops:
+            from robodyn.dynamics.plan import plan
+            from robodyn.loads.follow import Follower
+
+            row = row_at(reader, time, Follower(plan(model, scene), reader.followed, reader.file).take)
+        else:
+            row = row_at(reader, time)
     since = " after the first" if row.origin else ""
     words_of_row = f"row {row.first_row} of {traj} at {row.time[0]:.6g} s{since}"
     if row.time[0] != time:

@@ -9,7 +9,6 @@ import numpy as np
 
 from robodyn.dynamics.arrays import zero_sources
 from robodyn.dynamics.constraints.actuation import actuation
-from robodyn.dynamics.constraints.inverse import check_closed
 from robodyn.dynamics.constraints.maps import loop_map
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.constraints.structure import Mask
@@ -21,6 +20,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
+from robodyn.loads.follow import Follower
 from robodyn.programs.linear import shortest
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
@@ -47,25 +47,38 @@ class ConstraintPass:
 
     Attributes:
         tree: the scene in which these act on the open tree.
-        followed: (n,) rates that follow from the loops.
+        names: joints that follow from the loops; followed: (n,) their rates.
         touching: (N, K) 1 where points of contacts touch, at the samples of the last block.
     """
 
-    def __init__(self, model: Model, scene: Scene, executor: str, threads: int | None) -> None:
+    def __init__(
+        self,
+        model: Model,
+        scene: Scene,
+        executor: str,
+        threads: int | None,
+        followed: Sequence[str] = (),
+        file: str | None = None,
+    ) -> None:
+        """Args: followed: joints without columns, which loops tell; file: of the motion, as messages name it."""
         self.model, self.scene, self.tree = model, scene, tree_scene(model, scene)
         self.open, self.executor, self.threads = open_scene(scene), executor, threads
         self.solver = ConstraintSolver(plan(model, scene), executor)
         self.figures = ConstraintFigures(self.solver)
-        self.followed: Mask = np.zeros(model.n, dtype=bool)
+        self.names = tuple(followed)
+        self.followed: Mask = np.isin(model.rates, self.names)
+        self._follower = Follower(self.solver.plan, followed, file) if scene.loops else None
         self._tau = self._wrenches = self.touching = np.zeros((0, model.n))
 
     def take(self, block: Trajectory) -> Trajectory:
-        """Return the block with the wrenches of its constraints."""
+        """Return the block with the coordinates that follow from loops, and the wrenches of its constraints."""
+        if (follower := self._follower) is not None:
+            block = follower.take(block)
+            block = replace(block, notes=block.notes + follower.notes, doubts=block.doubts + follower.doubts)
         names = constraint_columns(self.scene)
         self._wrenches, self._tau = np.empty((len(block), len(names))), np.empty((len(block), self.model.n))
         self.touching = np.zeros((len(block), sum(len(contact.points) for contact in self.scene.contacts)))
         for k, found in self._solved(block, sources_of(block, self.open)):
-            check_closed(self.solver.plan, found.gap, block.first_row + k.start)
             self._wrenches[k], self._tau[k] = found.wrenches, found.tau
             if found.problem is not None and found.problem.active is not None:
                 self.touching[k] = found.problem.active
@@ -139,4 +152,4 @@ class ConstraintPass:
 
     def report(self) -> Constraints:
         """Return the figures so far."""
-        return self.figures.report()
+        return replace(self.figures.report(), followed=self.names)

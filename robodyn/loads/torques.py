@@ -89,7 +89,8 @@ def _constraints(
         return None
     from robodyn.loads.constraints import ConstraintPass
 
-    return ConstraintPass(model, scene, options.executor, options.threads)
+    file = getattr(motion, "file", None)
+    return ConstraintPass(model, scene, options.executor, options.threads, motion.followed, file)
 
 
 def _opened(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from types import TracebackType
@@ -174,14 +174,19 @@ def _begun(layout: Layout, table: Table) -> Layout:
     return replace(layout, clock=clock)
 
 
-def row_at(reader: TrajectoryReader, time: float) -> Trajectory:
+def row_at(
+    reader: TrajectoryReader, time: float, complete: Callable[[Trajectory], Trajectory] = lambda block: block
+) -> Trajectory:
     """The sample nearest to `time` [s], the earlier of two that are as near; nothing is interpolated.
+
+    Args:
+        complete: fills in what blocks lack, one after another.
 
     Raises:
         TrajectoryError: the time is before the first row or after the last, or the table is wrong.
     """
     first, best, last = float("nan"), None, float("nan")
-    for block in reader.blocks():
+    for block in map(complete, reader.blocks()):
         k = int(np.argmin(np.abs(block.time - time)))
         first = float(block.time[0]) if best is None else first
         last = float(block.time[-1])

@@ -90,7 +90,7 @@ CALLS = [
     ((SCARA, "--at", "1,2"), f"{SCARA}: 2 values for 3 coordinates (in the order: 'shoulder', 'elbow', 'quill')"),
     ((SCARA, "--qd", "1,2"), f"{SCARA}: 2 values for 3 coordinates (in the order: 'shoulder', 'elbow', 'quill')"),
     ((SCARA, "--qdd", "elbwo=1"), f"{SCARA}: no joint 'elbwo' to set (did you mean 'elbow'?)"),
-    (PUMA, "the scene's wrenches need columns of a trajectory: give --traj and --time (try: robodyn fbd --help)"),
+    (PUMA, "the scene needs columns of a trajectory: give --traj and --time (try: robodyn fbd --help)"),
     ((*PUMA, "--traj", POLISH, "--time", "99"), f"{POLISH}: time 99 s is outside the motion (it lasts from 0 s to "),
     ((*PUMA, "--traj", POLISH, "--time", "nan"), f"{POLISH}: time nan s is outside the motion"),
 ]

@@ -110,7 +110,7 @@ def _solved(
     for k in solver.pieces(samples):
         here = {name: values[k] for name, values in on.items()}
         found = solver.solve(q[k], qd[k], open_tau[k], touching(solver.plan, q[k], qd[k], None, here, executor))
-        check_closed(solver.plan, found.gap)
+        _check_closed(solver.plan, found.gap)
         tau[k], wrenches[k] = found.tau, found.wrenches
     return tau.reshape(*shape, -1), wrenches.reshape(*shape, -1)
 
@@ -119,21 +119,11 @@ def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
     return np.broadcast_to(numbers(name, values, np.dtype(float)), shape).reshape(prod(shape))
 
 
-def check_closed(a_plan: Plan, gap: Floats, first_row: int | None = None) -> None:
-    """Raise if a loop is open.
-
-    Args:
-        gap: (N, m) phi of the loops' equations; first_row: of the data, where they have one.
-
-    Raises:
-        InputError: naming the loop that is open the furthest.
-    """
-    worst = np.abs(gap).max(axis=1, initial=0.0)
-    if not len(worst) or not (found := float(worst.max())) > CLOSED:
+def _check_closed(a_plan: Plan, gap: Floats) -> None:
+    """Raise if a loop is open; gap: (N, m) phi of the loops' equations."""
+    if not gap.size or not (worst := float(np.abs(gap).max())) > CLOSED:
         return
-    at = int(worst.argmax())
     equations = [(each.loop.name, equation.unit) for each in closures(a_plan) for equation in each.equations]
-    name, unit = equations[int(np.abs(gap[at]).argmax())]
-    row = "" if first_row is None else f"row {first_row + at}: "
-    what = f"{row}loop {shown(name)} is open by {found:.3g} {unit}"
-    raise InputError(what, remedy="leave out coordinates that follow from the loops, or give some that close them")
+    name, unit = equations[int(np.abs(gap).max(axis=0).argmax())]
+    what = f"loop {shown(name)} is open by {worst:.3g} {unit}"
+    raise InputError(what, remedy="give coordinates that close it; robodyn.torques finds them from those of the drives")

@@ -8,10 +8,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from robodyn.dynamics.initial_state import default_pose
-from robodyn.dynamics.inverse import runner_of
 from robodyn.dynamics.loops.find import tied_chain
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import Plan
+from robodyn.dynamics.runners import runner_of
 from robodyn.programs.program import traced
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
