@@ -34,7 +34,7 @@ class Follower:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was chosen: one of several branches."""
+        """Which of several branches was chosen, and what is open."""
         return self._follow.notes
 
     @property
@@ -50,6 +50,8 @@ class Follower:
 
         Accuracy: as `Follow.take`.
         """
+        if not len(block):
+            return replace(block, followed=())
         found = block.sampling
         bars = () if found is None else (found.off, found.noise)
         whole = self._follow.take(block.given_time, block.q, block.qd, block.qdd, bars, block.first_row)

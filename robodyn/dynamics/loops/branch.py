@@ -11,12 +11,14 @@ from robodyn.dynamics.loops.block_equations import BlockEquations
 from robodyn.programs.stacked import least_squares
 from robodyn.support.floats import Floats
 
-LONGEST = 0.3
+LONGEST = 0.5
 """rad, or of the loops' size: what the given coordinates move in one step, all together."""
 SHORTEST = 1e-8
 """Of a step, below which there is no way on."""
 MOST = 4096
 """Samples in one step."""
+STEPS = 10_000
+"""From one sample to the next, at most."""
 NEAR = 0.1
 """Of a step, that Newton's corrections may add to what is predicted: another branch is farther away."""
 DONE = 1e-9
@@ -100,7 +102,7 @@ class Branch:
             place: (nq,) on the loops, where the motion comes from. q: (N, nq).
         """
         reached = np.concatenate(((0.0,), np.cumsum(self._length(self._between(q[:-1], q[1:])))))
-        k, longest, J = 0, LONGEST, self.equations.places(place[None])[1][0]
+        k, steps, longest, J = 0, 0, LONGEST, self.equations.places(place[None])[1][0]
         while k < len(q):
             first = self._between(place[None], q[k : k + 1])
             away = float(self._length(first)[0])
@@ -121,8 +123,9 @@ class Branch:
             if whole:
                 q[k : k + good, self.coordinates] = found.q[:good, self.coordinates]
                 k += good
+            steps = 0 if whole and good else steps + 1
             longest = min(2.0 * longest, LONGEST) if good else 0.5 * min(longest, away)
-            if longest < SHORTEST:
+            if longest < SHORTEST or steps > STEPS:
                 return Lost(k, place, False)
         return None
 

@@ -51,8 +51,9 @@ def search(branch: Branch, q: Floats, near: Floats, tolerance: float) -> Start:
     worst = int(np.argmax(phi[best]))
     missed = f"{phi[best, worst] * equations.scale[worst]:.3g} {equations.units[worst]}"
     places = _unwound(branch, found.q[found.closed & (left <= tolerance)], near)
-    whole = [k for k, place in enumerate(places) if _unturned(equations.chain, place)]
-    return Start(_distinct(branch, places[whole], near), f'loop "{equations.names[worst]}" misses by {missed}')
+    if any(closure.loop.kind == "weld" for closure in equations.chain.closures):
+        places = places[[_unturned(equations.chain, place) for place in places]]
+    return Start(_distinct(branch, places, near), f'loop "{equations.names[worst]}" misses by {missed}')
 
 
 def _unturned(chain: ClosedChain, q: Floats) -> bool:

@@ -23,11 +23,11 @@ from robodyn.support.wording import count
 
 TRIALS = 6
 """Configurations at which the rank of J is looked at before one that is closed is known."""
-OFF = 5e-3
+OFF = 1e-2
 """rad, or of the loops' size: what given coordinates may miss of closing the loops.
 
-Encoders of 12 bits and rounded degrees miss by 1e-3, and links that were measured to 1e-3 of their lengths; a wrong
-sign, offset or unit misses by 1e-2 and more. Torques are off by about the same share.
+Encoders of 12 bits, rounded degrees and links that were measured to 1e-3 of their lengths miss by a few 1e-3; an offset
+of a degree, a wrong sign or unit misses by more than this. Torques are off by about the same share.
 """
 CLOSED = 1e-9
 """The same where coordinates follow that are free to close them."""

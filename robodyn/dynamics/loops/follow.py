@@ -45,7 +45,7 @@ class Follow:
     """Completes a motion, block after block: what is not given follows from the loops.
 
     Attributes:
-        notes: what was chosen. mismatch: what the loops miss by, see `Misfits`.
+        branch: what follows of what.
     """
 
     def __init__(self, plan: Plan, followed: Sequence[str] = (), file: str | None = None) -> None:
@@ -66,7 +66,7 @@ class Follow:
             what = f"no column says where {strange[0]!r} is, and it is in no loop that could tell"
             raise TrajectoryError(what, remedy=f"give q_{strange[0]}, or --hold {strange[0]}=rest", file=file)
         self.branch = Branch(self.equations, rates)
-        self.notes: tuple[str, ...] = ()
+        self._chosen: tuple[str, ...] = ()
         self._misfits = Misfits(self.equations)
         self._place: Floats | None = None
         self._sign, self._time = 0.0, 0.0
@@ -76,6 +76,11 @@ class Follow:
     def mismatch(self) -> tuple[Misfit, ...]:
         """The largest |phi|, |phi'| and |phi''| so far, in this order."""
         return self._misfits.largest
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Which of several branches was chosen, and what is open."""
+        return (*self._chosen, *self._misfits.notes())
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
@@ -129,7 +134,7 @@ class Follow:
             self._place = q[0].copy()
             if len(self.branch.followed):
                 self._place, notes = begin(self.branch, q[0], _where(first_row, time[0]))
-                self.notes = tuple(notes)
+                self._chosen = tuple(notes)
             chain = self.equations.chain
             for place in nearby(chain, self._place)[:1] if chain.dropped else []:
                 check_dropped(chain, place)

@@ -18,6 +18,10 @@ SHARE = 0.05
 """Of the largest sum of |J_k qd_k| along the motion: rates that miss by more are not those of a closed chain."""
 
 
+NOTED = 1e-3
+"""rad, or of the loops' size, from which on it is said that loops are open."""
+
+
 class Misfit(NamedTuple):
     """The largest |phi|, or of its first or second derivative.
 
@@ -91,6 +95,13 @@ class Misfits:
             unit, name = f"{self._equations.units[worst]}{RATES[order]}", self._equations.names[worst]
             self._shares[order] = float(shares[k, worst])
             self._largest[order] = Misfit(order, float(abs(values[k, worst])), unit, name, float(time[k]))
+
+    def notes(self) -> list[str]:
+        """Return a note on loops that the positions given leave open."""
+        misfit = self._largest[0]
+        if misfit is None or self._shares[0] <= NOTED:
+            return []
+        return [f'loop "{misfit.loop}" is open by up to {misfit.size:.2g} {misfit.unit} ({misfit.time:.4g} s)']
 
     def doubts(self) -> list[Doubt]:
         """Return the doubt about given rates that the loops do not allow."""

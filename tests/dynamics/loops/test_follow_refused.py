@@ -81,15 +81,17 @@ def test_columns_that_contradict_each_other(followed):
     q = {name: np.full(5, scene.initial_q[name]) for name in model.coordinates}
     exact, *_ = follow(model, scene, followed, q)
     assert exact.mismatch[0].size <= 1e-15
+    assert exact.notes == ()
     near = q | {"rail": q["rail"] + np.array([0.0, 0.0, 2e-3, 1e-3, 0.0])}
     kept, *_ = follow(model, scene, followed, near)
     (misfit, *_) = kept.mismatch
     assert (misfit.loop, misfit.unit, misfit.time) == ("pin", "m", 0.5)
+    assert kept.notes == ('loop "pin" is open by up to 0.002 m (0.5 s)',)
     assert misfit.size == pytest.approx(2e-3, rel=1e-9)  # the crank moves the pin across the slide
     far = q | {"rail": q["rail"] + np.array([0.0, 0.0, 0.0, 0.02, 0.0])}
     text = refused((model, scene), followed, far)
     assert text.startswith('row 4, 0.75 s: loop "pin" is open by 0.0')
-    assert "with these columns, more than 0.004 m (correct the columns, or leave some out" in text
+    assert "with these columns, more than 0.008 m (correct the columns, or leave some out" in text
 
 
 def test_rates_that_do_not_go_with_the_loops_are_in_doubt():
