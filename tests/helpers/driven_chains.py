@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -72,7 +72,11 @@ class Chain:
     @cached_property
     def torques(self) -> np.ndarray:
         """(samples, n) of virtual work, 0 at joints that nothing drives."""
-        found = torques(self.mechanism, self.u)
+        return self.torques_with({})
+
+    def torques_with(self, taken: Mapping[str, np.ndarray]) -> np.ndarray:
+        """As `torques`, of joints at which friction, springs and rotors take (samples,) N m or N."""
+        found = torques(self.mechanism, self.u, taken)
         return np.column_stack([found.get(name, 0 * self.u[0].x) for name in self.model.joint_names])
 
 

@@ -7,7 +7,7 @@ and what motors at th(u) must give is `tau = (dth/du)^-T Q`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,11 +41,19 @@ class Place(NamedTuple):
 Mechanism = Callable[[Sequence[Jet]], Place]
 
 
-def torques(mechanism: Mechanism, u: Sequence[Jet]) -> dict[str, np.ndarray]:
-    """Return (samples,) of each motor along a motion: jets of arrays."""
+def torques(
+    mechanism: Mechanism, u: Sequence[Jet], taken: Mapping[str, np.ndarray] | None = None
+) -> dict[str, np.ndarray]:
+    """Return (samples,) of each motor along a motion: jets of arrays.
+
+    Args:
+        taken: by joint (samples,) what friction, springs and rotors take there; it works at dq/du.
+    """
     here = mechanism(u)
     seeds = [mechanism([Jet(x.x, float(k == j), 0.0) for k, x in enumerate(u)]) for j in range(len(u))]
     Q = np.array([_force(here, seed) for seed in seeds])
+    for name, tau in (taken or {}).items():
+        Q += np.array([tau * seed.joints[name].v for seed in seeds])
     slope = np.array([[seed.joints[name].v + 0 * Q[0] for name in here.motors] for seed in seeds])
     tau = np.linalg.solve(slope.transpose(2, 0, 1), Q.T[..., None])[..., 0]
     return dict(zip(here.motors, tau.T, strict=True))
@@ -65,3 +73,13 @@ def energy(place: Place) -> np.ndarray:
     """Return T + V [J]."""
     kinetic = sum(0.5 * jet(part.c).x * f.v * f.v for part in place.moving for f in part.f)
     return np.asarray(kinetic + place.potential.x)
+
+
+def power(place: Place) -> np.ndarray:
+    """Return the rate of T + V [W]."""
+    rate = place.potential.v
+    for part in place.moving:
+        c = jet(part.c)
+        for f in part.f:
+            rate = rate + c.x * f.v * f.a + 0.5 * c.v * f.v * f.v
+    return np.asarray(rate)

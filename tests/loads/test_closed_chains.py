@@ -1,0 +1,125 @@
+"""Torques of closed chains against virtual work, against simulations that they undo, and against the rate of energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS, run
+from helpers.driven_chains import MIDDLE, SCENES, Chain, moving, still, swinging
+from helpers.virtual_work import power
+
+import robodyn
+
+PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
+GAINS = {"crank_slider": 2.0, "four_bar": 40.0, "five_bar": 15.0, "delta": 15.0, "planar_3rrr": 15.0}
+"""N m/rad of the drives that pull the chains of a simulation along."""
+
+
+def table(path: Path) -> dict[str, np.ndarray]:
+    header, *lines = path.read_text().splitlines()
+    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
+    return dict(zip(header.split(","), rows.T, strict=True))
+
+
+def motors_alone(chain: Chain, times: np.ndarray, path: Path) -> Path:
+    """Write the motion of the driven joints."""
+    names = chain.scene.actuated
+    assert names
+    columns = {"time": times}
+    for level, values in zip(("q", "qd", "qdd"), chain.state, strict=True):
+        columns |= {f"{level}_{name}": values[:, chain.model.joint_names.index(name)] for name in names}
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("make", [still, moving])
+@pytest.mark.parametrize("name", MIDDLE)
+def test_drives_are_those_of_virtual_work(name, make):
+    chain = make(name)
+    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
+    np.testing.assert_allclose(tau, chain.torques, rtol=0, atol=1e-13 * np.abs(chain.torques).max())
+
+
+@pytest.mark.parametrize("name", MIDDLE)
+def test_friction_springs_and_rotors_act_in_passive_joints_too(name):
+    chain, rng = moving(name), np.random.default_rng(1)
+    friction, spring, rotor, taken = {}, {}, {}, {}
+    for joint, q, qd, qdd in zip(chain.model.joint_names, *(part.T for part in chain.state), strict=True):
+        c, f, k, rest, J = rng.uniform(0.05, 0.5, 5)
+        friction[joint] = robodyn.Friction(c, f, -f)
+        spring[joint] = robodyn.Spring(k, rest)
+        rotor[joint] = robodyn.Rotor(J / 100, 3.0)
+        taken[joint] = c * qd + f * np.sign(qd) + k * (q - rest) + 9.0 * J / 100 * qdd
+    scene = replace(chain.scene, friction=friction, spring=spring, rotor=rotor)
+    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=scene)
+    expected = chain.torques_with(taken)
+    assert np.abs(expected - chain.torques).max() >= 0.1 * np.abs(expected).max()
+    np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", MIDDLE)
+def test_the_power_of_the_drives_is_the_rate_of_energy(name):
+    chain = moving(name)
+    tau = robodyn.inverse_dynamics(chain.model, *chain.state, scene=chain.scene)
+    parts = tau * chain.state[1]
+    np.testing.assert_allclose(parts.sum(axis=1), power(chain.place), rtol=0, atol=1e-13 * np.abs(parts).max())
+
+
+@pytest.mark.parametrize("name", MIDDLE)
+def test_a_motion_of_the_motors_alone_is_enough(name, tmp_path):
+    times = np.linspace(0, 2, 101)
+    chain = swinging(name, times)
+    motion, out = motors_alone(chain, times, tmp_path / "motors.csv"), tmp_path / "tau.csv"
+    (tmp_path / "scene.toml").write_text(without_friction(name))
+    scene = str(tmp_path / "scene.toml")
+    outcome = run("torques", str(ROBOTS / f"{name}.urdf"), str(motion), "--scene", scene, "--out", str(out))
+    assert (outcome.status, outcome.err) == (0, "")
+    found = table(out)
+    bound = 1e-11 * np.abs(chain.torques).max()
+    for motor in chain.place.motors:
+        expected = chain.torques[:, chain.model.joint_names.index(motor)]
+        np.testing.assert_allclose(found[f"tau_{motor}"], expected, rtol=0, atol=bound)
+    passive = {f"tau_{joint}" for joint in chain.model.joint_names} - {f"tau_{motor}" for motor in chain.place.motors}
+    assert not passive & set(found)
+
+
+def without_friction(name: str) -> str:
+    """The scene of robots/, whose oracle has no friction."""
+    text = (ROBOTS / f"{SCENES[name]}.toml").read_text()
+    return text.replace("rail = { viscous = 60.0 }", "rail = { viscous = 0.0 }")
+
+
+def pulled(name: str, motors: tuple[str, ...]) -> str:
+    """The scene of robots/ with its friction, and drives that pull every motor to a place of its own."""
+    k, lines = GAINS[name], ["", "[drive]"]
+    for i, motor in enumerate(motors):
+        lines.append(
+            f"{motor} = {{ torque = {0.3 + 0.1 * i}, kp = {k}, kd = {0.05 * k}, reference = {0.3 - 0.2 * i} }}"
+        )
+    return (ROBOTS / f"{SCENES[name]}.toml").read_text() + "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("name", MIDDLE)
+def test_drives_and_loop_forces_of_a_simulation_come_back(name, tmp_path):
+    chain = still(name, 1)
+    urdf, scene = str(ROBOTS / f"{name}.urdf"), str(tmp_path / "scene.toml")
+    moved, out = tmp_path / "moved.csv", tmp_path / "back.csv"
+    (tmp_path / "scene.toml").write_text(pulled(name, chain.place.motors))
+    outcome = run("simulate", urdf, "--scene", scene, "--duration", "0.15", "--out", str(moved))
+    assert (outcome.status, outcome.err) == (0, "")
+    outcome = run("torques", urdf, str(moved), "--scene", scene, "--out", str(out))
+    assert (outcome.status, outcome.err) == (0, "")
+    expected, found = table(moved), table(out)
+    loops = [loop.name for loop in chain.scene.loops]
+    for names in (
+        [f"tau_{motor}" for motor in chain.place.motors],
+        *([f"{part}_{loop}" for loop in loops for part in group] for group in (PARTS[:3], PARTS[3:])),
+    ):
+        bound = 1e-9 * max(np.abs(expected[column]).max() for column in names)
+        assert all(np.abs(found[column] - expected[column]).max() <= bound for column in names)
+    assert max(np.abs(expected[f"tau_{motor}"]).max() for motor in chain.place.motors) >= 0.3
