@@ -35,7 +35,12 @@ MOTORS_ONLY = {
 
 
 def read_csv(name: str) -> dict[str, np.ndarray]:
-    header, *lines = (FOLDER / f"{name}.csv").read_text().splitlines()
+    return read_table(FOLDER / f"{name}.csv")
+
+
+def read_table(path: Path) -> dict[str, np.ndarray]:
+    """Return the columns of a CSV file."""
+    header, *lines = path.read_text().splitlines()
     rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
     return dict(zip(header.split(","), rows.T, strict=True))
 

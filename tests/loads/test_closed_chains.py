@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.driven_chains import MIDDLE, SCENES, Chain, moving, still, swinging
+from helpers.robot_files import read_table
 from helpers.virtual_work import power
 
 import robodyn
@@ -16,12 +17,6 @@ import robodyn
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")
 GAINS = {"crank_slider": 2.0, "four_bar": 40.0, "five_bar": 15.0, "delta": 15.0, "planar_3rrr": 15.0}
 """N m/rad of the drives that pull the chains of a simulation along."""
-
-
-def table(path: Path) -> dict[str, np.ndarray]:
-    header, *lines = path.read_text().splitlines()
-    rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
-    return dict(zip(header.split(","), rows.T, strict=True))
 
 
 def motors_alone(chain: Chain, times: np.ndarray, path: Path) -> Path:
@@ -79,7 +74,7 @@ def test_a_motion_of_the_motors_alone_is_enough(name, tmp_path):
     scene = str(tmp_path / "scene.toml")
     outcome = run("torques", str(ROBOTS / f"{name}.urdf"), str(motion), "--scene", scene, "--out", str(out))
     assert (outcome.status, outcome.err) == (0, "")
-    found = table(out)
+    found = read_table(out)
     bound = 1e-11 * np.abs(chain.torques).max()
     for motor in chain.place.motors:
         expected = chain.torques[:, chain.model.joint_names.index(motor)]
@@ -114,7 +109,7 @@ def test_drives_and_loop_forces_of_a_simulation_come_back(name, tmp_path):
     assert (outcome.status, outcome.err) == (0, "")
     outcome = run("torques", urdf, str(moved), "--scene", scene, "--out", str(out))
     assert (outcome.status, outcome.err) == (0, "")
-    expected, found = table(moved), table(out)
+    expected, found = read_table(moved), read_table(out)
     loops = [loop.name for loop in chain.scene.loops]
     for names in (
         [f"tau_{motor}" for motor in chain.place.motors],

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from helpers.peers import pin
 from helpers.quadruped_motion import LEGS, columns, trot
-from helpers.robot_files import model, read_csv, stacked
+from helpers.robot_files import model, read_csv
+from helpers.walked import base_wrenches, standing, states
 
 MOTIONS = ("quadruped_stand", "quadruped_crouch", "quadruped_trot")
 EPS = np.finfo(float).eps
@@ -18,25 +19,6 @@ LARGEST = 50.0
 @pytest.fixture(scope="module")
 def robot():
     return model("quadruped", pin.JointModelFreeFlyer())
-
-
-def states(robot, table):
-    """Pinocchio's q, v and a: the velocity of the base in its own axes, whose rate is `R' a - w x R' v`."""
-    names = [name for name in robot.names if name not in ("universe", "root_joint")]
-    q, qd, qdd = (stacked(table, [f"{level}_{name}" for name in names]) for level in ("q", "qd", "qdd"))
-    place, w, wd, v, a = (
-        stacked(table, [f"base_{name}" for name in group.split()])
-        for group in ("x y z qx qy qz qw", "wx wy wz", "wdx wdy wdz", "vx vy vz", "ax ay az")
-    )
-    for k in range(len(q)):
-        R = pin.Quaternion(place[k, 3:]).toRotationMatrix()
-        speed = R.T @ v[k]
-        rate = R.T @ a[k] - np.cross(w[k], speed)
-        yield np.r_[place[k], q[k]], np.r_[speed, w[k], qd[k]], np.r_[rate, wd[k], qdd[k]]
-
-
-def standing(table):
-    return np.column_stack([table.get(f"on_{leg}", np.ones(len(table["time"]))) for leg in LEGS]).astype(bool)
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -60,15 +42,6 @@ def test_feet_that_stand_stay_where_they_are(robot, name):
             assert np.abs(speed).max() <= 20 * EPS
             assert np.abs(rate).max() <= 10 * EPS * LARGEST
             before[leg] = place
-
-
-def base_wrenches(robot, table):
-    """Yield force and moment of the ground on the robot about the middle of its trunk, in the world's axes."""
-    data = robot.createData()
-    for q, v, a in states(robot, table):
-        wrench = pin.rnea(robot, data, q, v, a)[:6]
-        R = pin.Quaternion(q[3:7]).toRotationMatrix()
-        yield q[:3], R @ wrench[:3], R @ wrench[3:]
 
 
 def test_two_feet_carry_the_trot(robot):
