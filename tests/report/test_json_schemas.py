@@ -19,6 +19,8 @@ COMMANDS = (
     ("torques", f"{SWEEP} --scene robots/puma560_sizing.toml --momentum"),
     ("torques", "torques robots/puma.urdf robots/puma_encoder.csv --sizing"),
     ("torques", "torques robots/gripper.urdf robots/gripper_pick.csv --scene robots/gripper.toml"),
+    ("torques", "torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml"),
+    ("torques", "torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml"),
     ("torques_batch", "torques robots/puma.urdf robots/puma_reach.csv robots/puma_polish.csv --out OUT/"),
     ("simulate", "simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.1"),
     ("simulate", TUMBLE),
@@ -60,6 +62,33 @@ def test_documents_are_as_their_schemas_say(name, command, tmp_path, monkeypatch
     monkeypatch.chdir(ROOT)
     outcome = run(*command.replace("OUT", str(tmp_path)).split(), "--format", "json")
     Draft202012Validator(schema(name)).validate(json.loads(outcome.out))
+
+
+SOLE = """
+[base]
+motion = "moving"
+[[contact]]
+name = "sole"
+link = "lf_foot"
+polygon = [[-0.02, -0.02, 0], [0.02, -0.02, 0], [0.02, 0.02, 0], [-0.02, 0.02, 0]]
+"""
+PULLED = (ROOT / "robots" / "five_bar_reach.toml").read_text(encoding="utf-8").replace('"left", "right"', '"left"')
+
+
+@pytest.mark.parametrize(
+    ("scene", "motion", "key"),
+    [
+        (SOLE, "quadruped.urdf robots/quadruped_crouch.csv", "missing"),
+        (PULLED, "five_bar.urdf robots/five_bar_reach.csv", "unbalanced"),
+    ],
+)
+def test_what_nothing_balances_is_in_the_schema(scene, motion, key, tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    path = tmp_path / "scene.toml"
+    path.write_text(scene, encoding="utf-8")
+    document = json.loads(run("torques", *f"robots/{motion} --scene {path} --format json".split()).out)
+    assert document["constraints"][key]
+    Draft202012Validator(schema("torques")).validate(document)
 
 
 def test_every_schema_is_sound_and_used():
