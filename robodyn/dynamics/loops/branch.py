@@ -124,7 +124,10 @@ class Branch:
                 q[k : k + good, self.coordinates] = found.q[:good, self.coordinates]
                 k += good
             steps = 0 if whole and good else steps + 1
-            longest = min(2.0 * longest, LONGEST) if good else 0.5 * min(longest, away)
+            if good == len(targets):
+                longest = min(2.0 * longest, LONGEST)
+            else:
+                longest = 0.5 * (longest if good else min(longest, away))
             if longest < SHORTEST or steps > STEPS:
                 return Lost(k, place, False)
         return None
