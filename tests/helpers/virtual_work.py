@@ -49,14 +49,37 @@ def torques(
     Args:
         taken: by joint (samples,) what friction, springs and rotors take there; it works at dq/du.
     """
-    here = mechanism(u)
-    seeds = [mechanism([Jet(x.x, float(k == j), 0.0) for k, x in enumerate(u)]) for j in range(len(u))]
-    Q = np.array([_force(here, seed) for seed in seeds])
+    Q, seeds = _forces(mechanism, u)
     for name, tau in (taken or {}).items():
         Q += np.array([tau * seed.joints[name].v for seed in seeds])
-    slope = np.array([[seed.joints[name].v + 0 * Q[0] for name in here.motors] for seed in seeds])
-    tau = np.linalg.solve(slope.transpose(2, 0, 1), Q.T[..., None])[..., 0]
-    return dict(zip(here.motors, tau.T, strict=True))
+    motors = seeds[0].motors
+    tau = np.linalg.solve(_slopes(seeds, motors, Q), Q.T[..., None])[..., 0]
+    return dict(zip(motors, tau.T, strict=True))
+
+
+def shared(mechanism: Mechanism, u: Sequence[Jet], weights: Mapping[str, float]) -> dict[str, np.ndarray]:
+    """Return (samples,) of the joints of `weights`, all of which drive, with the least sum of weight tau^2.
+
+    With W = dq/du and D the weights, `W' tau = Q` is met by `tau = D^-1 W (W' D^-1 W)^-1 Q`.
+    """
+    Q, seeds = _forces(mechanism, u)
+    slopes = _slopes(seeds, tuple(weights), Q)
+    eased = slopes / np.array(list(weights.values()))
+    multipliers = np.linalg.solve(np.einsum("nji,nki->njk", eased, slopes), Q.T[..., None])[..., 0]
+    return dict(zip(weights, np.einsum("nji,nj->in", eased, multipliers), strict=True))
+
+
+def _forces(mechanism: Mechanism, u: Sequence[Jet]) -> tuple[np.ndarray, list[Place]]:
+    """Return Q (coordinates, samples), and the mechanism with each coordinate's rate 1 in turn."""
+    here = mechanism(u)
+    seeds = [mechanism([Jet(x.x, float(k == j), 0.0) for k, x in enumerate(u)]) for j in range(len(u))]
+    return np.array([_force(here, seed) for seed in seeds]), seeds
+
+
+def _slopes(seeds: list[Place], joints: tuple[str, ...], Q: np.ndarray) -> np.ndarray:
+    """Return (samples, coordinates, joints) dq/du."""
+    slopes = [[seed.joints[name].v + 0 * Q[0] for name in joints] for seed in seeds]
+    return np.array(slopes).transpose(2, 0, 1)
 
 
 def _force(here: Place, seed: Place) -> np.ndarray:

@@ -10,7 +10,7 @@ import pytest
 from helpers.command_line import ROBOTS, run
 from helpers.driven_chains import MIDDLE, SCENES, Chain, moving, still, swinging
 from helpers.robot_files import read_table
-from helpers.virtual_work import power
+from helpers.virtual_work import power, shared
 
 import robodyn
 
@@ -55,6 +55,20 @@ def test_friction_springs_and_rotors_act_in_passive_joints_too(name):
     expected = chain.torques_with(taken)
     assert np.abs(expected - chain.torques).max() >= 0.1 * np.abs(expected).max()
     np.testing.assert_allclose(tau, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", MIDDLE)
+def test_drives_of_all_joints_share_by_their_weights(name):
+    chain = moving(name)
+    names = chain.model.joint_names
+    weights = dict(zip(names, np.random.default_rng(2).uniform(0.3, 3.0, len(names)).tolist(), strict=True))
+    for given, scene in (
+        (dict.fromkeys(names, 1.0), replace(chain.scene, actuated=None)),
+        (weights, replace(chain.scene, actuated=None, share="weighted", weights=weights)),
+    ):
+        found = robodyn.inverse_dynamics(chain.model, *chain.state, scene=scene)
+        expected = np.column_stack([*shared(chain.mechanism, chain.u, given).values()])
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("name", MIDDLE)
