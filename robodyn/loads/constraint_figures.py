@@ -74,7 +74,7 @@ class ConstraintFigures:
         structure, found = self.solver.structure, closures(self.solver.plan)
         assert structure is not None
         root = np.sqrt(self.integrals.mean("square", self.loops.score**2)).tolist()
-        dropped = {closure.loop.name for closure, _ in necessary(self.solver.plan).dropped}
+        dropped = {closure.loop.name for closure, _ in self._dropped}
         columns = (self.loops.score.tolist(), self.loops.time.tolist(), self.loops.row.tolist())
         peaks = [Peak(*each) for each in zip(*columns, strict=True)]
         own = np.array(self._loop_of_equations())
@@ -124,8 +124,9 @@ class ConstraintFigures:
 
     @property
     def _dropped(self) -> tuple[Dropped, ...]:
-        """Equations that others of their loops imply."""
-        return necessary(self.solver.plan).dropped if self.solver.plan.scene.loops else ()
+        """Equations that others of their loops imply, where these are left out."""
+        scene = self.solver.plan.scene
+        return necessary(self.solver.plan).dropped if scene.loops and scene.contacts else ()
 
 
 def _share_words(scene: Scene) -> str:

@@ -50,9 +50,16 @@ class LoopMap(NamedTuple):
 
 @lru_cache(maxsize=16)
 def closures(plan: Plan) -> tuple[Closure, ...]:
-    """Return the scene's loops with the equations that `necessary` keeps, found in the model as it is."""
+    """Return the scene's loops, found in the model as it is.
+
+    With all their equations, of which those that others imply carry their part of the least forces; beside contacts
+    with those that `necessary` keeps, for contact forces are found with independent ones.
+    """
+    whole = tuple(closure_of(plan.model, loop) for loop in plan.scene.loops)
+    if not plan.scene.contacts:
+        return whole
     kept = necessary(plan).closures
-    return tuple(replace(closure_of(plan.model, each.loop), equations=each.equations) for each in kept)
+    return tuple(replace(one, equations=each.equations) for one, each in zip(whole, kept, strict=True))
 
 
 def loop_map(plan: Plan, q: Floats, executor: str = "auto") -> LoopMap:

@@ -71,7 +71,8 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
         open_forces = np.where(singular[:, None, None], 0.0, times(open_forces, free))
     left_over = (forces - np.einsum("nij,ni->nj", scaled, x)) / found.rate_scale
     multipliers = _shortest(x * found.equation_scale, open_forces * found.equation_scale[:, None], singular)
-    over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > LOST * found.largest
+    multipliers = np.where(J.any(axis=2), multipliers, 0.0)
+    over = sizes[:, rank : rank + 1].max(axis=1, initial=0.0) > max(LOST, found.none) * found.largest
     smallest = sizes[:, rank - 1] / found.largest if rank else np.ones(len(tau))
     return Shares(multipliers, left_over[:, ~passive], left_over[:, passive], smallest, singular, over)
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.dynamics.constraints.actuation import actuation
 from robodyn.dynamics.constraints.maps import (
     ContactMap,
     LoopMap,
+    closures,
     contact_map,
     loop_map,
     loop_wrenches,
@@ -88,7 +90,7 @@ class ConstraintSolver:
         plan, samples, n = self.plan, len(q), tau.shape[1]
         loops = loop_map(plan, q, self.executor) if plan.scene.loops else no_loops(samples, n)
         contacts = contact_map(plan, q, qd, self.executor) if plan.scene.contacts else no_contacts(samples, n)
-        self._decide(loops.J, contacts.J, touching)
+        self._decide(loops, contacts.J, touching)
         forces, problem, solved = np.zeros((samples, 0, 3)), None, None
         if plan.scene.contacts:
             problem = self._problem(loops, contacts, tau, touching)
@@ -116,13 +118,14 @@ class ConstraintSolver:
         found = shares(self.structure, loops.J[:, :, counted], tau[:, counted], part.weights)
         return found.multipliers, found.singular | found.higher
 
-    def _decide(self, loops: Floats, contacts: Floats, touching: Mask) -> None:
+    def _decide(self, loops: LoopMap, contacts: Floats, touching: Mask) -> None:
         """Decide the ranks of loops once, and which torques are open for each set of points that touch."""
         part = self.actuation
         counted = part.counted
-        rows = np.unique(np.linspace(0, len(loops) - 1, REFERENCES).astype(int))
         if self.structure is None:
-            self.structure = structure(loops[rows][:, :, counted], part.passive[counted])
+            rows = np.unique(np.linspace(0, len(loops.J) - 1, REFERENCES).astype(int))
+            noise = self._openness(loops, rows)
+            self.structure = structure(loops.J[rows][:, :, counted], part.passive[counted], noise)
             if not contacts.shape[1]:
                 self.open_drives |= ~self.structure.torque_determined
         if contacts.shape[1]:
@@ -130,8 +133,18 @@ class ConstraintSolver:
             for pattern, row in zip(patterns, first, strict=True):
                 if pattern.tobytes() not in self._patterns:
                     self._patterns.add(pattern.tobytes())
-                    J = np.concatenate((loops[row], contacts[row][np.repeat(pattern, 3)]))[None, :, counted]
+                    J = np.concatenate((loops.J[row], contacts[row][np.repeat(pattern, 3)]))[None, :, counted]
                     self.open_drives |= ~structure(J, part.passive[counted]).torque_determined
+
+    def _openness(self, loops: LoopMap, rows: NDArray[np.int64]) -> float:
+        """Return by how much loops are open, in rad, or in m of the lengths by which rates move their points."""
+        if not self.plan.scene.loops:
+            return 0.0
+        units = np.array([equation.unit for each in closures(self.plan) for equation in each.equations])
+        gap, size = (np.abs(x[rows]) for x in (loops.error, loops.J))
+        parts = [(gap[:, units == unit], size[:, units == unit]) for unit in ("m", "rad")]
+        lengths = parts[0][1].max(initial=0.0) or 1.0
+        return max(float(parts[0][0].max(initial=0.0)) / lengths, float(parts[1][0].max(initial=0.0)))
 
     def _problem(self, loops: LoopMap, contacts: ContactMap, tau: Floats, touching: Mask) -> Problem:
         """Return what contact forces have to do: balance what is passive, its moments in units of the robot's reach."""

@@ -33,7 +33,7 @@ class Structure:
         passive: (n,) rates that nothing drives.
         equation_scale, rate_scale: (m,), (n,) of powers of two; diag(equation_scale) J diag(rate_scale) is
             equilibrated, so that units and the size of a robot decide nothing.
-        largest: singular value of the equilibrated J.
+        largest: singular value of the equilibrated J; none: smaller ones count as none, relative to it.
         rank: of A; usual: its smallest singular value that counts, relative to `largest` (1 for rank 0).
         redundancy: rank of B: how many actuators there are beyond the freedoms that they drive; `usual_redundancy` as
             `usual`.
@@ -49,6 +49,7 @@ class Structure:
     equation_scale: Floats
     rate_scale: Floats
     largest: float
+    none: float
     rank: int
     usual: float
     redundancy: int
@@ -97,6 +98,7 @@ def structure(J: Floats, passive: Mask, noise: float = 0.0) -> Structure:
         equation_scale=equation_scale,
         rate_scale=rate_scale,
         largest=largest,
+        none=none,
         rank=rank,
         usual=usual,
         redundancy=redundancy,

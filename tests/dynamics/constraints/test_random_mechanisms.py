@@ -13,6 +13,7 @@ from helpers.random_mechanisms import COUNT, SHAPES, mechanism
 from scipy.spatial.transform import Rotation
 
 import robodyn
+from robodyn.dynamics.constraints.inverse import constraint_forces
 from robodyn.dynamics.constraints.share import shares
 from robodyn.dynamics.constraints.structure import structure
 from robodyn.dynamics.loops.find import closed_chain
@@ -65,6 +66,19 @@ def test_closures_have_the_same_rows(seed):
     here = chain.equations(chain.sample(one.q.tolist(), one.qd[0].tolist()))
     assert np.abs(here.error).max() <= 1e-14
     assert np.abs(ours @ one.qdd[0] + np.array(here.bias, dtype=float)).max() <= 1e-12 * np.abs(one.qdd[0]).max()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_drives_and_loops(seed):
+    """Torques of the drives and the loops' wrenches: determined, the least, or the least by weights."""
+    one = kept(seed)
+    found = constraint_forces(one.model, np.tile(one.q, (len(one.qd), 1)), one.qd, one.qdd, scene=one.scene)
+    pairs = [one.solution(*state) for state in zip(one.qd, one.qdd, strict=True)]
+    tau, wrenches = (np.array(part) for part in zip(*pairs, strict=True))
+    scale = max(np.abs(one.open_torques(*state)).max() for state in zip(one.qd, one.qdd, strict=True))
+    assert np.abs(found.tau - tau).max() <= 1e-10 * scale
+    got = np.stack([found.wrenches[loop.name] for loop in one.scene.loops], axis=1)
+    assert np.abs(got - wrenches).max() <= 1e-10 * np.abs(wrenches).max()
 
 
 @pytest.mark.parametrize("seed", [8, 18, 38])
