@@ -74,15 +74,17 @@ class ConstraintFigures:
         structure, found = self.solver.structure, closures(self.solver.plan)
         assert structure is not None
         root = np.sqrt(self.integrals.mean("square", self.loops.score**2)).tolist()
-        dropped = {closure.loop.name for closure, _ in self._dropped}
         columns = (self.loops.score.tolist(), self.loops.time.tolist(), self.loops.row.tolist())
         peaks = [Peak(*each) for each in zip(*columns, strict=True)]
-        own = np.array(self._loop_of_equations())
-        for k, loop in enumerate(closure.loop for closure in found):
-            sure = loop.name not in dropped and bool(structure.equation_determined[own == k].all())
+        sure = iter(structure.equation_determined.tolist())
+        for k, (loop, equations) in enumerate((closure.loop, closure.equations) for closure in found):
+            missed = [equation.about for closure, equation in self._dropped if closure.loop.name == loop.name]
+            missed += [equation.about for equation in equations if not next(sure)]
             i, j = 2 * k, 2 * k + 1
             sizes = peaks[i], peaks[j], root[i], root[j]
-            yield LoopLoad(loop.name, loop.link, loop.to, loop.kind, *sizes, sure, float(self.gaps[k]))
+            yield LoopLoad(
+                loop.name, loop.link, loop.to, loop.kind, *sizes, not missed, tuple(missed), float(self.gaps[k])
+            )
 
     def _unbalanced(self, names: list[str]) -> Iterator[Unbalanced]:
         """Yield what nothing gives at passive rates, where it is more than rounding of the motion."""

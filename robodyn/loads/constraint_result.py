@@ -24,7 +24,8 @@ class LoopLoad:
 
     Attributes:
         force, moment: the largest magnitudes [N, N m]; rms_force, rms_moment: over the whole time.
-        determined: whether all parts of its wrench are the only ones that balance the motion.
+        determined: whether all parts of its wrench are the only ones that balance the motion; open: those that are not,
+            as their equations are called.
         gap: the largest |phi| [m or rad] of the positions that were given.
     """
 
@@ -37,6 +38,7 @@ class LoopLoad:
     rms_force: float
     rms_moment: float
     determined: bool
+    open: tuple[str, ...]
     gap: float
 
 

@@ -43,8 +43,8 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
         yield f"No torque is determined; of all that balance, {found.share} are taken."
     else:
         yield f"Not determined: {_names(open_drives, joints)}; of all that balance, {found.share} are taken."
-    if open_loops := [loop.name for loop in found.loops if not loop.determined]:
-        yield f"Forces of {_names(open_loops, joints)} are not determined: the least that balance are given."
+    if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
+        yield f"Loop forces that are not determined, of which the least are given: {_names(open_loops, joints)}."
     if found.undriven:
         yield f"Moved by no drive: {_names(found.undriven, joints)}."
     if found.followed:
@@ -87,7 +87,7 @@ def _loops(loops: tuple[LoopLoad, ...], size: Sizes) -> Content:
         ("RMS", lambda loop: number(loop.rms_force, size["N"])),
         ("moment [N m]", lambda loop: number(loop.moment.value, size["N m"])),
         ("RMS", lambda loop: number(loop.rms_moment, size["N m"])),
-        ("determined", lambda loop: "yes" if loop.determined else "no"),
+        ("determined", lambda loop: "yes" if loop.determined else f"but {', '.join(loop.open)}"),
     ]
     return by_columns(columns, loops)
 

@@ -13,7 +13,7 @@ from robodyn.dynamics.plan import Plan, plan
 from robodyn.errors import InputError
 from robodyn.programs.run.repeated import COLUMNS
 from robodyn.robot.model import Model
-from robodyn.scene.fit import check_moves, refuse_others
+from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.adaptive import AdaptiveSteps
 from robodyn.simulation.conserving import check_free, check_leapfrog
@@ -75,6 +75,7 @@ def simulate(
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
     refuse_others(model, scene)
+    refuse_constraints(scene, loops=True)
     check_moves(model)
     options = choose_method(step, rtol, method)._replace(most=most)
     _check_positive(duration=duration, step=step, rtol=rtol)
