@@ -24,6 +24,7 @@ NO_DIGITS = {
     "measure.accuracy.operations": "counts",
     "measure.speed": "times",
     "dynamics.constraints.structure": "ranks, and which rows vanish",
+    "dynamics.constraints.crossing": "ranks, and times to four digits",
     "dynamics.constraints.share": "solutions of least squares, of which the last digits differ",
     "dynamics.forward": "the name of a joint; and products of objects",
     "equations.dae.counts": "ranks; the comparison has no matrix product of its own",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -252,7 +253,7 @@ class TorqueAccumulator:
             warnings=tuple(warnings),
             momentum=self.momentum.report() if self.momentum else None,
             history=self.history.history(gathered.at_peak) if self.history else None,
-            sizing=self.sizing.report(joints, self._poses()) if self.sizing else None,
+            sizing=self.sizing.report(joints, self._inertias(self.sizing.driven)) if self.sizing else None,
             limits=coverage(self.joints),
             doubts=doubts,
             origin=last.origin,
@@ -260,6 +261,8 @@ class TorqueAccumulator:
             constraints=constraints,
         )
 
-    def _poses(self) -> dict[int, Floats]:
-        """q at the peak of each joint."""
-        return {k: state["q"] for k, state in self.statistics.at_peak.items()}
+    def _inertias(self, joints: Sequence[int]) -> dict[int, float]:
+        """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]."""
+        rates = {k: self.rates.start + k for k in joints}
+        states = {k: self.statistics.at_peak[k] for k in joints}
+        return {k: float(self.bars.response(states[k], own=True)[rate, rate]) for k, rate in rates.items()}

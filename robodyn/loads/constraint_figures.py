@@ -34,7 +34,7 @@ class ConstraintFigures:
         self.passive = Greatest(int(solver.actuation.passive.sum()))
         self.largest = 0.0
         self.singular: list[float] = []
-        self._was_singular = False
+        self._was_singular, self._last_time = False, 0.0
 
     def update(self, time: Floats, row: int, found: Found) -> None:
         """Take in a piece: time (N,) s, the row of the data that it begins with, and what was found."""
@@ -62,10 +62,12 @@ class ConstraintFigures:
         return [k for k, closure in enumerate(found) for _ in closure.equations]
 
     def _note_singular(self, time: Floats, found: Found) -> None:
-        """Keep the first time of each span in which loops hold less."""
+        """Keep the first time of each span in which loops hold less, and times between samples at which they do."""
         was = np.append(self._was_singular, found.singular[:-1])
-        self.singular += time[found.singular & ~was].tolist()
-        self._was_singular = bool(found.singular[-1])
+        before = np.append(self._last_time, time[:-1])
+        times = np.where(found.singular & ~was, time, before + found.crossed * (time - before))
+        self.singular += times[np.isfinite(times)].tolist()
+        self._was_singular, self._last_time = bool(found.singular[-1]), float(time[-1])
 
     def _loops(self) -> Iterator[LoopLoad]:
         """Yield what the loops bear."""

@@ -159,8 +159,11 @@ def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
         doubts.append(Doubt("as long as something gives what passive joints need (assumed)", said))
     if found.singular:
         times = ", ".join(f"{time:.4g}" for time in found.singular[:4]) + (", ..." if len(found.singular) > 4 else "")
-        said = f"the loops hold less at {times} s than elsewhere: torques there are not determined, the least are given"
-        doubts.append(Doubt("by torques that are open at singular places", said))
+        said = (
+            f"the loops lose hold of passive joints at {times} s: torques nearby grow with every error of the motion, "
+            "and at such a place they are not determined and the least are given"
+        )
+        doubts.append(Doubt("by torques that are not determined at singular places", said))
     return tuple(doubts)
 
 

@@ -21,7 +21,7 @@ from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.constraint_figures import ConstraintFigures
 from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.follow import Follower
-from robodyn.programs.linear import shortest
+from robodyn.programs.linear import across, shortest
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
@@ -120,7 +120,7 @@ class ConstraintPass:
             touch = touching(self.solver.plan, q[k], qd[k], block.time[k], on, self.executor)
             yield k, self.solver.solve(q[k], qd[k], tau[k], touch)
 
-    def response(self, state: Mapping[str, Floats]) -> Floats:
+    def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
         """Return (n, n) by how much torques change with each acceleration that is given, the others following.
 
         Of a solution that is linear in pieces, as cones of friction make it, half of the difference between a step
@@ -128,16 +128,32 @@ class ConstraintPass:
 
         Args:
             state: q (nq,), qd, qdd (n,), columns and touching of one sample.
+            own: of each acceleration with the least of all others that loops ask for, whatever is given.
         """
         M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.open, executor="numpy")
         sources = {name: state[name][None] for name in ("q", "qd", "qdd")}
         sources["columns"] = state["columns"][None, : len(self.open.columns)]
         tau = torque_runner(self.model, self.open).run(sources, 1, executor="numpy").values
-        moved = product(self._following(state["q"]), M)
+        moved = product(self._along(state["q"]) if own else self._following(state["q"]), M)
         q, qd = (np.repeat(sources[name], 2 * len(moved), axis=0) for name in ("q", "qd"))
         touch = np.repeat(state["touching"][None] != 0.0, len(q), axis=0)
-        found = self.solver.solve(q, qd, np.concatenate((tau + moved, tau - moved)), touch).tau
+        found = self._alone().solve(q, qd, np.concatenate((tau + moved, tau - moved)), touch).tau
         return np.asarray(0.5 * (found[: len(moved)] - found[len(moved) :]).T)
+
+    def _alone(self) -> ConstraintSolver:
+        """Return a solver for samples beside the motion, with the motion's ranks."""
+        solver = ConstraintSolver(self.solver.plan, "numpy")
+        solver.structure = self.solver.structure
+        return solver
+
+    def _along(self, q: Floats) -> Floats:
+        """Return (n, n) accelerations, row by row: a unit of each, and the least of the others that loops ask for."""
+        if not self.scene.loops:
+            return np.eye(self.model.n)
+        free = across(loop_map(self.solver.plan, q[None], "numpy").J[0], NOTHING)
+        kept = product(free.T, free)
+        own = np.diag(kept)
+        return np.asarray(np.where(own > NOTHING, 1.0 / np.where(own > NOTHING, own, 1.0), 0.0)[:, None] * kept)
 
     def _following(self, q: Floats) -> Floats:
         """Return (n, n) accelerations, row by row: what a unit of each given one takes along; 0 for followed ones."""

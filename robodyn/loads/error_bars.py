@@ -40,7 +40,7 @@ class ErrorBars:
         if self.openness.guessed or not off.any():
             return 0.0
         if self._first is None:
-            self._first = self._response({name: values[0] for name, values in state.items()})[self.rates]
+            self._first = self.response({name: values[0] for name, values in state.items()})[self.rates]
         found: Floats = np.sqrt(np.einsum("kj,ij->ki", self._first**2, off**2))
         return found
 
@@ -52,11 +52,15 @@ class ErrorBars:
         """
         if state is None or not state["off"].any():
             return 0.0, 0.0
-        M = self._response(state)[k + self.rates.start]
+        M = self.response(state)[k + self.rates.start]
         return length(M * state["noise"]), self.openness.bar(M, state["off"], shares)
 
-    def _response(self, state: Mapping[str, Floats]) -> Floats:
-        """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it."""
+    def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
+        """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it.
+
+        Args:
+            state: q (nq,) and so on of one sample; own: as `ConstraintPass.response` has it.
+        """
         if self.constraints is not None:
-            return self.constraints.response(state)
+            return self.constraints.response(state, own)
         return mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.scene, executor="numpy")

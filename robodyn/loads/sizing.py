@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.runners import torque_runner
 from robodyn.loads.bearings import BearingPass
 from robodyn.loads.motors import MotorPass, train_of
@@ -90,21 +89,20 @@ class SizingPass:
         for integrals in (self.integrals, self.motors.integrals, self.bearings.integrals):
             yield from integrals.totals.values()
 
-    def report(self, loads: Sequence[JointLoad], poses: Mapping[int, Floats]) -> Sizing:
+    def report(self, loads: Sequence[JointLoad], inertias: Mapping[int, float]) -> Sizing:
         """Return everything gathered.
 
         Args:
-            loads: of the joints; poses: q at the peak of each.
+            loads: of the joints; inertias: of those with motors, what each accelerates at its peak, with its rotor.
         """
         duration = self.integrals.duration
-        motors = {k: self._motor(i, k, duration, poses) for i, k in enumerate(self.driven)}
+        motors = {k: self._motor(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
         return Sizing(joints, self.bearings.report(), self._foundation())
 
-    def _motor(self, i: int, k: int, duration: float, poses: Mapping[int, Floats]) -> MotorLoad:
-        train, rate = self.motors.trains[i], self.rates.start + k
-        M = mass_matrix(self.model, poses[k], scene=self.scene, executor="numpy")
-        return self.motors.load(i, duration, float(M[rate, rate]) - train.gear * train.gear * train.inertia)
+    def _motor(self, i: int, duration: float, inertia: float) -> MotorLoad:
+        train = self.motors.trains[i]
+        return self.motors.load(i, duration, inertia - train.gear * train.gear * train.inertia)
 
     def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:
         totals = self.integrals.totals

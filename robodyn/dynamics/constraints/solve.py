@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.constraints.actuation import actuation
+from robodyn.dynamics.constraints.crossing import Crossings
 from robodyn.dynamics.constraints.maps import (
     ContactMap,
     LoopMap,
@@ -43,6 +44,7 @@ class Found(NamedTuple):
         wrenches: (N, c) by `constraint_columns`.
         tau: (N, n) of the drives; at passive rates what nothing gives, 0 where it is nothing.
         singular: (N,) where loops hold less than elsewhere along the motion.
+        crossed: (N,) at what part of the way from the sample before they do so in between; NaN where they do not.
         gap: (N, m) phi of the loops' equations [m or rad].
         forces: (N, K, 3) at the contacts' points, in the axes of the ground [N].
         contacts, problem, solved: where the points are, and what was asked and found; None without contacts.
@@ -51,6 +53,7 @@ class Found(NamedTuple):
     wrenches: Floats
     tau: Floats
     singular: Mask
+    crossed: Floats
     gap: Floats
     forces: Floats
     contacts: ContactMap
@@ -72,6 +75,7 @@ class ConstraintSolver:
         self.structure: Structure | None = None
         self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
         self._patterns: set[bytes] = set()
+        self._crossings: Crossings | None = None
 
     def pieces(self, samples: int) -> list[slice]:
         """Return the parts of a block that `solve` takes."""
@@ -96,14 +100,17 @@ class ConstraintSolver:
             problem = self._problem(loops, contacts, tau, touching)
             solved = contact_forces(problem, self.executor)
             forces, multipliers = solved.f, solved.free
-            singular = np.zeros(samples, dtype=bool)
+            singular, crossed = np.zeros(samples, dtype=bool), np.full(samples, np.nan)
         else:
             multipliers, singular = self._shared(loops, tau)
+            crossed = self._crossed(loops.J)
         left = tau - np.einsum("nki,nk->ni", loops.J, multipliers)
         left = left - np.einsum("nki,nk->ni", contacts.J, forces.reshape(samples, -1))
         wrenches = np.hstack((loop_wrenches(plan, loops, multipliers), _of_contacts(plan, contacts, forces)))
         wrenches = np.hstack((wrenches, reactions(plan, loops, wrenches)))
-        return Found(wrenches, self._settled(left, tau), singular, loops.error, forces, contacts, problem, solved)
+        return Found(
+            wrenches, self._settled(left, tau), singular, crossed, loops.error, forces, contacts, problem, solved
+        )
 
     def _settled(self, left: Floats, tau: Floats) -> Floats:
         """Return the torques without what rounding leaves at passive rates."""
@@ -117,6 +124,15 @@ class ConstraintSolver:
         counted, part = self.actuation.counted, self.actuation
         found = shares(self.structure, loops.J[:, :, counted], tau[:, counted], part.weights)
         return found.multipliers, found.singular | found.higher
+
+    def _crossed(self, J: Floats) -> Floats:
+        """Return where the loops lose hold of passive joints from one sample to the next."""
+        assert self.structure is not None
+        if self._crossings is None:
+            self._crossings = Crossings(self.structure.rank)
+        counted = self.actuation.counted
+        A = self.structure.scaled(J[:, :, counted])[:, :, self.actuation.passive[counted]]
+        return self._crossings.update(A.transpose(0, 2, 1))
 
     def _decide(self, loops: LoopMap, contacts: Floats, touching: Mask) -> None:
         """Decide the ranks of loops once, and which torques are open for each set of points that touch."""
