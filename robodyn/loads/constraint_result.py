@@ -161,7 +161,7 @@ def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
         times = ", ".join(f"{time:.4g}" for time in found.singular[:4]) + (", ..." if len(found.singular) > 4 else "")
         said = (
             f"the loops lose hold of passive joints at {times} s: torques nearby grow with every error of the motion, "
-            "and at such a place they are not determined and the least are given"
+            "and at such a place they are not determined and taken from beside it"
         )
         doubts.append(Doubt("by torques that are not determined at singular places", said))
     return tuple(doubts)

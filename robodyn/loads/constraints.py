@@ -69,6 +69,7 @@ class ConstraintPass:
         self.followed: Mask = np.isin(model.rates, self.names)
         self._follower = Follower(self.solver.plan, followed, file) if scene.loops else None
         self._tau = self._wrenches = self.touching = np.zeros((0, model.n))
+        self._lost: Mask = np.zeros(0, dtype=bool)
 
     def take(self, block: Trajectory) -> Trajectory:
         """Return the block with the coordinates that follow from loops, and the wrenches of its constraints."""
@@ -77,12 +78,16 @@ class ConstraintPass:
             block = replace(block, notes=block.notes + follower.notes, doubts=block.doubts + follower.doubts)
         names = constraint_columns(self.scene)
         self._wrenches, self._tau = np.empty((len(block), len(names))), np.empty((len(block), self.model.n))
+        lost = np.zeros(len(block), dtype=bool)
         self.touching = np.zeros((len(block), sum(len(contact.points) for contact in self.scene.contacts)))
         for k, found in self._solved(block, sources_of(block, self.open)):
-            self._wrenches[k], self._tau[k] = found.wrenches, found.tau
+            self._wrenches[k], self._tau[k], lost[k] = found.wrenches, found.tau, found.singular
             if found.problem is not None and found.problem.active is not None:
                 self.touching[k] = found.problem.active
             self.figures.update(block.time[k], block.first_row + k.start, found)
+        if lost.any() and not lost.all():
+            self._tau[lost] = _between(self._tau, block.time, lost)
+        self._lost = lost
         return replace(block, extra={**block.extra, **dict(zip(names, self._wrenches.T, strict=True))})
 
     def written(self, columns: Floats) -> Floats:
@@ -100,9 +105,11 @@ class ConstraintPass:
         return 6 * len(self.scene.constraint_names)
 
     def settle(self, loads: Floats) -> None:
-        """Write what nothing gives at passive rates of the last block in place of what the recursion leaves there."""
-        passive = self.solver.actuation.passive
-        loads[:, : self.model.n][:, passive] = self._tau[:, passive]
+        """Write over what the recursion finds of the last block: at passive rates what nothing gives, and at singular
+        samples the torques of those beside."""
+        n, passive = self.model.n, self.solver.actuation.passive
+        loads[:, :n][:, passive] = self._tau[:, passive]
+        loads[self._lost, :n] = self._tau[self._lost]
 
     def static(self, block: Trajectory) -> Floats:
         """Return (N, n) the torques that hold a block's poses at rest."""
@@ -169,3 +176,9 @@ class ConstraintPass:
     def report(self) -> Constraints:
         """Return the figures so far."""
         return replace(self.figures.report(), followed=self.names)
+
+
+def _between(values: Floats, time: Floats, lost: Mask) -> Floats:
+    """Return rows of values (N, n) at lost samples, on straight lines in time (N,) between those beside."""
+    columns = [np.interp(time[lost], time[~lost], column[~lost]) for column in values.T]
+    return np.stack(columns, axis=1)

@@ -15,8 +15,8 @@ from robodyn.support.floats import Floats
 ORDERS = ("positions", "velocities", "accelerations")
 RATES = ("", "/s", "/s^2")
 SHARE = 0.05
-"""Of the largest sum of |J_k qd_k| along the motion: rates that miss by more are not those of a closed chain."""
-
+"""Of the largest sum of |J_k qd_k| along the motion, or of |J_k qdd_k| and |J_k qd_k| max |qd|: rates that miss by more
+are not those of a closed chain."""
 
 NOTED = 1e-3
 """rad, or of the loops' size, from which on it is said that loops are open."""
@@ -83,10 +83,12 @@ class Misfits:
         change = np.einsum("nmk,nk->nm", J, qdd[:, rates]) + bias
         for order, values in enumerate((phi, rate, change)):
             self._take(order, values, time)
-        for k, (values, of) in enumerate(((rate, qd), (change, qdd))):
-            sums = np.einsum("nmk,nk->nm", np.abs(J), np.abs(of[:, rates])) + (np.abs(bias) if k else 0.0)
+        fast = np.einsum("nmk,nk->nm", np.abs(J), np.abs(qd[:, rates]))
+        turning = fast * np.abs(qd[:, rates]).max(axis=1, keepdims=True, initial=0.0)
+        sums = (fast, np.einsum("nmk,nk->nm", np.abs(J), np.abs(qdd[:, rates])) + turning)
+        for k, values in enumerate((rate, change)):
             self._left[k] = np.maximum(self._left[k], np.abs(values).max(axis=0))
-            self._sums[k] = np.maximum(self._sums[k], sums.max(axis=0))
+            self._sums[k] = np.maximum(self._sums[k], sums[k].max(axis=0))
 
     def _take(self, order: int, values: Floats, time: Floats) -> None:
         shares = np.abs(values) / self._equations.scale

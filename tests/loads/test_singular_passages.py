@@ -1,0 +1,79 @@
+"""Closed chains that pass places at which the loops lose hold of passive joints, and joints that nothing drives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS
+
+import robodyn
+
+SPEED = 2.2
+FLAT = 0.5 * np.pi / SPEED
+"""s, when the parallelogram's cranks are in line with its coupler: a quarter of a turn after standing upright."""
+
+
+def four_bar():
+    return robodyn.load(ROBOTS / "four_bar.urdf"), robodyn.load_scene(ROBOTS / "four_bar_lift.toml")
+
+
+def turning(model, scene, samples, coordinates):
+    """The cranks turn evenly; all three angles are given, or the left crank's alone."""
+    time = np.linspace(0.0, 3.0, samples)
+    q, qd = SPEED * time, np.full(samples, SPEED)
+    every = {"left": 1.0, "right": 1.0, "top": -1.0}
+    given = {name: every[name] for name in coordinates}
+    parts = ({name: sign * of for name, sign in given.items()} for of in (q, qd, 0.0 * q))
+    return robodyn.motion(model, time, *parts, scene=scene)
+
+
+@pytest.mark.parametrize("coordinates", [("left", "right", "top"), ("left",)], ids=len)
+@pytest.mark.parametrize("samples", [31, 301, 4001])
+def test_times_of_singular_passages(samples, coordinates):
+    """Every half turn from the first on, to a thousandth of a step; and no green verdict over them."""
+    model, scene = four_bar()
+    result = robodyn.torques(model, turning(model, scene, samples, coordinates), scene)
+    assert result.constraints is not None
+    assert result.constraints.singular == pytest.approx([FLAT, 3.0 * FLAT], abs=0.02 * 3.0 / (samples - 1))
+    assert result.within_limits is None
+    assert sum("lose hold of passive joints at 0.71" in warning for warning in result.warnings) == 1
+    assert not any("open loop" in warning for warning in result.warnings)
+
+
+def test_a_sample_at_the_place_itself():
+    """Nothing is divided through; the torque is taken from beside the place, and told not to be determined."""
+    model, scene = four_bar()
+    time = FLAT * np.linspace(0.9, 1.1, 11)
+    order = [("left", "right", "top").index(name) for name in model.rates]
+    turn = np.array([1.0, 1.0, -1.0])[order]
+    state = SPEED * np.outer(time, turn), np.tile(SPEED * turn, (11, 1)), np.zeros((11, 3))
+    assert np.isfinite(robodyn.inverse_dynamics(model, *state, scene=scene)).all()
+    found = []
+    result = robodyn.torques(
+        model, robodyn.motion(model, time, *state, scene=scene), scene, sinks=[lambda time, rows: found.append(rows)]
+    )
+    tau = found[0][:, 0]
+    assert tau[5] == pytest.approx(0.5 * (tau[4] + tau[6]), rel=1e-12)
+    assert abs(result.joints[0].peak) <= 16.2
+    assert result.constraints is not None
+    assert result.constraints.singular == pytest.approx([FLAT], rel=1e-9)
+    assert result.within_limits is None
+
+
+def test_passive_joints_that_nothing_drives():
+    """A motion that the drives cannot make is told: which joint, how much and when; it is the open tree's torque."""
+    model = robodyn.load(ROBOTS / "puma560.urdf")
+    scene = replace(robodyn.Scene(), passive=("elbow",))
+    motion = ROBOTS / "puma560_sweep.csv"
+    free = {joint.name: joint for joint in robodyn.torques(model, str(motion)).joints}
+    result = robodyn.torques(model, str(motion), scene)
+    assert result.constraints is not None
+    (elbow,) = result.constraints.unbalanced
+    assert (elbow.name, elbow.unit) == ("elbow", "N m")
+    assert elbow.most.value == pytest.approx(free["elbow"].peak, rel=1e-12)
+    assert elbow.most.time == free["elbow"].peak_time
+    assert result.constraints.undriven == ("elbow",)
+    assert result.within_limits is None
+    assert any("nothing drives 'elbow', and the motion takes 11.2 N m there" in said for said in result.warnings)
