@@ -65,7 +65,8 @@ class ConstraintFigures:
         """Keep the first time of each span in which loops hold less, and times between samples at which they do."""
         was = np.append(self._was_singular, found.singular[:-1])
         before = np.append(self._last_time, time[:-1])
-        times = np.where(found.singular & ~was, time, before + found.crossed * (time - before))
+        between = np.where(found.singular | was, np.nan, before + found.crossed * (time - before))
+        times = np.where(found.singular & ~was, time, between)
         self.singular += times[np.isfinite(times)].tolist()
         self._was_singular, self._last_time = bool(found.singular[-1]), float(time[-1])
 
