@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from robodyn.dynamics.contacts.diagnosis import base_columns
@@ -10,9 +12,7 @@ from robodyn.dynamics.contacts.problem import Problem
 LENGTH = 0.3
 
 
-def stance(
-    seed: int, samples: int, points: int, push: float = 1.0, mass: float = 30.0, friction: float = 0.6
-) -> Problem:
+def stance(seed, samples, points, push=1.0, mass=30.0, friction=0.6):
     """Points below a body that is pushed and turned by parts of its weight, on slopes of some 10 degrees."""
     random = np.random.default_rng(seed)
     arms = random.normal(size=(samples, points, 3)) * (0.3, 0.2, 0.05) - (0.0, 0.0, 0.5)
@@ -23,3 +23,34 @@ def stance(
     b += push * random.normal(size=(samples, 6)) * (0.1, 0.1, 0.1, 0.2, 0.2, 0.2)
     active = random.random((samples, points)) < 0.9
     return Problem(base_columns(arms, LENGTH), 9.81 * mass * b, normals, np.full(points, friction), active)
+
+
+def feet(seed, samples, count, push=0.3, mass=80.0, friction=0.7):
+    """Flat feet of four points under a body, on one floor."""
+    random = np.random.default_rng(seed)
+    corners = np.array([(x, y, 0.0) for x in (-0.1, 0.12) for y in (-0.05, 0.05)])
+    places = np.stack((random.normal(size=(samples, count)) * 0.05, np.tile(np.arange(count) * 0.2, (samples, 1))), -1)
+    arms = np.zeros((samples, count, 4, 3))
+    arms[..., :2] = places[:, :, None] + corners[:, :2]
+    arms -= (0.0, 0.1 * (count - 1), 0.9)
+    b = np.array((0.0, 0.0, 0.0, 0.0, 0.0, 1.0)) + push * random.normal(size=(samples, 6)) * 0.1
+    K = 4 * count
+    G = base_columns(arms.reshape(samples, K, 3), LENGTH)
+    return Problem(G, 9.81 * mass * b, np.tile((0.0, 0.0, 1.0), (K, 1)), np.full(K, friction))
+
+
+def on_ice(problem):
+    """The same with a first point that has no friction at all."""
+    return replace(problem, friction=np.where(np.arange(problem.shape[2]) == 0, 0.0, problem.friction))
+
+
+def near_the_edge(problem, seed=0):
+    """The same, pushed by what forces on the edges of the cones and some inside them balance."""
+    random = np.random.default_rng(seed)
+    N, _, K = problem.shape
+    angle, share = random.uniform(0.0, 2.0 * np.pi, (N, K)), random.choice((1.0, 1.0, 1.0, 1.0 - 1e-6, 0.5), (N, K))
+    axes = np.stack([np.linalg.svd(normal[None])[2][1:] for normal in problem.normals])
+    along = np.cos(angle)[..., None] * axes[:, 0] + np.sin(angle)[..., None] * axes[:, 1]
+    press = random.uniform(0.1, 1.0, (N, K, 1)) * (1.0 if problem.active is None else problem.active[..., None])
+    f = 100.0 * press * (problem.normals + share[..., None] * problem.friction[:, None] * along)
+    return replace(problem, b=np.einsum("nij,nj->ni", problem.G, f.reshape(N, 3 * K)))

@@ -15,6 +15,11 @@ MOMENTS, FORCES = slice(0, 3), slice(3, 6)
 """The first rows of the equations: those of the base, as `base_columns` makes them."""
 STEEPEST = 1e6
 """More friction than this counts as unlimited."""
+STRONGEST = 100.0
+"""Times |b|: what needs larger forces, as feet that are all but wedged do, counts as impossible."""
+
+MANY = 100_000
+"""Samples that a bisection is worth, by which its executor is chosen: it looks at few of them often."""
 
 
 def base_columns(arms: Floats, length: float) -> Floats:
@@ -73,12 +78,15 @@ def kinds(problem: Problem, forces: Forces, executor: str = "auto") -> list[str]
 def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto") -> float | None:
     """Return the least mu of all contacts alike, not below `known`, with which every sample has forces.
 
+    Forces of more than 100 |b| do not count: where contacts wedge between each other, less friction would do, with
+    forces beyond all bounds. What torques cost and their limits do not count either.
+
     Method: bisection, at each mu only of those samples that may need more.
 
     Returns:
         None where no friction suffices.
 
-    Accuracy: 1e-6 relative.
+    Accuracy: 1e-6 relative; 1e-5 where forces become singular at the least mu.
     """
     left = np.flatnonzero(~_suffices(problem, known, executor))
     if not len(left):
@@ -101,7 +109,10 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
 
 
 def _suffices(problem: Problem, mu: float, executor: str) -> Flags:
-    return contact_forces(_with_friction(problem, mu), executor).feasible
+    found = contact_forces(_with_friction(problem, mu), executor, MANY)
+    strength, b = (np.sqrt(np.einsum("...i,...i->...", x, x)) for x in (found.f.reshape(len(found.f), -1), problem.b))
+    enough: Flags = found.feasible & (strength <= STRONGEST * b)
+    return enough
 
 
 def _with_friction(problem: Problem, mu: float) -> Problem:

@@ -12,15 +12,21 @@ from robodyn.dynamics.contacts.program import runner
 from robodyn.dynamics.contacts.search import Search, begun, ended, narrowed
 from robodyn.support.floats import Floats
 
-FIRST = 1e-12
-"""rho where cones do not matter."""
+HARDEST = 1e-12
+"""The least rho; that of the first look, where cones do not matter."""
 SOFTNESS = np.array((1e-2, 1e-4, 1e-6))
 """rho of the stages; the last one's is what weighs forces against a residual that nothing can balance."""
 LAST = len(SOFTNESS) - 1
+SHRINK = 0.01
+"""rho of each later stage over that of the one before."""
+HALT = 0.9
+"""These go on while the residual falls to this part of what it was, or less."""
 NEAR = np.array((0.1, 0.1, 1e-9, 0.1))
 """A stage ends where psi's gradient is this part of the residual; the last number is for those that follow."""
 ROUNDING = 1e-14
 """Of |b|: a residual that is rounding."""
+INSIDE = 1e-13
+"""Of |b|: a residual of forces that no cone cuts off."""
 NOISE = 4e-15
 """Of |nu|: likewise."""
 SHORTEST = 1e-10
@@ -56,7 +62,8 @@ def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tup
     Method: P is the projection onto the cones, and nu is where this convex function is least:
     psi(nu) = 1/2 |P(G^T nu)|^2 - b . nu + 1/2 rho |nu - c|^2, whose gradient is piecewise smooth: semismooth Newton
     steps with a search along each. First c = 0, and rho falls from 1e-2 to 1e-6; then c follows nu (the proximal
-    point algorithm, Rockafellar 1976), which takes the residual rho (nu - c) to rounding where forces exist.
+    point algorithm, Rockafellar 1976) and rho falls further, which takes the residual rho (nu - c) to rounding where
+    forces exist.
 
     Args:
         executor, expected: as for `contact_forces`.
@@ -68,14 +75,13 @@ def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tup
         count = LOOKS * (expected or N)
         return runner(kind, R, len(part.cosine))(sources, part.b.shape[1], executor=executor, expected=count).T
 
-    rho = np.full(N, FIRST)
+    rho = np.full(N, HARDEST)
     nu = run("start", cones, rho=rho)
     out = run("step", cones, nu=nu, centre=nu, rho=rho)
-    outside = np.flatnonzero(_size(out[1 : 1 + R]) > FEASIBLE)
-    found = nu + out[1 + R :]
+    outside = np.flatnonzero(_size(out[1 : 1 + R]) > INSIDE)
     if len(outside):
-        found[:, outside] = _least(cones.chosen(outside), nu[:, outside], run)
-    return run("forces", cones, nu=found), found
+        nu[:, outside] = _least(cones.chosen(outside), nu[:, outside], run)
+    return run("forces", cones, nu=nu), nu
 
 
 class _State(NamedTuple):
@@ -101,7 +107,8 @@ class _State(NamedTuple):
 
     @property
     def rho(self) -> Floats:
-        found: Floats = SOFTNESS[np.minimum(self.stage, LAST)]
+        later = np.maximum(self.stage - LAST, 0)
+        found: Floats = np.maximum(SOFTNESS[np.minimum(self.stage, LAST)] * SHRINK**later, HARDEST)
         return found
 
 
@@ -152,7 +159,7 @@ def _next_stage(state: _State, search: Search) -> tuple[_State, Search, Any]:
     noise = np.maximum(ROUNDING, NOISE * _size(state.at))
     near = np.maximum(noise, NEAR[np.minimum(state.stage, LAST + 1)] * state.residual)
     over = ((search.length == 1.0) & (state.gradient <= near)) | (search.high - search.low < SHORTEST)
-    done = over & (state.stage > LAST) & ((state.residual <= noise) | (state.residual > 0.5 * state.best))
+    done = over & (state.stage > LAST) & ((state.residual <= noise) | (state.residual > HALT * state.best))
     follows = over & (state.stage >= LAST)
     state = state._replace(
         stage=state.stage + over,

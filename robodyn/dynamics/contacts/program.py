@@ -44,9 +44,11 @@ def _curvature(G: Array, point: Projected) -> Array:
 
 
 def _start(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
-    """The nu of the least forces without cones: (G G^T + rho 1)^-1 b."""
+    """The nu of the least forces without cones: (G G^T + rho 1)^-1 b, and once more what that leaves of b."""
     G, b, rho = _inputs(tape, "G", rows, 3 * points), _inputs(tape, "b", rows), tape.input("rho", 0)
-    return _solved(G @ G.T, rho, b)
+    H = G @ G.T
+    nu = np.array(_solved(H, rho, b))
+    return list(nu + np.array(_solved(H, rho, b - H @ nu)))
 
 
 def _solved(H: Array, rho: Scalar, b: Array) -> list[Scalar]:

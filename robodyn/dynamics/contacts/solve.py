@@ -24,8 +24,8 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     Raises:
         InputError: Clarabel is needed and not installed.
 
-    Accuracy: of a sample with forces the residual is at most 1e-10 |b|, 1e-12 |b| but near the end of what friction
-        allows; f agrees with Clarabel's within 1e-8 of the largest.
+    Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 |b| where forces exist, and
+        their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
     """
     if not problem.plain:
         from robodyn.dynamics.contacts.conic import conic_forces

@@ -1,40 +1,144 @@
-"""Contact forces against Clarabel's, the conditions of the optimum, and closed forms."""
+"""Contact forces against Clarabel's, the conditions of the optimum, and what does not change them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from helpers.stances import stance
+from helpers.stances import LENGTH, feet, near_the_edge, on_ice, stance
 
 from robodyn.dynamics.contacts.conic import conic_forces
-from robodyn.dynamics.contacts.diagnosis import base_columns, kinds, least_friction
+from robodyn.dynamics.contacts.diagnosis import base_columns
+from robodyn.dynamics.contacts.dual import least_forces
 from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces
+from robodyn.dynamics.contacts.solve import contact_forces, local
+
+FAMILIES = {
+    "feet of points": lambda n: stance(1, n, 4),
+    "one point": lambda n: near_the_edge(stance(2, n, 1)),
+    "two points": lambda n: near_the_edge(stance(3, n, 2)),
+    "sixteen points": lambda n: stance(4, n, 16),
+    "one foot": lambda n: feet(5, n, 1),
+    "two feet": lambda n: feet(6, n, 2),
+    "one point on ice": lambda n: on_ice(stance(7, n, 4, push=0.3)),
+    "edges of cones": lambda n: near_the_edge(stance(8, n, 4)),
+    "pushes that nothing balances": lambda n: stance(9, n, 4, push=5.0),
+    "a gram": lambda n: stance(10, n, 6, mass=1e-3),
+    "ten tonnes": lambda n: stance(11, n, 6, mass=1e4),
+    "walls and floor": lambda n: replace(
+        stance(12, n, 3), normals=np.array(((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -0.6, 0.8)))
+    ),
+}
 
 
-@pytest.mark.parametrize("points", [2, 4, 8])
-def test_the_cost_is_that_of_clarabel(points):
-    problem = stance(points, 60, points)
+def sizes(values):
+    return np.sqrt((values.reshape(len(values), -1) ** 2).sum(axis=1))
+
+
+def compare(problem):
+    """The least cost and, where there are no forces, the least residual agree; f as well as its cost defines it."""
     ours, theirs = contact_forces(problem), conic_forces(problem)
+    weight = np.where(sizes(problem.b) > 0.0, sizes(problem.b), 1.0)
     assert (ours.feasible == theirs.feasible).all()
-    cost = 0.5 * (ours.f**2).sum(axis=(1, 2))[ours.feasible]
-    expected = 0.5 * (theirs.f**2).sum(axis=(1, 2))[ours.feasible]
-    assert np.abs(cost - expected) == pytest.approx(0.0, abs=1e-8 * expected.max(initial=1.0))
+    held = ours.feasible
+    cost, expected = sizes(ours.f) ** 2 / weight**2, sizes(theirs.f) ** 2 / weight**2
+    assert (np.abs(cost - expected)[held] <= 1e-8 * np.maximum(expected, 1.0)[held]).all()
+    assert (sizes(ours.f - theirs.f)[held] <= 1e-5 * np.maximum(expected, 1.0)[held] ** 0.5 * weight[held]).all()
+    assert (np.abs(sizes(ours.residual) - sizes(theirs.residual)) <= 1e-8 * weight).all()
+    return int(held.sum())
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_cost_and_residual_are_those_of_clarabel(family):
+    compare(FAMILIES[family](20))
+
+
+@pytest.mark.slow
+def test_a_thousand_stances_are_those_of_clarabel():
+    held = {family: compare(make(90)) for family, make in FAMILIES.items()}
+    assert sum(held.values()) > 500
+    assert held["pushes that nothing balances"] < 20
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_forces_that_exist_balance(family):
+    problem = FAMILIES[family](200)
+    found = contact_forces(problem)
+    held, weight = found.feasible, sizes(problem.b)
+    assert (sizes(found.residual)[held] <= 1e-12 * weight[held]).all()
+    total = problem.b[:, 3:] - found.f.sum(axis=1)
+    assert (np.abs(total)[held] <= 1e-12 * weight[held, None]).all()
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_conditions_of_the_optimum(family):
+    """f in the cone, s = f - G^T nu in its dual, f . s = 0: nothing else is the least."""
+    problem = FAMILIES[family](200)
+    cones, _, _ = local(problem)
+    f, nu = least_forces(cones)
+    held = contact_forces(problem).feasible
+    R, N = cones.b.shape
+    f, z = (x.reshape(-1, 3, N)[..., held] for x in (f, np.einsum("ikn,in->kn", cones.G.reshape(R, -1, N), nu)))
+    cosine, sine = cones.cosine[:, held], cones.sine[:, held]
+    s = f - z
+    size = np.maximum(1.0, np.abs(nu).max(axis=0))[held] if held.any() else 1.0
+    tangent, dual = np.hypot(f[:, 0], f[:, 1]), np.hypot(s[:, 0], s[:, 1])
+    assert (cosine * tangent - sine * f[:, 2] <= 1e-13 * size).all()
+    assert (sine * dual - cosine * s[:, 2] <= 1e-13 * size).all()
+    assert (np.abs((f * s).sum(axis=1)) <= 1e-12 * size**2).all()
+
+
+def test_the_least_of_what_nothing_balances_is_a_minimum():
+    """1/2 |f|^2 + 1/2 |r|^2 / rho rises along every way within the cones, by first order: f - G^T r / rho is dual."""
+    problem = replace(stance(13, 200, 4, push=5.0), active=None)
+    found = contact_forces(problem)
+    scale = local(problem)[2]
+    lost, weight = ~found.feasible, sizes(problem.b)
+    assert lost.sum() > 150
+    r = found.residual / weight[:, None]
+    s = found.f / scale[..., None] - np.einsum("nij,ni->nj", problem.G, r).reshape(found.f.shape) / 1e-6
+    press = np.einsum("nki,ki->nk", s, problem.normals)
+    along = sizes((s - press[..., None] * problem.normals).reshape(-1, 3)).reshape(press.shape)
+    assert (problem.friction * along - press <= 1e-2)[lost].all()  # the parts are 1e6 |r|
 
 
 def test_four_feet_carry_a_quarter_each():
     arms = np.array([(x, y, -0.5) for x in (-0.3, 0.3) for y in (-0.2, 0.2)])[None]
     up, b = np.array((0.0, 0.0, 1.0)), np.array([(0.0, 0.0, 0.0, 0.0, 0.0, 100.0)])
-    f = contact_forces(Problem(base_columns(arms, 0.3), b, np.tile(up, (4, 1)), np.full(4, 0.5))).f
-    assert np.abs(f - 25.0 * up).max() <= 1e-12 * 100.0
+    for friction in (0.0, 0.5, np.inf):
+        f = contact_forces(Problem(base_columns(arms, LENGTH), b, np.tile(up, (4, 1)), np.full(4, friction))).f
+        assert np.abs(f - 25.0 * up).max() <= 1e-12 * 100.0
 
 
-@pytest.mark.parametrize("angle", [0.1, 0.6, 1.2])
-def test_a_block_on_a_slope_needs_its_tangent(angle):
-    """Of points in the plane of the mass centre, as the block is flat."""
-    arms = np.array([(0.1, 0.1, 0.0), (-0.1, 0.1, 0.0), (-0.1, -0.1, 0.0), (0.1, -0.1, 0.0)])[None]
-    b = 50.0 * np.array([(0.0, 0.0, 0.0, np.sin(angle), 0.0, np.cos(angle))])
-    problem = Problem(base_columns(arms, 0.1), b, np.tile((0.0, 0.0, 1.0), (4, 1)), np.full(4, 0.01))
+def test_a_weighted_foot_carries_less():
+    """Of two points beside each other: c1 f1 = c2 f2."""
+    arms = np.array([(0.0, 0.0, -0.5), (0.0, 0.0, -0.5)])[None]
+    up, b = np.tile((0.0, 0.0, 1.0), (2, 1)), np.array([(0.0, 0.0, 0.0, 0.0, 0.0, 4.0)])
+    f = contact_forces(Problem(base_columns(arms, 1.0), b, up, np.full(2, 0.5), weights=np.array((3.0, 1.0)))).f
+    assert f[0, :, 2] == pytest.approx([1.0, 3.0], rel=1e-12)
+
+
+@pytest.mark.parametrize("executor", ["numpy", "compiled"])
+def test_results_do_not_depend_on_the_blocks(executor):
+    problem = stance(14, 300, 4)
+    whole = contact_forces(problem, executor).f
+    parts = [contact_forces(problem.chosen(slice(k, k + 37)), executor).f for k in range(0, 300, 37)]
+    assert (np.concatenate(parts) == whole).all()
+
+
+def test_executors_agree():
+    problem = stance(15, 200, 4)
+    ours, theirs = (contact_forces(problem, executor) for executor in ("numpy", "compiled"))
+    held, weight = ours.feasible, sizes(problem.b)
+    assert (held == theirs.feasible).all()
+    assert (sizes(ours.f - theirs.f)[held] <= 1e-9 * weight[held]).all()
+
+
+def test_inactive_points_do_not_push_and_nothing_needs_nothing():
+    problem = stance(16, 100, 4)
     found = contact_forces(problem)
-    assert kinds(problem, found) == ["slip"]
-    assert least_friction(problem) == pytest.approx(np.tan(angle), rel=1e-6)
+    assert (found.f[~problem.active] == 0.0).all()
+    nothing = contact_forces(replace(problem, b=0.0 * problem.b))
+    assert nothing.feasible.all()
+    assert (nothing.f == 0.0).all()

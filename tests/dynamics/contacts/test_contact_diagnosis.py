@@ -1,0 +1,86 @@
+"""Slipping, tipping and pulling feet, what is missing, and the least friction, against closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.stances import feet
+
+from robodyn.dynamics.contacts.diagnosis import STRONGEST, base_columns, kinds, least_friction, missing
+from robodyn.dynamics.contacts.problem import Problem
+from robodyn.dynamics.contacts.solve import contact_forces
+
+UP = np.array((0.0, 0.0, 1.0))
+SQUARE = np.array([(x, y, 0.0) for x in (-0.1, 0.1) for y in (-0.1, 0.1)])
+LENGTH = 0.1
+
+
+def block(wanted, friction, height=0.0):
+    """A block of half width 0.1 m on a floor, with so much force wanted at its mass centre."""
+    b = np.zeros((len(wanted), 6))
+    b[:, 3:] = wanted
+    arms = np.tile(SQUARE - height * UP, (len(wanted), 1, 1))
+    return Problem(base_columns(arms, LENGTH), b, np.tile(UP, (4, 1)), np.full(4, friction))
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.6, 1.2])
+def test_a_block_on_a_slope_needs_the_tangent_of_its_angle(angle):
+    problem = block([50.0 * np.array((np.sin(angle), 0.0, np.cos(angle)))], 0.01)
+    assert kinds(problem, contact_forces(problem)) == ["slip"]
+    assert least_friction(problem) == pytest.approx(np.tan(angle), rel=2e-6)
+
+
+def test_what_a_slipping_block_lacks_is_the_distance_from_the_cone():
+    angle, friction = 0.5, 0.2
+    problem = block([50.0 * np.array((np.sin(angle), 0.0, np.cos(angle)))], friction)
+    force, moment = missing(contact_forces(problem), LENGTH)
+    assert np.linalg.norm(force) == pytest.approx(50.0 * np.sin(angle - np.arctan(friction)), rel=1e-5)
+    assert np.abs(moment).max() <= 1e-3
+
+
+def test_a_block_tips_where_the_push_passes_its_edge():
+    height, weight = 0.4, 30.0
+    pushes = weight * 0.1 / height * np.array((0.5, 1.0 - 1e-6, 1.0 + 1e-6, 2.0))
+    problem = block([(push, 0.0, weight) for push in pushes], 5.0, height)
+    found = contact_forces(problem)
+    assert kinds(problem, found) == ["", "", "tip", "tip"]
+    assert least_friction(problem.chosen([3])) is None
+    assert least_friction(problem.chosen([0, 1])) == pytest.approx(0.1 / height, rel=1e-5)
+
+
+def test_feet_that_would_have_to_pull():
+    problem = block([(0.0, 0.0, -7.0), (0.0, 0.0, 7.0)], 0.5)
+    found = contact_forces(problem)
+    assert kinds(problem, found) == ["pull", ""]
+    assert missing(found, LENGTH)[0] == pytest.approx(np.array([(0.0, 0.0, -7.0), (0.0, 0.0, 0.0)]), abs=1e-12)
+
+
+def test_moments_are_told_about_another_point():
+    problem = block([(0.0, 0.0, -7.0)], 0.5)
+    _, moment = missing(contact_forces(problem), LENGTH, centre=np.array([(0.2, 0.0, 0.0)]))
+    assert moment[0] == pytest.approx((0.0, -1.4, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("lean", [0.0, 0.2])
+def test_between_walls_only_friction_carries(lean):
+    """Walls lean over by `lean`: what is atan(W / 2 h) from the horizontal is `lean` more from the normal."""
+    normals = np.array([(np.cos(lean), 0.0, -np.sin(lean)), (-np.cos(lean), 0.0, -np.sin(lean))])
+    arms, b = np.array([[(-0.3, 0.0, 0.0), (0.3, 0.0, 0.0)]]), np.array([(0.0, 0.0, 0.0, 0.0, 0.0, 40.0)])
+    squeeze = np.sqrt(0.5 * STRONGEST**2 - 0.25)
+    expected = np.tan(lean + np.arctan(0.5 / squeeze))
+    problem = Problem(base_columns(arms, 0.3), b, normals, np.full(2, 0.5))
+    found = contact_forces(problem)
+    assert found.feasible.all()
+    assert found.f.sum(axis=1)[0] == pytest.approx((0.0, 0.0, 40.0), abs=40e-12)
+    across = np.tan(np.arctan(0.5) - lean)  # the least forces are on the edges of the cones
+    assert np.abs(found.f[0, :, 0]) == pytest.approx(20.0 / across, rel=1e-9)
+    assert least_friction(problem) == pytest.approx(expected, rel=1e-5)
+
+
+def test_the_least_friction_is_that_of_the_worst_sample():
+    problem = feet(3, 5, 2, push=0.2)
+    mu = least_friction(problem)
+    alone = [least_friction(problem.chosen([k])) for k in range(5)]
+    assert mu == pytest.approx(max(alone), rel=1e-5)
+    assert least_friction(problem, known=0.5) == 0.5
+    assert least_friction(problem.chosen([0]), known=0.5 * alone[0]) == pytest.approx(alone[0], rel=1e-5)
