@@ -38,20 +38,24 @@ LOOKS = 20
 
 
 class Cones(NamedTuple):
-    """G f = b of N samples with |b| = 1, f in cones about the z axes of K points; samples are the last axis.
+    """G f = b of N samples with |b| = 1, f in the cones of K points; samples are the last axis.
 
     Attributes:
-        G: (R 3 K, N), row by row. b: (R, N). cosine, sine: (K, N), of the half angles atan(mu).
+        G: (R 3 K, N), row by row, of which the columns of each point count times its scale.
+        b: (R, N).
+        normals: (3 K, N). cosine, sine: (K, N), of the half angles atan(mu). scale: (K, N).
     """
 
     G: Floats
     b: Floats
+    normals: Floats
     cosine: Floats
     sine: Floats
+    scale: Floats
 
     def chosen(self, samples: Any) -> Cones:
         """Return those of some samples."""
-        return Cones(*(part[:, samples] for part in self))
+        return Cones(*(np.ascontiguousarray(part[:, samples]) for part in self))
 
 
 def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tuple[Floats, Floats]:
@@ -75,13 +79,14 @@ def least_forces(cones: Cones, executor: str = "auto", expected: int = 0) -> tup
         count = LOOKS * (expected or N)
         return runner(kind, R, len(part.cosine))(sources, part.b.shape[1], executor=executor, expected=count).T
 
-    rho = np.full(N, HARDEST)
-    nu = run("start", cones, rho=rho)
-    out = run("step", cones, nu=nu, centre=nu, rho=rho)
-    outside = np.flatnonzero(_size(out[1 : 1 + R]) > INSIDE)
+    nu = run("start", cones, rho=np.full(N, HARDEST))
+    out = run("forces", cones, nu=nu)
+    outside = np.flatnonzero(_size(out[:R]) > INSIDE)
     if len(outside):
-        nu[:, outside] = _least(cones.chosen(outside), nu[:, outside], run)
-    return run("forces", cones, nu=nu), nu
+        part = cones.chosen(outside)
+        nu[:, outside] = _least(part, nu[:, outside], run)
+        out[:, outside] = run("forces", part, nu=nu[:, outside])
+    return out[R:], nu
 
 
 class _State(NamedTuple):

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from robodyn.dynamics.contacts.cones import Projected, projected
-from robodyn.programs.program import Program, trace
+from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, total
@@ -18,20 +18,34 @@ def _inputs(tape: Tape, name: str, *shape: int) -> Array:
     return np.array([tape.input(name, k) for k in range(int(np.prod(shape)))], dtype=object).reshape(shape)
 
 
-def _forces(tape: Tape, rows: int, points: int) -> tuple[Array, Array, list[Projected]]:
-    """G by points, nu, and the forces P(G^T nu)."""
+def _projections(tape: Tape, rows: int, points: int) -> tuple[Array, Array, list[Projected]]:
+    """Return G by points, each times its scale, nu, and the projections P(G^T nu)."""
     G, nu = _inputs(tape, "G", rows, points, 3), _inputs(tape, "nu", rows)
+    G = G * _inputs(tape, "scale", points)[:, None]
+    normals = _inputs(tape, "normals", points, 3)
     cosine, sine = _inputs(tape, "cosine", points), _inputs(tape, "sine", points)
-    return G, nu, [projected(G[:, k].T @ nu, cosine[k], sine[k]) for k in range(points)]
+    return G, nu, [projected(G[:, k].T @ nu, normals[k], cosine[k], sine[k]) for k in range(points)]
+
+
+def _forces(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
+    """What is left of b, b - G f, and f = P(G^T nu)."""
+    G, _, found = _projections(tape, rows, points)
+    return [*_left(tape, G, found), *(x for each in found for x in each.f)]
+
+
+def _left(tape: Tape, G: Array, found: list[Projected]) -> Array:
+    rest: Array = _inputs(tape, "b", len(G)) - total(G[:, k] @ each.f for k, each in enumerate(found))
+    return rest
 
 
 def _step(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
     """psi = 1/2 sum |P(G^T nu)|^2 - b . nu + rho/2 |nu - c|^2, minus its gradient g, and (G D G^T + rho 1)^-1 of -g."""
-    G, nu, found = _forces(tape, rows, points)
-    b, rho = _inputs(tape, "b", rows), tape.input("rho", 0)
+    G, nu, found = _projections(tape, rows, points)
+    rho = tape.input("rho", 0)
     away = nu - _inputs(tape, "centre", rows)
-    value = 0.5 * total(x * x for each in found for x in each.f) - b @ nu + 0.5 * rho * (away @ away)
-    down = b - total(G[:, k] @ each.f for k, each in enumerate(found)) - away * rho
+    value = 0.5 * total(x * x for each in found for x in each.f) - _inputs(tape, "b", rows) @ nu
+    value = value + 0.5 * rho * (away @ away)
+    down = _left(tape, G, found) - away * rho
     H = total(_curvature(G[:, k], each) for k, each in enumerate(found))
     return [value, *down, *_solved(H, rho, down)]
 
@@ -45,7 +59,9 @@ def _curvature(G: Array, point: Projected) -> Array:
 
 def _start(tape: Tape, rows: int, points: int) -> Iterable[Scalar]:
     """The nu of the least forces without cones: (G G^T + rho 1)^-1 b, and once more what that leaves of b."""
-    G, b, rho = _inputs(tape, "G", rows, 3 * points), _inputs(tape, "b", rows), tape.input("rho", 0)
+    G, scale = _inputs(tape, "G", rows, points, 3), _inputs(tape, "scale", points)
+    b, rho = _inputs(tape, "b", rows), tape.input("rho", 0)
+    G = (G * scale[:, None]).reshape(rows, 3 * points)
     H = G @ G.T
     nu = np.array(_solved(H, rho, b))
     return list(nu + np.array(_solved(H, rho, b - H @ nu)))
@@ -69,21 +85,13 @@ def _solved(H: Array, rho: Scalar, b: Array) -> list[Scalar]:
     return x
 
 
-def _widths(rows: int, points: int) -> dict[str, int]:
-    return {"G": 3 * rows * points, "nu": rows, "centre": rows, "b": rows, "cosine": points, "sine": points, "rho": 1}
-
-
-PROGRAMS = {"step": _step, "start": _start}
+PROGRAMS = {"start": _start, "step": _step, "forces": _forces}
 
 
 @lru_cache(maxsize=64)
 def runner(kind: str, rows: int, points: int) -> Runner:
     """Return the program of a kind ("start", "step" or "forces"), ready to run on arrays of samples."""
-
-    def outputs(tape: Tape) -> Iterable[Scalar]:
-        if kind == "forces":
-            return [x for each in _forces(tape, rows, points)[2] for x in each.f]
-        return PROGRAMS[kind](tape, rows, points)
-
-    program: Program = trace(outputs)
-    return Runner(program, _widths(rows, points))
+    program = trace(lambda tape: PROGRAMS[kind](tape, rows, points))
+    by_point = {"G": 3 * rows, "normals": 3, "cosine": 1, "sine": 1, "scale": 1}
+    widths = {name: width * points for name, width in by_point.items()}
+    return Runner(program, {**widths, "nu": rows, "centre": rows, "b": rows, "rho": 1})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robodyn.dynamics.contacts.dual import Cones, least_forces
-from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
+from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem
 from robodyn.support.floats import Floats
 
 
@@ -31,33 +31,24 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
         from robodyn.dynamics.contacts.conic import conic_forces
 
         return conic_forces(problem)
-    cones, axes, sizes = local(problem)
+    cones, sizes = scaled(problem)
     N, _, K = problem.shape
     f, _ = least_forces(cones, executor, expected)
-    return in_given_axes(problem, f.T.reshape(N, K, 3), axes, sizes)
-
-
-def local(problem: Problem) -> tuple[Cones, Floats, Floats]:
-    """Return the problem in axes of the contacts with |b| = 1 and weights 1; those axes, and the lengths of f = 1."""
-    N, R, K = problem.shape
-    axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
-    sizes = np.sqrt(np.einsum("ni,ni->n", problem.b, problem.b))
-    scale = np.ones((N, K)) if problem.active is None else problem.active.astype(float)
-    if problem.weights is not None:
-        scale = scale * np.sqrt(problem.weights.max() / problem.weights)
-    G = np.einsum("nikj,nkjl,nk->nikl", problem.G.reshape(N, R, K, 3), axes, scale)
-    friction = np.broadcast_to(problem.friction, (N, K))
-    cosine = np.where(np.isinf(friction), 0.0, np.cos(np.arctan(friction)))
-    sine = np.sin(np.arctan(friction))
-    b = problem.b / np.where(sizes > 0.0, sizes, 1.0)[:, None]
-    parts = (np.ascontiguousarray(part.reshape(N, -1).T) for part in (G, b, cosine, sine))
-    return Cones(*parts), axes, sizes[:, None] * scale
-
-
-def in_given_axes(problem: Problem, f: Floats, axes: Floats, scale: Floats) -> Forces:
-    """Return forces of the problem of `local` as those of the given one."""
-    N, _, K = problem.shape
-    found = np.einsum("nkij,nkj,nk->nki", axes, f, scale)
+    found = (f.reshape(K, 3, N) * (sizes * cones.scale)[:, None]).transpose(2, 0, 1)
     residual = problem.b - np.einsum("nij,nj->ni", problem.G, found.reshape(N, 3 * K))
-    missing, sizes = (np.sqrt(np.einsum("ni,ni->n", x, x)) for x in (residual, problem.b))
+    missing = np.sqrt(np.einsum("ni,ni->n", residual, residual))
     return Forces(found, np.zeros((N, 0)), residual, missing <= FEASIBLE * sizes, np.ones(N, dtype=bool))
+
+
+def scaled(problem: Problem) -> tuple[Cones, Floats]:
+    """Return the problem with |b| = 1, weights 1 and forces of inactive points that count for nothing; and |b| (N,)."""
+    N, _, K = problem.shape
+    sizes = np.sqrt(np.einsum("ni,ni->n", problem.b, problem.b))
+    scale = np.ones(K) if problem.weights is None else np.sqrt(problem.weights.max() / problem.weights)
+    by_sample = scale if problem.active is None else scale * problem.active
+    angle = np.arctan(problem.friction)
+    cosine = np.where(np.isinf(problem.friction), 0.0, np.cos(angle))
+    parts = (problem.normals.reshape(*problem.normals.shape[:-2], -1), cosine, np.sin(angle), by_sample)
+    normals, cosine, sine, by_sample = (np.broadcast_to(part, (N, part.shape[-1])).T for part in parts)
+    b = problem.b.T / np.where(sizes > 0.0, sizes, 1.0)
+    return Cones(problem.G.reshape(N, -1).T, b, normals, cosine, sine, by_sample), sizes

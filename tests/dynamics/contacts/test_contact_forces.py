@@ -12,7 +12,7 @@ from robodyn.dynamics.contacts.conic import conic_forces
 from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.dual import least_forces
 from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces, local
+from robodyn.dynamics.contacts.solve import contact_forces, scaled
 
 FAMILIES = {
     "feet of points": lambda n: stance(1, n, 4),
@@ -75,32 +75,35 @@ def test_forces_that_exist_balance(family):
 def test_conditions_of_the_optimum(family):
     """f in the cone, s = f - G^T nu in its dual, f . s = 0: nothing else is the least."""
     problem = FAMILIES[family](200)
-    cones, _, _ = local(problem)
-    f, nu = least_forces(cones)
     held = contact_forces(problem).feasible
-    R, N = cones.b.shape
-    f, z = (x.reshape(-1, 3, N)[..., held] for x in (f, np.einsum("ikn,in->kn", cones.G.reshape(R, -1, N), nu)))
-    cosine, sine = cones.cosine[:, held], cones.sine[:, held]
-    s = f - z
-    size = np.maximum(1.0, np.abs(nu).max(axis=0))[held] if held.any() else 1.0
-    tangent, dual = np.hypot(f[:, 0], f[:, 1]), np.hypot(s[:, 0], s[:, 1])
-    assert (cosine * tangent - sine * f[:, 2] <= 1e-13 * size).all()
-    assert (sine * dual - cosine * s[:, 2] <= 1e-13 * size).all()
+    cones = scaled(problem)[0].chosen(held)
+    f, nu = least_forces(cones)
+    z = np.einsum("ikcn,in,kn->kcn", cones.G.reshape(6, -1, 3, held.sum()), nu, cones.scale)
+    f, n = f.reshape(z.shape), cones.normals.reshape(z.shape)
+    s, size = f - z, np.maximum(1.0, np.abs(nu).max(axis=0))
+    (press, along), (lift, across) = parts(f, n), parts(s, n)
+    assert (cones.cosine * along - cones.sine * press <= 1e-13 * size).all()
+    assert (cones.sine * across - cones.cosine * lift <= 1e-13 * size).all()
     assert (np.abs((f * s).sum(axis=1)) <= 1e-12 * size**2).all()
+
+
+def parts(f, n):
+    """Normal and tangential components (K, N) of (K, 3, N)."""
+    press = (f * n).sum(axis=1)
+    return press, np.sqrt(((f - press[:, None] * n) ** 2).sum(axis=1))
 
 
 def test_the_least_of_what_nothing_balances_is_a_minimum():
     """1/2 |f|^2 + 1/2 |r|^2 / rho rises along every way within the cones, by first order: f - G^T r / rho is dual."""
     problem = replace(stance(13, 200, 4, push=5.0), active=None)
     found = contact_forces(problem)
-    scale = local(problem)[2]
     lost, weight = ~found.feasible, sizes(problem.b)
     assert lost.sum() > 150
     r = found.residual / weight[:, None]
-    s = found.f / scale[..., None] - np.einsum("nij,ni->nj", problem.G, r).reshape(found.f.shape) / 1e-6
-    press = np.einsum("nki,ki->nk", s, problem.normals)
-    along = sizes((s - press[..., None] * problem.normals).reshape(-1, 3)).reshape(press.shape)
-    assert (problem.friction * along - press <= 1e-2)[lost].all()  # the parts are 1e6 |r|
+    f = found.f / weight[:, None, None]
+    s = f - np.einsum("nij,ni->nj", problem.G, r).reshape(f.shape) / 1e-6
+    lift, across = parts(s.transpose(1, 2, 0), problem.normals[:, :, None])
+    assert (problem.friction[:, None] * across - lift <= 1e-2)[:, lost].all()  # the parts are 1e6 |r|
 
 
 def test_four_feet_carry_a_quarter_each():
