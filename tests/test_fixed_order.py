@@ -8,7 +8,7 @@ from test_layers import MODULES
 
 ANY_SCALAR = (
     *("dynamics.recursions", "dynamics.effects", "dynamics.momenta", "dynamics.balance", "dynamics.coriolis"),
-    "dynamics.contacts.program",
+    *("dynamics.contacts.cones", "dynamics.contacts.program"),
     *("programs.vectors", "programs.dual", "robot.kinematics", "robot.configuration"),
     *(
         "dynamics.loops.closure",
