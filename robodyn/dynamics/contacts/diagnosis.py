@@ -13,13 +13,12 @@ from robodyn.support.floats import Floats
 
 MOMENTS, FORCES = slice(0, 3), slice(3, 6)
 """The first rows of the equations: those of the base, as `base_columns` makes them."""
-STEEPEST = 1e6
-"""More friction than this counts as unlimited."""
 STRONGEST = 100.0
 """Times |b|: what needs larger forces, as feet that are all but wedged do, counts as impossible."""
-
 MANY = 100_000
-"""Samples that a bisection is worth, by which its executor is chosen: it looks at few of them often."""
+"""Samples that a search is worth, by which its executor is chosen: it looks at few of them often."""
+WORST, SECTIONS = 8, 15
+"""Samples whose least friction is sought at a time, and how many coefficients are tried between two bounds."""
 
 
 def base_columns(arms: Floats, length: float) -> Floats:
@@ -81,35 +80,57 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
     Forces of more than 100 |b| do not count: where contacts wedge between each other, less friction would do, with
     forces beyond all bounds. What torques cost and their limits do not count either.
 
-    Method: bisection, at each mu only of those samples that may need more.
+    Method: those samples that miss most where friction is not enough are solved for their own least mu, with many mu at
+    a time; then those that still miss something, until none does.
 
     Returns:
         None where no friction suffices.
 
     Accuracy: 1e-6 relative; 1e-5 where forces become singular at the least mu.
     """
-    left = np.flatnonzero(~_suffices(problem, known, executor))
-    if not len(left):
-        return known
-    if not _suffices(problem.chosen(left), np.inf, executor).all():
-        return None
-    low, high = known, max(1.0, 2.0 * known)
-    while not (held := _suffices(problem.chosen(left), high, executor)).all():
-        if high > STEEPEST:
+    mu, left = known, np.arange(len(problem.b))
+    while True:
+        part = problem.chosen(left)
+        found = contact_forces(_with_friction(part, mu), executor, MANY)
+        lost = ~_moderate(part, found)
+        left = left[lost]
+        if not len(left):
+            return mu
+        lacking = found.residual[lost]
+        worst = np.argsort(-np.einsum("ni,ni->n", lacking, lacking), kind="stable")[:WORST]
+        least = _least_of(problem.chosen(left[worst]), mu, executor)
+        if least is None:
             return None
-        low, high, left = high, 4.0 * high, left[~held]
+        mu = least
+
+
+def _least_of(problem: Problem, low: float, executor: str) -> float | None:
+    """Return the least mu, 1e-6 relative, with which all of a few samples have forces; `low` is not enough."""
+    ladder = max(0.25, 2.0 * low) * 4.0 ** np.arange(SECTIONS)
+    held = _suffices(problem, ladder, executor)
+    if not held.any():
+        return None
+    first = int(held.argmax())
+    low, high = max(low, float(ladder[first - 1]) if first else low), float(ladder[first])
     while high - low > 1e-6 * high:
-        mu = 0.5 * (low + high)
-        held = _suffices(problem.chosen(left), mu, executor)
-        if held.all():
-            high = mu
-        else:
-            low, left = mu, left[~held]
+        between = np.linspace(low, high, SECTIONS + 2)
+        held = np.append(_suffices(problem, between[1:-1], executor), True)
+        first = int(held.argmax())
+        low, high = float(between[first]), float(between[first + 1])
     return high
 
 
-def _suffices(problem: Problem, mu: float, executor: str) -> Flags:
-    found = contact_forces(_with_friction(problem, mu), executor, MANY)
+def _suffices(problem: Problem, friction: Floats, executor: str) -> Flags:
+    """Return (M,) with which of M mu all samples have forces."""
+    M, (N, _, K) = len(friction), problem.shape
+    every = replace(problem.chosen(np.tile(np.arange(N), M)), friction=np.repeat(friction, N)[:, None] * np.ones(K))
+    every = replace(every, torques=None)
+    found: Flags = _moderate(every, contact_forces(every, executor, MANY)).reshape(M, N).all(axis=1)
+    return found
+
+
+def _moderate(problem: Problem, found: Forces) -> Flags:
+    """Return (N,) which samples have forces, of no more than 100 |b|."""
     strength, b = (np.sqrt(np.einsum("...i,...i->...", x, x)) for x in (found.f.reshape(len(found.f), -1), problem.b))
     enough: Flags = found.feasible & (strength <= STRONGEST * b)
     return enough
