@@ -50,8 +50,8 @@ class ContactLoad:
         friction: coefficient.
         on: part of the samples in which it touches.
         force: the largest magnitude [N]; normal, least_normal: the largest and the least part along the normal [N].
-        friction_used: the most of the available friction that one of its points uses, 1 at the cone; None if it is
-            never on.
+        friction_used: the most of the available friction that its points use together, `sum |f_t| / (mu sum f_n)`;
+            None if it is never on.
         margin: the least distance of the centre of pressure from the edges of its polygon [m], negative outside; None
             for a point, and where nothing presses.
     """

@@ -18,6 +18,8 @@ from robodyn.support.floats import Floats, first_of_ties, steady
 
 MOST_SPANS = 20
 """Spans without contact forces that are told one by one."""
+ROUNDING = 1e-9
+"""A smaller distance from an edge [m], or from all of the friction, is none."""
 
 
 class ContactFigures:
@@ -100,14 +102,15 @@ class _ContactFigures:
         rows, time, forces, arms = row + np.flatnonzero(on), time[on], forces[on], arms[on]
         total = forces.sum(axis=1)
         press = product(total, self.normal)
-        used = friction_used(forces, self.normal, np.array(self.contact.friction))
+        used = friction_used(forces, self.normal, self.contact.friction)
         self.force.update(time, rows, np.sqrt((total * total).sum(axis=1)))
         self.press.update(time, rows, press)
         self.least.update(time, rows, -press)
-        self.used.update(time, rows, np.where(np.isnan(used), 0.0, used).max(axis=1))
+        self.used.update(time, rows, np.where(np.abs(used - 1.0) < ROUNDING, 1.0, np.where(np.isnan(used), 0.0, used)))
         if len(self.contact.points) > 2:
             margin = centre_of_pressure(arms, self.normal, forces)[1]
             pressing = ~np.isnan(margin)
+            margin = np.where(np.abs(margin) < ROUNDING, 0.0, margin)
             self.margin.update(time[pressing], rows[pressing], -margin[pressing])
 
     def report(self) -> ContactLoad:

@@ -8,7 +8,8 @@ from robodyn.dynamics.contacts.problem import axes_of
 from robodyn.support.floats import Floats
 
 FLAT = 1e-9
-"""Of the largest distance between points: what stands out less from a line lies on it."""
+"""Of the largest distance between points: what stands out less from a line lies on it. Of the force that presses: less
+along the ground is none."""
 
 
 def centre_of_pressure(points: Floats, normal: Floats, forces: Floats) -> tuple[Floats, Floats]:
@@ -60,15 +61,21 @@ def _margin(corners: Floats, place: Floats) -> Floats:
     return np.where(np.isnan(place[:, 0]), np.nan, found)
 
 
-def friction_used(forces: Floats, normal: Floats, friction: Floats | float) -> Floats:
-    """Return |f_t| / (mu f_n) of forces (..., 3) [N]: 1 is all that there is; not a number where f_n <= 0.
+def friction_used(forces: Floats, normal: Floats, friction: float) -> Floats:
+    """Return sum |f_t| / (mu sum f_n) over the points of a contact: 1 is all that there is, at all of its points.
+
+    Where nothing presses it is not a number.
 
     Args:
-        normal: (3,) or (..., 3), of length 1.
+        forces: (..., K, 3) N, at the points.
+        normal: (3,), of length 1.
         friction: mu; where it is 0, the result is 0 or infinite.
+
+    Accuracy: 1e-15 relative where no point pulls.
     """
-    press = np.einsum("...i,...i->...", forces, normal)
+    press = np.einsum("...i,i->...", forces, normal)
     across = forces - press[..., None] * normal
-    along = np.sqrt(np.einsum("...i,...i->...", across, across))
+    along = np.sqrt(np.einsum("...i,...i->...", across, across)).sum(axis=-1)
+    press = press.sum(axis=-1)
     with np.errstate(all="ignore"):
-        return np.where(press > 0.0, np.where(along > 0.0, along / (friction * press), 0.0), np.nan)
+        return np.where(press > 0.0, np.where(along > FLAT * press, along / (friction * press), 0.0), np.nan)

@@ -38,6 +38,11 @@ def test_points_have_no_margin_and_feet_in_the_air_no_centre():
 
 
 def test_friction_used():
-    forces = np.array([(3.0, 4.0, 10.0), (0.0, 0.0, 10.0), (0.0, 0.0, 0.0)])
+    forces = np.array([(3.0, 4.0, 10.0), (0.0, 0.0, 10.0), (0.0, 0.0, 0.0)])[:, None]
     assert friction_used(forces, UP, 0.5) == pytest.approx([1.0, 0.0, np.nan], nan_ok=True)
     assert friction_used(forces, UP, 0.0) == pytest.approx([np.inf, 0.0, np.nan], nan_ok=True)
+
+
+def test_points_use_friction_together():
+    turning = np.array([[(2.0, 0.0, 30.0), (-2.0, 0.0, 10.0)]])
+    assert friction_used(turning, UP, 0.5) == pytest.approx([0.2])
