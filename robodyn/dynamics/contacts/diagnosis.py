@@ -106,7 +106,7 @@ def least_friction(problem: Problem, known: float = 0.0, executor: str = "auto")
 
 def _least_of(problem: Problem, low: float, executor: str) -> float | None:
     """Return the least mu, 1e-6 relative, with which all of a few samples have forces; `low` is not enough."""
-    ladder = max(0.25, 2.0 * low) * 4.0 ** np.arange(SECTIONS)
+    ladder: Floats = max(0.25, 2.0 * low) * 4.0 ** np.arange(SECTIONS, dtype=float)
     held = _suffices(problem, ladder, executor)
     if not held.any():
         return None
@@ -125,8 +125,8 @@ def _suffices(problem: Problem, friction: Floats, executor: str) -> Flags:
     M, (N, _, K) = len(friction), problem.shape
     every = replace(problem.chosen(np.tile(np.arange(N), M)), friction=np.repeat(friction, N)[:, None] * np.ones(K))
     every = replace(every, torques=None)
-    found: Flags = _moderate(every, contact_forces(every, executor, MANY)).reshape(M, N).all(axis=1)
-    return found
+    enough = _moderate(every, contact_forces(every, executor, MANY)).reshape(M, N)
+    return np.asarray(enough.all(axis=1))
 
 
 def _moderate(problem: Problem, found: Forces) -> Flags:
