@@ -10,6 +10,8 @@ from robodyn.report.sizes import Sizes, result_sizes
 from robodyn.report.table import Columns, Content, by_columns, number, printable
 from robodyn.support.wording import count, figure
 
+_FEW = 3
+"""Joints that are named instead of counted."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over"}
 
 
@@ -54,13 +56,18 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
 
 
 def _ranks(found: Constraints) -> str:
-    drives = count(len(found.determined), "joint") + (" drives" if len(found.determined) == 1 else " drive")
+    drives = _drives(list(found.determined))
     if not found.equations:
         return f"{drives}."
     over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
     freedoms = "degree of freedom" if found.freedoms == 1 else "degrees of freedom"
     spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
     return f"{count(found.equations, 'equation')} of loops{over}; {found.freedoms} {freedoms}; {drives}{spare}."
+
+
+def _drives(names: list[str]) -> str:
+    who = _names(names, len(names)) if len(names) <= _FEW else count(len(names), "joint")
+    return f"{who} {'drives' if len(names) == 1 else 'drive'}"
 
 
 def _friction(found: Constraints) -> str:

@@ -255,7 +255,7 @@ class Scene(FrozenValue):
         loops: closures.
         baumgarte: 0: positions and speeds are projected onto the loops after each step; else the rate [1/s] at which
             Baumgarte's terms let errors of the loops decay.
-        actuated: joints that drive; None: all but those of `passive`.
+        actuated: joints that drive; None: all but those of `passive`, or of closed chains those of `drive`.
         passive: joints that nothing drives.
         share: how redundant actuators share: "least" of the sum of their squares, or "weighted" by `weights`.
         weights: by joint, of tau^2 in that sum, a number or EFFORT; `weight` of the others.

@@ -85,6 +85,20 @@ def test_torques_refuse_a_table_of_a_closed_chain(more: tuple[str, ...], tmp_pat
     )
 
 
+def test_torques_of_a_simulation_with_its_own_scene(tmp_path: Path) -> None:
+    """The joints of [drive] drive, and what they did comes back; the columns of the loop's wrench are known."""
+    table, out = tmp_path / "pump.csv", tmp_path / "tau.csv"
+    simulate(*PUMP, "--duration", "0.5", "--out", str(table))
+    outcome = run("torques", PUMP[0], str(table), *PUMP[1:], "--out", str(out))
+    assert (outcome.status, outcome.err) == (0, "")
+    assert "1 degree of freedom; main drives.\nAll torques are determined" in outcome.out
+    names = out.read_text().splitlines()[0].split(",")
+    assert names == ["time", "tau_main", *(f"{part}_wrist_pin" for part in ("fx", "fy", "fz", "mx", "my", "mz"))]
+    found, given = (np.loadtxt(path, delimiter=",", skiprows=1) for path in (out, table))
+    assert np.abs(found[:, 1] - 4.0).max() <= 1e-12
+    assert np.abs(found[:, 2:] - given[:, -6:]).max() <= 1e-13 * np.abs(given[:, -6:]).max()
+
+
 def test_a_scene_may_apply_the_wrench_of_a_cut_loop(tmp_path: Path) -> None:
     """The open tree then needs the torques that drove the chain."""
     out, both, cut, tau = (tmp_path / name for name in ("pump.csv", "both.csv", "cut.toml", "tau.csv"))

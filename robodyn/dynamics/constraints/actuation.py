@@ -39,19 +39,23 @@ class Actuation(NamedTuple):
 
 @lru_cache(maxsize=16)
 def actuation(model: Model, scene: Scene) -> Actuation:
-    """Return what drives in a scene.
+    """Return what drives in a scene: joints of `actuated`, or all but those of `passive`; where neither is said, those
+    of `drive` in a closed chain that has some, else all.
 
     Raises:
         SceneError: a weight or a cost asks for the effort limit of a joint that has none.
     """
     passive, driven = np.zeros(model.n, dtype=bool), np.zeros(model.n, dtype=bool)
     weights, limits = [], []
+    actuated = scene.actuated
+    if actuated is None and not scene.passive and scene.loops and scene.drive:
+        actuated = tuple(scene.drive)
     base = 6 if model.floating else 0
     for joint in model.independent:
         if joint.kind == "floating":
             passive[joint.rate : joint.rate + 6] = joint.rate >= base or bool(scene.contacts)
             continue
-        drives = joint.name in scene.actuated if scene.actuated is not None else joint.name not in scene.passive
+        drives = joint.name in actuated if actuated is not None else joint.name not in scene.passive
         passive[joint.rate], driven[joint.rate] = not drives, drives
         if drives:
             weights.append(_weight(joint, scene))
