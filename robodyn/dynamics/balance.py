@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,8 @@ def laws(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
     `f = dP/dt + w x P - m g - sum f_ext`, `n = dH/dt + w x H + v x P - c x m g - sum (n_ext + r x f_ext)`, about the
     base's origin and in its axes, w and v being the base's velocities; the rates come from dual scalars. Then dE/dt,
-    and the squared magnitudes of what balances in each of the three: the rates of the bodies' own momenta and energies.
+    and the squared magnitudes of what balances in each of the three: the rates of the bodies' own momenta and energies,
+    and the wrenches that act on them.
 
     Returns:
         A program with 10 outputs: f, n, dE/dt, and three squares.
@@ -49,6 +50,8 @@ def _magnitudes(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Scal
         for rate, velocity in ((P_rate, _each(value_of, v)), (H_rate, _each(value_of, w))):
             parts = rate * velocity
             power = power + parts @ parts
+    for f, n in _wrenches_about_base(sample.model.parents, terms, joints):
+        force, moment = force + f @ f, moment + n @ n
     return [force, moment, power]
 
 
@@ -130,16 +133,23 @@ def _base_wrench(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Sca
     P, H, mc = (_each(value_of, x) for x in (whole.P, whole.H, whole.mc))
     base = velocities(parents[:1], joints[:1])[0]
     w, v = _each(value_of, base.w), _each(value_of, base.v)
-    where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
     weight = _each(value_of, joints[0].R).T @ terms.gravity
     f = _each(rate_of, whole.P) + cross(w, P) - whole.m * weight
     n = _each(rate_of, whole.H) + cross(w, H) + cross(v, P) - cross(mc, weight)
-    from_base = poses(parents, [where[0]._replace(R=np.eye(3), p=np.zeros(3)), *where[1:]]) if terms.wrenches else []
+    for force, moment in _wrenches_about_base(parents, terms, joints):
+        f, n = f - force, n - moment
+    return [*f, *n]
+
+
+def _wrenches_about_base(parents: tuple[int, ...], terms: Terms, joints: list[Motion]) -> Iterator[tuple[Array, Array]]:
+    """Yield force and moment of each wrench about the base's origin, in the base's axes."""
+    if not terms.wrenches:
+        return
+    where = [motion._replace(R=_each(value_of, motion.R), p=_each(value_of, motion.p)) for motion in joints]
+    from_base = poses(parents, [where[0]._replace(R=np.eye(3), p=np.zeros(3)), *where[1:]])
     for i, wrench in terms.wrenches:
         force = from_base[i].R @ wrench.f
-        f = f - force
-        n = n - from_base[i].R @ wrench.n - cross(from_base[i].p, force)
-    return [*f, *n]
+        yield force, from_base[i].R @ wrench.n + cross(from_base[i].p, force)
 
 
 def _each(part: Callable[[Any], Scalar], array: Array) -> Array:

@@ -105,10 +105,12 @@ class ConstraintPass:
         return 6 * len(self.scene.constraint_names)
 
     def settle(self, loads: Floats) -> None:
-        """Write over what the recursion finds of the last block: at passive rates what nothing gives, and at singular
-        samples the torques of those beside."""
+        """Write over what the recursion finds of the last block: at passive rates what nothing gives, no
+        wrench at a base that is balanced, and at singular samples the torques of those beside."""
         n, passive = self.model.n, self.solver.actuation.passive
         loads[:, :n][:, passive] = self._tau[:, passive]
+        if self.model.floating:
+            loads[~self._tau[:, :6].any(axis=1), n : n + 6] = 0.0
         loads[self._lost, :n] = self._tau[self._lost]
 
     def static(self, block: Trajectory) -> Floats:

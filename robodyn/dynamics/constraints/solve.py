@@ -35,6 +35,8 @@ REFERENCES = 16
 """Samples of the first block by which ranks are decided."""
 BALANCED = 1e-9
 """Of the largest generalised force of a sample: a smaller remainder at passive joints is rounding."""
+ROUNDING = 1e-12
+"""Of weight and forces: what is less is left where these cancel, as gravity and acceleration of a robot that falls."""
 
 
 class Found(NamedTuple):
@@ -76,6 +78,13 @@ class ConstraintSolver:
         self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
         self._patterns: set[bytes] = set()
         self._crossings: Crossings | None = None
+        model, gravity = plan.model, length(np.asarray(plan.scene.gravity))
+        self._weight = max(model.total_mass * gravity, 1e-300)
+        self._units = np.ones(model.n)
+        for joint in model.independent:
+            if joint.kind in ("floating", "revolute"):
+                turns = slice(joint.rate, joint.rate + (3 if joint.kind == "floating" else 1))
+                self._units[turns] = 1.0 / (model.reach or 1.0)
 
     def pieces(self, samples: int) -> list[slice]:
         """Return the parts of a block that `solve` takes."""
@@ -114,8 +123,10 @@ class ConstraintSolver:
 
     def _settled(self, left: Floats, tau: Floats) -> Floats:
         """Return the torques without what rounding leaves at passive rates."""
-        small = BALANCED * np.abs(tau).max(axis=1, initial=0.0)
-        nothing = (np.abs(left) <= small[:, None]) & self.actuation.passive
+        small = np.maximum(
+            BALANCED * np.abs(tau).max(axis=1, initial=0.0)[:, None], ROUNDING * self._weight / self._units
+        )
+        nothing = (np.abs(left) <= small) & self.actuation.passive
         return np.where(nothing, 0.0, left)
 
     def _shared(self, loops: LoopMap, tau: Floats) -> tuple[Floats, Mask]:
@@ -164,12 +175,10 @@ class ConstraintSolver:
 
     def _problem(self, loops: LoopMap, contacts: ContactMap, tau: Floats, touching: Mask) -> Problem:
         """Return what contact forces have to do: balance what is passive, its moments in units of the robot's reach."""
-        model, scene, part = self.plan.model, self.plan.scene, self.actuation
-        unit, weight = np.ones(model.n), max(model.total_mass * length(np.asarray(scene.gravity)), 1e-300)
-        for joint in model.independent:
-            if joint.kind in ("floating", "revolute"):
-                unit[joint.rate : joint.rate + (3 if joint.kind == "floating" else 1)] = 1.0 / (model.reach or 1.0)
+        scene, part, unit, weight = self.plan.scene, self.actuation, self._units, self._weight
         P, A, cost = part.passive, part.driven, scene.contact_cost
+        balanced = np.abs(tau * unit)
+        rounding = ROUNDING * np.maximum(weight, balanced.max(axis=1, initial=0.0))[:, None]
         torques, free = None, None
         if cost.torques or cost.within_limits:
             weights = cost.torques * weight**2 / cost.forces / part.limits**2
@@ -180,7 +189,7 @@ class ConstraintSolver:
             free = FreeTerms((loops.J * unit)[:, :, P].transpose(0, 2, 1), S)
         return Problem(
             (contacts.J * unit)[:, :, P].transpose(0, 2, 1),
-            (tau * unit)[:, P],
+            np.where(balanced <= rounding, 0.0, tau * unit)[:, P],
             np.array([normal_of(contact, scene) for contact in scene.contacts for _ in contact.points]),
             np.array([contact.friction for contact in scene.contacts for _ in contact.points]),
             touching,
