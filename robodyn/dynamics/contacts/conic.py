@@ -134,10 +134,13 @@ def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
         block[1:, 3 * k : 3 * k + 3] = -np.array(
             ((0.0, 0.0, mu if np.isfinite(mu) else 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
         )
+        across = clarabel.SecondOrderConeT(3)
+        if mu == 0.0:
+            block, across = np.delete(block, 1, axis=0), clarabel.ZeroConeT(2)
         unlimited = np.isinf(mu)
         rows.append(block[:1] if unlimited else block)
         bounds.append(np.zeros(len(rows[-1])))
-        cones += [clarabel.NonnegativeConeT(1)] + ([] if unlimited else [clarabel.SecondOrderConeT(3)])
+        cones += [clarabel.NonnegativeConeT(1)] + ([] if unlimited else [across])
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.stances import stance
+from helpers.stances import feet, stance
 
 from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.problem import FreeTerms, Problem, TorqueTerms
@@ -30,6 +30,17 @@ def legs(push=0.0, limits=None, weights=1.0):
 def torques_of(problem, found):
     free = 0.0 if problem.free is None else np.einsum("nij,nj->ni", problem.free.S, found.free)
     return problem.torques.tau0 - np.einsum("nij,nj->ni", problem.torques.T, found.f.reshape(len(found.f), -1)) - free
+
+
+def test_pushed_beyond_what_holds_with_feet_on_ice():
+    """Where some points have no friction and no forces balance, the least unbalanced are found."""
+    plain = feet(6, 10, 2, push=30.0).chosen(np.array([5]))
+    plain = replace(plain, friction=np.repeat((0.0, 0.7), 4))
+    ours = contact_forces(plain)
+    theirs = contact_forces(replace(plain, torques=TorqueTerms(np.zeros((1, 1)), np.zeros((1, 1, 24)), np.ones(1))))
+    assert not ours.feasible[0]
+    assert not theirs.feasible[0]
+    assert theirs.f == pytest.approx(ours.f, abs=1e-5 * np.abs(ours.f).max())
 
 
 def test_without_weight_torques_change_nothing():
