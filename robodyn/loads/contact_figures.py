@@ -20,6 +20,8 @@ MOST_SPANS = 20
 """Spans without contact forces that are told one by one."""
 ROUNDING = 1e-9
 """A smaller distance from an edge [m], or from all of the friction, is none."""
+NOTHING = 1e-9
+"""Of the largest force at any point: a point with less bears nothing but rounding."""
 
 
 class ContactFigures:
@@ -44,10 +46,12 @@ class ContactFigures:
         assert problem is not None
         assert solved is not None
         touching, at = np.ones(found.forces.shape[:2], dtype=bool), 0
+        sizes = np.sqrt((found.forces * found.forces).sum(axis=2, keepdims=True))
+        forces = np.where(sizes > NOTHING * sizes.max(axis=1, initial=0.0, keepdims=True), found.forces, 0.0)
         for each in self.each:
             k = slice(at, at + len(each.contact.points))
             on = touching[:, k] if problem.active is None else problem.active[:, k]
-            each.update(time, row, on, found.forces[:, k], found.contacts.arms[:, k])
+            each.update(time, row, on, forces[:, k], found.contacts.arms[:, k])
             at = k.stop
         self._note_missing(time, row, problem, solved, found.tau)
         if self.friction is not None:
