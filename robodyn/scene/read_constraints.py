@@ -161,7 +161,11 @@ def _on(table: SceneTable) -> Any:
     pairs: list[Any] = on if isinstance(on, list) and on else [None]
     for pair in pairs:
         good = isinstance(pair, list) and len(pair) == 2
-        if not good or any(isinstance(x, bool) or not isinstance(x, (int, float)) for x in pair) or pair[0] > pair[1]:
+        if (
+            not good
+            or any(isinstance(x, bool) or not isinstance(x, (int, float)) for x in pair)
+            or not pair[0] <= pair[1]
+        ):
             remedy = f'give "{ALWAYS}", "{AUTO}", the name of a column, or intervals: [[0, 0.5], [1, 1.5]]'
             raise table.error(f'"on" is {on!r:.60}', remedy=remedy)
     return tuple((float(start), float(end)) for start, end in pairs)

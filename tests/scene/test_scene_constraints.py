@@ -78,6 +78,7 @@ WRONG = {
     FOOT + "polygon = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\npoint = [0, 0, 0]": '"point" and "polygon" are both given',
     FOOT + "on = [0, 1]": '"on" is [0, 1] (give "always", "auto", the name of a column, or intervals',
     FOOT + "on = [[1, 0]]": '"on" is [[1, 0]]',
+    FOOT + "on = [[nan, 1]]": '"on" is [[nan, 1]]',
     FOOT + "on = []": '"on" is []',
     FOOT + FOOT: '2 loops and contacts have the name "f"',
     FOOT + '[[loop]]\nname = "f"\nlink = "a"': '2 loops and contacts have the name "f"',
