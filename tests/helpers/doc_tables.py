@@ -25,6 +25,7 @@ TIMED = {
     "startup": "bench_startup",
     "forward": "bench_forward_dynamics",
     "gradients": "bench_derivatives",
+    "contacts": "bench_contacts",
     "one-sample": "bench_one_sample",
     "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",

@@ -54,3 +54,13 @@ def near_the_edge(problem, seed=0):
     press = random.uniform(0.1, 1.0, (N, K, 1)) * (1.0 if problem.active is None else problem.active[..., None])
     f = 100.0 * press * (problem.normals + share[..., None] * problem.friction[:, None] * along)
     return replace(problem, b=np.einsum("nij,nj->ni", problem.G, f.reshape(N, 3 * K)))
+
+
+def all_around(seed, samples, points):
+    """Contacts on walls, floors and ceilings, each sample with its own, some on ice and some that cannot slip."""
+    random = np.random.default_rng(seed)
+    normals = random.normal(size=(samples, points, 3))
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    friction = random.choice((0.0, 0.1, 0.5, 1.0, np.inf), (samples, points))
+    weights = 10.0 ** random.uniform(-1.0, 1.0, points)
+    return replace(stance(seed, samples, points), normals=normals, friction=friction, weights=weights)

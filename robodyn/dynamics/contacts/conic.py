@@ -15,7 +15,8 @@ from robodyn.programs.vectors import length, product
 from robodyn.support.extras import need
 from robodyn.support.floats import BEYOND, Floats
 
-TOLERANCE = 1e-12
+TOLERANCES = (1e-12, 1e-10, 1e-8, 1e-6)
+"""Tried in turn, for Clarabel gets stuck with small ones at times."""
 SCALES = "look for masses, inertias or efforts of unlikely sizes"
 MISSING = 1.0 / SOFTNESS[-1]
 """Where there is no solution, 1/2 this |b - G f|^2 is a part of the cost, relative to its largest curvature."""
@@ -106,13 +107,11 @@ def _solved(sample: _Sample) -> tuple[Floats, bool]:
 
 
 def _softened(sample: _Sample) -> _Sample:
-    """Return the sample with r added to its equations, A x + r = b, whose square is a part of the cost."""
-    R = len(sample.b)
-    weight = np.full(R, MISSING * float(np.abs(sample.P).max(initial=0.0)) or 1.0)
-    n = len(sample.q)
+    """Return the sample with r added to its equations, A x + r / sqrt(MISSING) = b, that costs as forces do."""
+    R, n = sample.A.shape
     P = np.zeros((n + R, n + R))
-    P[:n, :n], P[n:, n:] = sample.P, np.diag(weight)
-    A, M = np.hstack((sample.A, np.eye(R))), np.hstack((sample.M, np.zeros((len(sample.M), R))))
+    P[:n, :n], P[n:, n:] = sample.P, np.eye(R) * (float(np.abs(sample.P).max(initial=0.0)) or 1.0)
+    A, M = np.hstack((sample.A, np.eye(R) / np.sqrt(MISSING))), np.hstack((sample.M, np.zeros((len(sample.M), R))))
     return replace(sample, P=P, q=np.append(sample.q, np.zeros(R)), A=A, M=M)
 
 
@@ -121,32 +120,37 @@ def _by_clarabel(sample: _Sample, limited: bool) -> Floats | None:
     import clarabel
     from scipy import sparse
 
-    rows, bounds, cones = [sample.A], [sample.b], [clarabel.ZeroConeT(len(sample.b))]
+    parts = [(clarabel.ZeroConeT(len(sample.b)), sample.A, sample.b)]
     if limited:
         finite = np.isfinite(sample.limits)
         M, tau0, limits = sample.M[finite], sample.tau0[finite], sample.limits[finite]
-        rows += [-M, M]
-        bounds += [limits - tau0, limits + tau0]
-        cones += [clarabel.NonnegativeConeT(2 * len(limits))]
+        bounds = np.append(limits - tau0, limits + tau0)
+        parts.append((clarabel.NonnegativeConeT(len(bounds)), np.vstack((-M, M)), bounds))
     for k, mu in enumerate(sample.friction.tolist()):
         block = np.zeros((4, len(sample.q)))
-        block[0, 3 * k + 2] = -1.0
-        block[1:, 3 * k : 3 * k + 3] = -np.array(
-            ((0.0, 0.0, mu if np.isfinite(mu) else 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-        )
-        across = clarabel.SecondOrderConeT(3)
-        if mu == 0.0:
-            block, across = np.delete(block, 1, axis=0), clarabel.ZeroConeT(2)
-        unlimited = np.isinf(mu)
-        rows.append(block[:1] if unlimited else block)
-        bounds.append(np.zeros(len(rows[-1])))
-        cones += [clarabel.NonnegativeConeT(1)] + ([] if unlimited else [across])
+        block[[0, 2, 3], [3 * k + 2, 3 * k, 3 * k + 1]] = -1.0
+        parts.append((clarabel.NonnegativeConeT(1), block[:1], np.zeros(1)))
+        if np.isfinite(mu):
+            block[1, 3 * k + 2] = -mu
+            first, cone = (1, clarabel.SecondOrderConeT(3)) if mu > 0.0 else (2, clarabel.ZeroConeT(2))
+            parts.append((cone, block[first:], np.zeros(4 - first)))
+    scale = float(np.abs(sample.P).max(initial=0.0)) or 1.0
+    cones, rows, bounds_of_all = zip(*parts, strict=True)
+    P, A = sparse.csc_matrix(np.triu(sample.P) / scale), sparse.csc_matrix(np.vstack(rows))
+    b = np.concatenate(bounds_of_all)
+    for tolerance in TOLERANCES:
+        solution = clarabel.DefaultSolver(P, sample.q / scale, A, b, list(cones), _settings(tolerance)).solve()
+        if solution.status == clarabel.SolverStatus.Solved:
+            return np.array(solution.x)
+        if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+            return None
+    return None
+
+
+def _settings(tolerance: float) -> Any:
+    import clarabel
+
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    scale = float(np.abs(sample.P).max(initial=0.0)) or 1.0
-    P, A = sparse.csc_matrix(np.triu(sample.P) / scale), sparse.csc_matrix(np.vstack(rows))
-    solution = clarabel.DefaultSolver(P, sample.q / scale, A, np.concatenate(bounds), cones, settings).solve()
-    if solution.status in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
-        return np.array(solution.x)
-    return None
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
+    return settings

@@ -14,7 +14,7 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
 
     Where forces alone are unknown and cost, Newton's method on the dual finds those of all samples at a time; what else
     there is goes to Clarabel, one sample after another. Each sample is solved by itself, so results do not depend on
-    its neighbours where an executor is named.
+    its neighbours where an executor is named. Forces of hundreds of times |b|, as between wedges, may not be found.
 
     Args:
         problem: of N samples.
@@ -24,8 +24,8 @@ def contact_forces(problem: Problem, executor: str = "auto", expected: int = 0) 
     Raises:
         InputError: Clarabel is needed and not installed.
 
-    Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 |b| where forces exist, and
-        their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
+    Accuracy: without costs of torques and free unknowns, the residual is at most 1e-12 of |b| or |f| where forces
+        exist, and their cost is the least to 1e-8 |b|^2; else what Clarabel reaches, 1e-9 |b|.
     """
     if not problem.plain:
         from robodyn.dynamics.contacts.conic import conic_forces

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.stances import LENGTH, feet, near_the_edge, on_ice, stance
+from helpers.stances import LENGTH, all_around, feet, near_the_edge, on_ice, stance
 
 from robodyn.dynamics.contacts.conic import conic_forces
 from robodyn.dynamics.contacts.diagnosis import base_columns
@@ -15,6 +15,7 @@ from robodyn.dynamics.contacts.problem import Problem
 from robodyn.dynamics.contacts.solve import contact_forces, scaled
 
 FAMILIES = {
+    "normals all around": lambda n: all_around(20, n, 7),
     "feet of points": lambda n: stance(1, n, 4),
     "one point": lambda n: near_the_edge(stance(2, n, 1)),
     "two points": lambda n: near_the_edge(stance(3, n, 2)),
@@ -42,7 +43,8 @@ def compare(problem):
     weight = np.where(sizes(problem.b) > 0.0, sizes(problem.b), 1.0)
     assert (ours.feasible == theirs.feasible).all()
     held = ours.feasible
-    cost, expected = sizes(ours.f) ** 2 / weight**2, sizes(theirs.f) ** 2 / weight**2
+    shares = np.ones(problem.shape[2]) if problem.weights is None else problem.weights / problem.weights.max()
+    cost, expected = ((shares * (x.f**2).sum(axis=2)).sum(axis=1) / weight**2 for x in (ours, theirs))
     assert (np.abs(cost - expected)[held] <= 1e-8 * np.maximum(expected, 1.0)[held]).all()
     assert (sizes(ours.f - theirs.f)[held] <= 1e-5 * np.maximum(expected, 1.0)[held] ** 0.5 * weight[held]).all()
     assert (np.abs(sizes(ours.residual) - sizes(theirs.residual)) <= 1e-8 * weight).all()
@@ -65,7 +67,7 @@ def test_a_thousand_stances_are_those_of_clarabel():
 def test_forces_that_exist_balance(family):
     problem = FAMILIES[family](200)
     found = contact_forces(problem)
-    held, weight = found.feasible, sizes(problem.b)
+    held, weight = found.feasible, np.maximum(sizes(problem.b), sizes(found.f))
     assert (sizes(found.residual)[held] <= 1e-12 * weight[held]).all()
     total = problem.b[:, 3:] - found.f.sum(axis=1)
     assert (np.abs(total)[held] <= 1e-12 * weight[held, None]).all()
