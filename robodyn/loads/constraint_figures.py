@@ -137,6 +137,6 @@ class ConstraintFigures:
 def _share_words(scene: Scene) -> str:
     if scene.contacts:
         cost = scene.contact_cost
-        torques = f" and {cost.torques:g} times torques" if cost.torques else ""
-        return f"contact forces of least squares{torques}"
-    return "torques of least squares" if scene.share == "least" else "torques of least weighted squares"
+        torques = f" and {cost.torques:g} times that of the torques relative to their limits" if cost.torques else ""
+        return f"the contact forces with the least sum of squares{torques}"
+    return f"the torques with the least {'' if scene.share == 'least' else 'weighted '}sum of squares"

@@ -42,9 +42,10 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
     elif not open_drives:
         yield "All torques are determined: no others balance the motion."
     elif len(open_drives) == len(found.determined):
-        yield f"No torque is determined; of all that balance, {found.share} are taken."
+        yield f"No torque is determined by the motion alone: of all that balance it, {found.share} are taken."
     else:
-        yield f"Not determined: {_names(open_drives, joints)}; of all that balance, {found.share} are taken."
+        open_names = _names(open_drives, joints)
+        yield f"Not determined by the motion alone: {open_names}; of all that balance it, {found.share} are taken."
     if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
         yield f"Loop forces that are not determined, of which the least are given: {_names(open_loops, joints)}."
     if found.undriven:
@@ -106,12 +107,12 @@ def _contacts(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
         ("force [N]", lambda each: number(each.force.value, size["N"])),
         ("at [s]", lambda each: size.moment(each.force.time, each.force.value, "N")),
         (
-            "along normal",
+            "along normal [N]",
             lambda each: f"{number(each.least_normal.value, size['N'])} to {number(each.normal.value, size['N'])}",
         ),
-        ("friction used", lambda each: _share(each.friction_used)),
+        ("friction", lambda each: f"{each.friction:g}"),
+        ("of it used", lambda each: _share(each.friction_used)),
         ("at [s]", lambda each: _time(each.friction_used)),
-        ("of", lambda each: f"{each.friction:g}"),
         ("margin [mm]", lambda each: f"{1e3 * each.margin.value:.3g}" if each.margin else ""),
         ("at [s]", lambda each: _time(each.margin)),
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from robodyn.dynamics.constraints.tree import tree_scene
 from robodyn.equations.free_body.types import FreeBodies, FreeBody
 from robodyn.errors import RobodynError
 from robodyn.loads.doubts import energy_doubt
@@ -50,10 +51,10 @@ def _free_bodies(model: Model, scene: Scene, history: History, k: int) -> FreeBo
     """Return the robot at the peak of a joint; None where it cannot be taken apart."""
     from robodyn.equations.free_body.bodies import free_bodies
 
-    state = history.states[k]
-    columns = dict(zip(scene.columns, state["columns"], strict=False))
+    state, tree = history.states[k], tree_scene(model, scene) if scene.constrained else scene
+    columns = dict(zip(tree.columns, state["columns"], strict=False))
     try:
-        return free_bodies(model, state["q"], state["qd"], state["qdd"], scene=scene, columns=columns)
+        return free_bodies(model, state["q"], state["qd"], state["qdd"], scene=tree, columns=columns)
     except RobodynError:
         return None
 

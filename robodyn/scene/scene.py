@@ -193,8 +193,8 @@ class Contact(FrozenValue):
         normal: in the axes of the ground, out of what it stands on; None: against gravity.
         friction: coefficient of Coulomb's cone.
         on: ALWAYS; AUTO; the name of a column that is not 0 where it touches; or intervals of time (from, to) [s].
-        level, height, speed: with AUTO it touches where the lowest of its points is at most `height` [m] above the
-            plane `normal . p = level` [m] and slower than `speed` [m/s].
+        level, height, speed: with AUTO each of its points touches where it is at most `height` [m] above the plane
+            `normal . p = level` [m] and slower than `speed` [m/s].
     """
 
     name: str

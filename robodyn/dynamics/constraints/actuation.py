@@ -60,6 +60,10 @@ def actuation(model: Model, scene: Scene) -> Actuation:
         if drives:
             weights.append(_weight(joint, scene))
             limits.append(binding(joint.effort) or np.inf)
+    cost = scene.contact_cost
+    if scene.contacts and (cost.torques or cost.within_limits) and not np.isfinite(limits).any():
+        what = "[contact_cost] counts torques by their effort limits, and no joint that drives has one"
+        raise SceneError(what, remedy="give limits in the description, or leave torques and within_limits out")
     return Actuation(passive, driven, np.array(weights), np.array(limits))
 
 
