@@ -136,7 +136,6 @@ class ConstraintFigures:
 
 def _share_words(scene: Scene) -> str:
     if scene.contacts:
-        cost = scene.contact_cost
-        torques = f" and {cost.torques:g} times that of the torques relative to their limits" if cost.torques else ""
-        return f"the contact forces with the least sum of squares{torques}"
+        squares = "the least cost ([contact_cost])" if scene.contact_cost.torques else "the least sum of squares"
+        return f"the contact forces with {squares}"
     return f"the torques with the least {'' if scene.share == 'least' else 'weighted '}sum of squares"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from robodyn.support.doubts import Doubt
-from robodyn.support.wording import figure, shown
+from robodyn.support.wording import count, figure, shown
 
 
 class Peak(NamedTuple):
@@ -141,7 +141,7 @@ def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
     doubts = []
     if found.missing:
         worst = max(found.missing, key=lambda each: each.force.value)
-        others = f" (and in {found.spans - 1} more spans)" if found.spans > 1 else ""
+        others = f" (and in {count(found.spans - 1, 'more span')})" if found.spans > 1 else ""
         said = (
             f"no contact forces balance the motion from {figure(worst.start)} s to {figure(worst.end)} s{others}: "
             f"{_WHY[worst.kind]}; {figure(worst.force.value)} N and {figure(worst.moment.value)} N m are missing at "

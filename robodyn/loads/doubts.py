@@ -193,7 +193,8 @@ def _wrench(force: float, moment: float) -> str:
 def _base_doubt(model: Model, scene: Scene, force: float, moment: float) -> Doubt | None:
     alone = "the wrenches of the scene do not carry it" if scene.wrenches else "there is no contact that carries it"
     why = alone if model.floating else untouched(model)
-    if scene.held or not why:
+    told = any(wrench.cause == "contact" for wrench in scene.wrenches)
+    if scene.held or told or not why:
         return None
     loads = "which a robot that floats cannot have" if model.floating else "loads of a robot that hangs by its base"
     free = "" if model.floating else 'let the base move ([base] motion = "moving", base_ columns) and '
