@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.contacts.dual import SOFTNESS
+from robodyn.dynamics.contacts.plain import plain_forces
 from robodyn.dynamics.contacts.problem import FEASIBLE, Forces, Problem, axes_of
 from robodyn.errors import InputError
 from robodyn.programs.linear import shortest
@@ -51,11 +52,15 @@ def conic_forces(problem: Problem) -> Forces:
     f, free, residual = np.zeros((N, K, 3)), np.zeros((N, L)), np.zeros((N, R))
     within, feasible = np.ones(N, dtype=bool), np.ones(N, dtype=bool)
     axes = np.broadcast_to(axes_of(problem.normals), (N, K, 3, 3))
+    stuck: list[int] = []
     for n in range(N):
         active = np.ones(K, dtype=bool) if problem.active is None else problem.active[n]
         size = length(problem.b[n]) or 1.0
         sample = _sample(problem, n, active, axes[n], size)
         x, within[n] = _solved(sample)
+        if x is None:
+            stuck.append(n)
+            continue
         points = int(active.sum())
         f[n, active] = size * np.einsum("kij,kj->ki", axes[n][active], x[: 3 * points].reshape(points, 3))
         free[n] = size * x[3 * points :]
@@ -63,7 +68,26 @@ def conic_forces(problem: Problem) -> Forces:
         if problem.free is not None:
             residual[n] -= product(problem.free.H[n], free[n])
         feasible[n] = length(residual[n]) <= FEASIBLE * size
+    if stuck:
+        part = _by_forces_alone(problem.chosen(stuck))
+        f[stuck], residual[stuck], feasible[stuck], within[stuck] = (
+            part.f,
+            part.residual,
+            part.feasible,
+            part.within_limits,
+        )
     return Forces(f, free, residual, feasible, within)
+
+
+def _by_forces_alone(problem: Problem) -> Forces:
+    """Return the forces of samples that Clarabel gets stuck in, the least whatever torques cost."""
+    if problem.free is not None:
+        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
+    found, terms = plain_forces(problem), problem.torques
+    if terms is None or terms.limits is None:
+        return found
+    torques = terms.tau0 - np.einsum("nij,nj->ni", terms.T, found.f.reshape(len(found.f), -1))
+    return replace(found, within_limits=(np.abs(torques) <= terms.limits * BEYOND).all(axis=1))
 
 
 def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) -> _Sample:
@@ -91,8 +115,8 @@ def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) ->
     return _Sample(P, -product(M.T * w, tau0), A, b, friction, tau0, M, limits)
 
 
-def _solved(sample: _Sample) -> tuple[Floats, bool]:
-    """Return x, and whether the torques stay within their limits."""
+def _solved(sample: _Sample) -> tuple[Floats | None, bool]:
+    """Return x, None where it is not found, and whether the torques stay within their limits."""
     bounded = bool(np.isfinite(sample.limits).any())
     for limited in (True, False) if bounded else (False,):
         x = _by_clarabel(sample, limited)
@@ -101,7 +125,7 @@ def _solved(sample: _Sample) -> tuple[Floats, bool]:
     n = len(sample.q)
     x = _by_clarabel(_softened(sample), limited=False)
     if x is None:
-        raise InputError("no contact forces are found, not even such as leave the least unbalanced", remedy=SCALES)
+        return None, False
     within = np.abs(sample.tau0 - product(sample.M, x[:n])) <= sample.limits * BEYOND
     return x[:n], bool(within.all())
 

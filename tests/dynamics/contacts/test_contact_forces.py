@@ -11,8 +11,9 @@ from helpers.stances import LENGTH, all_around, feet, near_the_edge, on_ice, sta
 from robodyn.dynamics.contacts.conic import conic_forces
 from robodyn.dynamics.contacts.diagnosis import base_columns
 from robodyn.dynamics.contacts.dual import least_forces
+from robodyn.dynamics.contacts.plain import scaled
 from robodyn.dynamics.contacts.problem import Problem
-from robodyn.dynamics.contacts.solve import contact_forces, scaled
+from robodyn.dynamics.contacts.solve import contact_forces
 
 FAMILIES = {
     "normals all around": lambda n: all_around(20, n, 7),
