@@ -58,10 +58,11 @@ def _magnitudes(sample: Sample, terms: Terms, joints: list[Motion]) -> list[Scal
 class LawResiduals:
     """The largest differences between the base wrench and what the laws demand, gathered over samples."""
 
-    def __init__(self) -> None:
+    def __init__(self, borne: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Args: borne: force [N] and moment [N m] that balance at least, besides the bodies' momenta."""
         self.samples = 0
         self._worst = np.zeros(3)
-        self._scale = np.full(3, np.finfo(float).tiny)
+        self._scale = np.maximum((*borne, 0.0), np.finfo(float).tiny)
 
     def update(self, expected: Floats, base: Floats, power: Floats, gross: Floats) -> None:
         """Take in samples.

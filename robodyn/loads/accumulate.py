@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import astuple
 from functools import lru_cache
+from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -133,7 +134,8 @@ class TorqueAccumulator:
         self.whole = self.checked = 0
         self.ledger = EnergyLedger()
         self.bars = ErrorBars(model, scene, self.rates, constraints)
-        self.laws = LawResiduals()
+        weight = model.total_mass * hypot(*scene.gravity) if constraints else 0.0
+        self.laws = LawResiduals((weight, weight * model.reach))
         self.history: Recorder | None = None
         if options.history:
             from robodyn.loads.history import Recorder
@@ -230,10 +232,11 @@ class TorqueAccumulator:
         base = base_loads(gathered)
         left = np.maximum([bar for _, bar in bars], gathered.most - np.abs(gathered.torque.kept["value"])).tolist()
         constraints = self.constraints.report() if self.constraints else None
+        looped = self.constraints is not None and self.constraints.holds_base
         doubts = (
             *last.doubts,
             *(constraint_doubts(constraints) if constraints else ()),
-            *carried(self.model, self.scene, base, joints, force, moment),
+            *carried(self.model, self.scene, base, joints, force, moment, looped),
             *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
         )
         warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]

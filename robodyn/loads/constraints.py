@@ -100,6 +100,12 @@ class ConstraintPass:
         return np.hstack((columns[:, :n][:, ~passive], self._wrenches[:, : self._own], columns[:, n:]))
 
     @property
+    def holds_base(self) -> bool:
+        """Whether loops to the ground hold a base that moves."""
+        base = 6 if self.model.floating else 0
+        return bool(base and not self.scene.contacts and self.solver.actuation.passive[:base].all())
+
+    @property
     def _own(self) -> int:
         """Columns of the wrenches of loops on their links, and of contacts."""
         return 6 * len(self.scene.constraint_names)

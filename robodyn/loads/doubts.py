@@ -158,21 +158,23 @@ def carried(
     joints: Sequence[JointLoad],
     largest_force: float,
     largest_moment: float,
+    looped: bool = False,
 ) -> tuple[Doubt, ...]:
     """Return what is in doubt about what carries the base, and what carries the robot at floating joints.
 
-    Nothing where the scene says that the base is held, where no wrench is left, and where a base that does not move may
-    well be bolted down.
+    Nothing where the scene says that the base is held, where no wrench is left, where a base that does not move may
+    well be bolted down, and where loops hold the base: what they leave is told of its rates.
 
     Args:
         base, joints: their loads.
         largest_force, largest_moment: that balance along the motion [N, N m].
+        looped: whether loops to the ground hold the base.
     """
     weight = model.total_mass * hypot(*scene.gravity)
     least = VANISHING * max(weight, largest_force), VANISHING * max(weight * model.reach, largest_moment)
     parts = {part.name: part.rms for part in base}
     wrench = [hypot(*(parts[f"{kind}{axis}"] for axis in "xyz")) for kind in "fm"]
-    found = [_base_doubt(model, scene, *wrench)] if _left(wrench, least) else []
+    found = [_base_doubt(model, scene, *wrench)] if _left(wrench, least) and not looped else []
     loads = {joint.name: joint.rms for joint in joints}
     for name in (body.joint.name for body in model.bodies[1:] if body.joint.kind == "floating"):
         wrench = [hypot(*(loads[f"{name}_{kind}{axis}"] for axis in "xyz")) for kind in "vw"]

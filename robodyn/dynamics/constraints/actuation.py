@@ -11,7 +11,7 @@ from robodyn.dynamics.constraints.structure import Mask
 from robodyn.errors import SceneError
 from robodyn.robot.limits import binding
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import EFFORT, Scene
+from robodyn.scene.scene import EFFORT, GROUND, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 
@@ -20,7 +20,8 @@ class Actuation(NamedTuple):
     """Of a robot's rates.
 
     Attributes:
-        passive: (n,) which nothing drives: those of passive joints and of floating ones, and with contacts the base's.
+        passive: (n,) which nothing drives: those of passive joints and of floating ones, and the base's where contacts
+            or loops to the ground hold it.
         driven: (n,) joints that drive; a base that is neither passive nor driven is held.
         weights: (driven,) of the squares of their torques.
         limits: (driven,) effort limits [N m or N], infinite where there is none.
@@ -53,7 +54,7 @@ def actuation(model: Model, scene: Scene) -> Actuation:
     base = 6 if model.floating else 0
     for joint in model.independent:
         if joint.kind == "floating":
-            passive[joint.rate : joint.rate + 6] = joint.rate >= base or bool(scene.contacts)
+            passive[joint.rate : joint.rate + 6] = joint.rate >= base or _grounded(model, scene)
             continue
         drives = joint.name in actuated if actuated is not None else joint.name not in scene.passive
         passive[joint.rate], driven[joint.rate] = not drives, drives
@@ -65,6 +66,12 @@ def actuation(model: Model, scene: Scene) -> Actuation:
         what = "[contact_cost] counts torques by their effort limits, and no joint that drives has one"
         raise SceneError(what, remedy="give limits in the description, or leave torques and within_limits out")
     return Actuation(passive, driven, np.array(weights), np.array(limits))
+
+
+def _grounded(model: Model, scene: Scene) -> bool:
+    """Return whether contacts, or loops to the ground, hold a base that moves, and nothing else does."""
+    to_ground = GROUND not in model.links and any(loop.to == GROUND for loop in scene.loops)
+    return bool(scene.contacts) or (to_ground and not scene.held)
 
 
 def _weight(joint: Joint, scene: Scene) -> float:

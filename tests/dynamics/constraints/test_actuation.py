@@ -68,10 +68,14 @@ def test_limits_that_are_missing():
             actuation(without_limits(True), Scene(moving_base=True, contacts=feet, contact_cost=cost))
 
 
-def test_floating_bases_are_passive_with_contacts_alone():
+def test_bases_are_passive_where_contacts_or_loops_to_the_ground_hold_them():
     model = robodyn.load(ROBOTS / "quadruped.urdf", moving_base=True)
     feet = (Contact("lf", "lf_foot"),)
     assert actuation(model, Scene(moving_base=True, contacts=feet)).passive[:6].all()
     flying = actuation(model, Scene(moving_base=True, passive=("lf_knee",)))
     assert not flying.counted[:6].any()
     assert flying.passive.sum() == 1
+    bolted = Scene(moving_base=True, loops=(Loop("bolt", "trunk", kind="weld"),))
+    assert actuation(model, bolted).passive[:6].all()
+    assert not actuation(model, replace(bolted, held=True)).counted[:6].any()
+    assert not actuation(model, replace(bolted, loops=(replace(bolted.loops[0], to="lf_foot"),))).counted[:6].any()
