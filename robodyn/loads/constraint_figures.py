@@ -35,6 +35,7 @@ class ConstraintFigures:
         self.largest = 0.0
         self.singular: list[float] = []
         self._was_singular, self._last_time = False, 0.0
+        self._first_time: float | None = None
 
     def update(self, time: Floats, row: int, found: Found) -> None:
         """Take in a piece: time (N,) s, the row of the data that it begins with, and what was found."""
@@ -62,7 +63,15 @@ class ConstraintFigures:
         return [k for k, closure in enumerate(found) for _ in closure.equations]
 
     def _note_singular(self, time: Floats, found: Found) -> None:
-        """Keep the first time of each span in which loops hold less, and times between samples at which they do."""
+        """Keep the first time of each span in which loops hold less, and times between samples at which they do.
+
+        Where samples hold more than all before, the motion began with a span in which they held less.
+        """
+        if self.solver.raised and self._first_time is not None and not self._was_singular:
+            self.singular.insert(0, self._first_time)
+            self._was_singular = True
+        if self._first_time is None:
+            self._first_time = float(time[0])
         was = np.append(self._was_singular, found.singular[:-1])
         before = np.append(self._last_time, time[:-1])
         between = np.where(found.singular | was, np.nan, before + found.crossed * (time - before))

@@ -77,3 +77,28 @@ def test_passive_joints_that_nothing_drives():
     assert result.constraints.undriven == ("elbow",)
     assert result.within_limits is None
     assert any("nothing drives 'elbow', and the motion takes 11.2 N m there" in said for said in result.warnings)
+
+
+def test_a_robot_that_first_rests_at_a_singular_place():
+    """It lies flat for more than the samples that are worked on at a time; then its torques are those of any motion."""
+    model, scene = four_bar()
+    time = 1e-3 * np.arange(7000)
+    s = np.clip((time - 5.0) / 2.0, 0.0, 1.0)
+    angle = 0.5 * np.pi * (1.0 - 0.5 * s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
+    rate = -0.25 * np.pi * 15.0 * (s * (1.0 - s)) ** 2
+    second = -0.25 * np.pi * 15.0 * (s * (1.0 - s) * (1.0 - 2.0 * s))
+    turn = np.array([[1.0, 1.0, -1.0][("left", "right", "top").index(name)] for name in model.rates])
+    state = [np.outer(part, turn) for part in (angle, rate, second)]
+    found, late = [], 6000
+    result = robodyn.torques(
+        model, robodyn.motion(model, time, *state, scene=scene), scene, sinks=[lambda time, rows: found.append(rows)]
+    )
+    expected = robodyn.inverse_dynamics(model, *(part[late:] for part in state), scene=scene)
+    tau = np.concatenate(found)[late:, 0]
+    np.testing.assert_allclose(tau, expected[:, 0], rtol=0, atol=1e-12 * np.abs(expected).max())
+    assert result.constraints is not None
+    assert (result.constraints.rank, result.constraints.freedoms, result.constraints.undriven) == (2, 1, ())
+    assert result.constraints.singular[0] == 0.0
+    assert {each.name for each in result.constraints.unbalanced} == {"right", "top"}
+    assert all(each.most.time < 5.02 for each in result.constraints.unbalanced)
+    assert not any("energy balance" in said for said in result.warnings)

@@ -21,7 +21,7 @@ from robodyn.dynamics.constraints.maps import (
     reactions,
 )
 from robodyn.dynamics.constraints.share import shares
-from robodyn.dynamics.constraints.structure import Mask, Structure, structure
+from robodyn.dynamics.constraints.structure import GOOD, Mask, Structure, structure
 from robodyn.dynamics.constraints.tree import normal_of
 from robodyn.dynamics.contacts.problem import Forces, FreeTerms, Problem, TorqueTerms
 from robodyn.dynamics.contacts.solve import contact_forces
@@ -67,7 +67,9 @@ class ConstraintSolver:
     """Finds what loops and contacts bear, piece by piece of one motion.
 
     Attributes:
-        structure: of the loops' equations, decided by the first samples; None before.
+        structure: of the loops' equations, decided by the first samples, and once more by those that are found to hold
+            more; None before.
+        raised: whether the samples before the last piece were taken to hold all that the loops can hold, and did not.
         open_drives: (driven,) torques that other forces of loops or contacts than those found could change.
     """
 
@@ -75,6 +77,7 @@ class ConstraintSolver:
         self.plan, self.executor = plan, executor
         self.actuation = actuation(plan.model, plan.scene)
         self.structure: Structure | None = None
+        self.raised = False
         self.open_drives: Mask = np.zeros(int(self.actuation.driven.sum()), dtype=bool)
         self._patterns: set[bytes] = set()
         self._crossings: Crossings | None = None
@@ -130,16 +133,26 @@ class ConstraintSolver:
         return np.where(nothing, 0.0, left)
 
     def _shared(self, loops: LoopMap, tau: Floats) -> tuple[Floats, Mask]:
-        """Return the loops' multipliers of least torque, and where the loops are singular."""
+        """Return the loops' multipliers of least torque, and where the loops are singular.
+
+        Samples that hold more than all before decide the ranks anew: those by which they were decided lay at a singular
+        place, as of a robot that rests there first.
+        """
         assert self.structure is not None
         counted, part = self.actuation.counted, self.actuation
-        found = shares(self.structure, loops.J[:, :, counted], tau[:, counted], part.weights)
+        J = loops.J[:, :, counted]
+        found = shares(self.structure, J, tau[:, counted], part.weights)
+        more = found.higher | (found.smallest * GOOD > self.structure.usual)
+        self.raised = bool(found.higher.any())
+        if more.any():
+            self._set_structure(loops, np.flatnonzero(more))
+            found = shares(self.structure, J, tau[:, counted], part.weights)
         return found.multipliers, found.singular | found.higher
 
     def _crossed(self, J: Floats) -> Floats:
         """Return where the loops lose hold of passive joints from one sample to the next."""
         assert self.structure is not None
-        if self._crossings is None:
+        if self._crossings is None or self._crossings.rank != self.structure.rank:
             self._crossings = Crossings(self.structure.rank)
         counted = self.actuation.counted
         A = self.structure.scaled(J[:, :, counted])[:, :, self.actuation.passive[counted]]
@@ -150,11 +163,7 @@ class ConstraintSolver:
         part = self.actuation
         counted = part.counted
         if self.structure is None:
-            rows = np.unique(np.linspace(0, len(loops.J) - 1, REFERENCES).astype(int))
-            noise = self._openness(loops, rows)
-            self.structure = structure(loops.J[rows][:, :, counted], part.passive[counted], noise)
-            if not contacts.shape[1]:
-                self.open_drives |= ~self.structure.torque_determined
+            self._set_structure(loops, np.arange(len(loops.J)))
         if contacts.shape[1]:
             patterns, first = np.unique(touching, axis=0, return_index=True)
             for pattern, row in zip(patterns, first, strict=True):
@@ -162,6 +171,15 @@ class ConstraintSolver:
                     self._patterns.add(pattern.tobytes())
                     J = np.concatenate((loops.J[row], contacts[row][np.repeat(pattern, 3)]))[None, :, counted]
                     self.open_drives |= ~structure(J, part.passive[counted]).torque_determined
+
+    def _set_structure(self, loops: LoopMap, rows: NDArray[np.int64]) -> None:
+        """Decide the ranks of loops by some of these samples."""
+        part = self.actuation
+        rows = rows[np.unique(np.linspace(0, len(rows) - 1, REFERENCES).astype(int))]
+        J, noise = loops.J[rows][:, :, part.counted], self._openness(loops, rows)
+        self.structure = structure(J, part.passive[part.counted], noise)
+        if not self.plan.scene.contacts:
+            self.open_drives = ~self.structure.torque_determined
 
     def _openness(self, loops: LoopMap, rows: NDArray[np.int64]) -> float:
         """Return by how much loops are open, in rad, or in m of the lengths by which rates move their points."""
