@@ -132,3 +132,32 @@ def test_drives_and_loop_forces_of_a_simulation_come_back(name, tmp_path):
         bound = 1e-13 * max(np.abs(expected[column]).max() for column in names)
         assert all(np.abs(found[column] - expected[column]).max() <= bound for column in names)
     assert max(np.abs(expected[f"tau_{motor}"]).max() for motor in chain.place.motors) >= 0.3
+
+
+def test_no_samples_and_samples_that_are_none():
+    chain = moving("four_bar")
+    q, qd, qdd = chain.state
+    assert robodyn.inverse_dynamics(chain.model, q[:0], qd[:0], qdd[:0], scene=chain.scene).shape == (0, 3)
+    found = robodyn.constraint_forces(chain.model, q[:0], qd[:0], qdd[:0], scene=chain.scene)
+    assert [wrench.shape for wrench in found.wrenches.values()] == [(0, 6)]
+    bad = qd.copy()
+    bad[2, 0] = np.nan
+    with pytest.raises(robodyn.RobodynError, match="qd of sample 2 is not finite"):
+        robodyn.inverse_dynamics(chain.model, q, bad, qdd, scene=chain.scene)
+
+
+def test_loops_of_small_robots_are_open_by_their_size():
+    """A tenth of a millimetre is much to a four-bar of a millimetre."""
+    chain = moving("four_bar")
+    text = (ROBOTS / "four_bar.urdf").read_text()
+    small = robodyn.load(
+        text.replace('xyz="0.5 0 0"', 'xyz="5e-4 0 0"').replace('xyz="0 0 0.3"', 'xyz="0 0 3e-4"').encode()
+    )
+    (loop,) = chain.scene.loops
+    scene = replace(chain.scene, loops=(replace(loop, point=(5e-4, 0.0, 0.0), to_point=(0.0, 0.0, 3e-4)),))
+    q = {"left": 0.3, "right": 0.3, "top": -0.3}
+    closed = [q[name] for name in small.rates]
+    assert np.isfinite(robodyn.inverse_dynamics(small, closed, 0.0, 0.0, scene=scene)).all()
+    q["right"] += 0.3
+    with pytest.raises(robodyn.RobodynError, match=r"loop 'right_pin' is open by 8\.87e-05 m"):
+        robodyn.inverse_dynamics(small, [q[name] for name in small.rates], 0.0, 0.0, scene=scene)

@@ -14,6 +14,7 @@ from robodyn.dynamics.constraints.maps import closures
 from robodyn.dynamics.constraints.solve import ConstraintSolver
 from robodyn.dynamics.constraints.touching import touching
 from robodyn.dynamics.constraints.tree import constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.loops.closure import loops_size
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.runners import torque_runner
 from robodyn.errors import InputError
@@ -24,7 +25,7 @@ from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 
 CLOSED = 1e-3
-"""m or rad by which loops may be open."""
+"""rad, or of the loops' size and at most m, by which loops may be open."""
 
 
 class ConstrainedForces(NamedTuple):
@@ -63,8 +64,8 @@ def constraint_forces(
         columns: (...) values of the columns that the scene's wrenches and contacts name.
 
     Raises:
-        InputError: as `inverse_dynamics`; or a loop is open by more than 1e-3 m or rad; or a contact is on by
-            intervals of time.
+        InputError: as `inverse_dynamics`; or a number is not finite; or a loop is open by more than 1e-3 rad, 1e-3 m or
+            1e-3 of its size; or a contact is on by intervals of time.
 
     Accuracy: 1e-10 of the largest torque, where the loops are not nearly singular.
     """
@@ -101,6 +102,10 @@ def _solved(
     refuse_others(model, scene)
     sources, shape = arrays_of(model, dict(zip(("q", "qd", "qdd"), state, strict=True)), scene, columns)
     samples = prod(shape)
+    for name in ("q", "qd", "qdd"):
+        if not np.isfinite(sources[name]).all():
+            row = int(np.argmin(np.isfinite(sources[name]).all(axis=1)))
+            raise InputError(f"{name} of sample {row} is not finite", remedy="leave such samples out")
     on = {name: _of_samples(name, columns[name], shape) for name in scene.motion_columns if name in columns}
     runner = torque_runner(model, open_scene(scene), zero_sources(sources))
     open_tau = runner.run(sources, samples, executor=executor, threads=threads).values
@@ -112,7 +117,7 @@ def _solved(
         found = solver.solve(q[k], qd[k], open_tau[k], touching(solver.plan, q[k], qd[k], None, here, executor))
         _check_closed(solver.plan, found.gap)
         tau[k], wrenches[k] = found.tau, found.wrenches
-    return tau.reshape(*shape, -1), wrenches.reshape(*shape, -1)
+    return tau.reshape(*shape, model.n), wrenches.reshape(*shape, wrenches.shape[1])
 
 
 def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -121,9 +126,15 @@ def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
 
 def _check_closed(a_plan: Plan, gap: Floats) -> None:
     """Raise if a loop is open; gap: (N, m) phi of the loops' equations."""
-    if not gap.size or not (worst := float(np.abs(gap).max())) > CLOSED:
+    if not gap.size:
         return
-    equations = [(each.loop.name, equation.unit) for each in closures(a_plan) for equation in each.equations]
-    name, unit = equations[int(np.abs(gap).max(axis=0).argmax())]
-    what = f"loop {shown(name)} is open by {worst:.3g} {unit}"
-    raise InputError(what, remedy="give coordinates that close it; robodyn.torques finds them from those of the drives")
+    found = closures(a_plan)
+    equations = [(each.loop.name, equation.unit) for each in found for equation in each.equations]
+    size = min(1.0, loops_size(a_plan.model, found))
+    shares = np.abs(gap).max(axis=0) / [size if unit == "m" else 1.0 for _, unit in equations]
+    worst = int(shares.argmax())
+    if shares[worst] > CLOSED:
+        name, unit = equations[worst]
+        what = f"loop {shown(name)} is open by {np.abs(gap[:, worst]).max():.3g} {unit}"
+        remedy = "give coordinates that close it; robodyn.torques finds them from those of the drives"
+        raise InputError(what, remedy=remedy)

@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from robodyn.dynamics.initial_state import default_pose
+from robodyn.dynamics.loops.closure import loops_size
 from robodyn.dynamics.loops.find import tied_chain
 from robodyn.dynamics.loops.local_coordinates import moved, unit
 from robodyn.dynamics.plan import Plan
@@ -38,10 +39,7 @@ class BlockEquations:
         self.rates = tuple(sorted({rate for row in rows for rate in row}))
         self.units = tuple(e.unit for closure in self.chain.closures for e in closure.equations)
         self.names = tuple(closure.loop.name for closure in self.chain.closures for _ in closure.equations)
-        joints = [self.model.bodies[i].joint for c in self.chain.closures for chain in c.chains for i in chain]
-        offsets = [joint.p for joint in joints]
-        offsets += [np.array(point) for c in self.chain.closures for point in (c.loop.point, c.loop.to_point)]
-        self.size = float(np.abs(offsets).max(initial=0.0)) or 1.0
+        self.size = loops_size(self.model, self.chain.closures)
         self.scale = np.array([self.size if unit == "m" else 1.0 for unit in self.units])
         self.rate_units = _units(self.model)
         self.weights = np.array([1.0 / self.size if unit == "m" else 1.0 for unit in self.rate_units])

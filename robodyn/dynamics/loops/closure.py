@@ -142,6 +142,13 @@ def _twists(model: Model, i: int, before: Placed, here: Placed, point: Array) ->
     return [Twist(axis, cross(axis, point - here.p)) if joint.kind == "revolute" else Twist(ZERO, axis)]
 
 
+def loops_size(model: Model, closures: Sequence[Closure]) -> float:
+    """Return the longest offset between joints or points of the loops [m]; 1 where there is none."""
+    offsets = [model.bodies[i].joint.p for closure in closures for chain in closure.chains for i in chain]
+    offsets += [np.array(point) for closure in closures for point in (closure.loop.point, closure.loop.to_point)]
+    return float(np.abs(offsets).max(initial=0.0)) or 1.0
+
+
 class Equations(NamedTuple):
     """phi = 0 at one sample, equation by equation.
 
