@@ -37,13 +37,11 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
     """
     yield _ranks(found)
     open_drives = [name for name, sure in found.determined.items() if not sure]
-    if not found.determined:
-        yield "No joint drives."
-    elif not open_drives:
+    if found.determined and not open_drives:
         yield "All torques are determined: no others balance the motion."
-    elif len(open_drives) == len(found.determined):
+    elif open_drives and len(open_drives) == len(found.determined):
         yield f"No torque is determined by the motion alone: of all that balance it, {found.share} are taken."
-    else:
+    elif open_drives:
         open_names = _names(open_drives, joints)
         yield f"Not determined by the motion alone: {open_names}; of all that balance it, {found.share} are taken."
     if open_loops := [f"{loop.name} {', '.join(loop.open)}" for loop in found.loops if not loop.determined]:
@@ -59,7 +57,7 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
 def _ranks(found: Constraints) -> str:
     drives = _drives(list(found.determined))
     if not found.equations:
-        return f"{drives}."
+        return f"{drives[:1].upper()}{drives[1:]}." if not found.determined else f"{drives}."
     over = f", {found.overconstrained} of which others imply" if found.overconstrained else ""
     freedoms = "degree of freedom" if found.freedoms == 1 else "degrees of freedom"
     spare = f", {found.redundancy} more than the freedoms that they drive" if found.redundancy else ""
@@ -67,6 +65,8 @@ def _ranks(found: Constraints) -> str:
 
 
 def _drives(names: list[str]) -> str:
+    if not names:
+        return "no joint drives"
     who = _names(names, len(names)) if len(names) <= _FEW else count(len(names), "joint")
     return f"{who} {'drives' if len(names) == 1 else 'drive'}"
 
