@@ -140,7 +140,8 @@ class TorqueAccumulator:
         if options.history:
             from robodyn.loads.history import Recorder
 
-            self.history = Recorder(model.rates[self.rates], COMPONENTS)
+            feet = tuple(each.name for each in constraints.scene.contacts) if constraints else ()
+            self.history = Recorder(model.rates[self.rates], COMPONENTS, feet)
         self.momentum: MomentumPass | None = None
         if options.momentum is not None:
             from robodyn.loads.momenta import MomentumPass
@@ -193,8 +194,9 @@ class TorqueAccumulator:
             state["touching"] = self.constraints.touching
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self.bars.over_block(state, off))
         if self.history is not None:
-            motion = qd, block.qdd[:, self.rates].T
-            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, left / samples)
+            motion, more = (qd, block.qdd[:, self.rates].T), left / samples
+            touch = self.constraints.touch if self.constraints else None
+            self.history.update(block.time, *motion, tau.T[self.rates], base.T, energies, rows, more, touch)
         if self.sizing is not None:
             static = self.constraints.static(block) if self.constraints else over_block(self.sizing.static_runner())
             self.sizing.take(block, loads, static)

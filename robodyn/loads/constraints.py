@@ -13,7 +13,7 @@ from robodyn.dynamics.constraints.maps import loop_map
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.constraints.structure import Mask
 from robodyn.dynamics.constraints.touching import touching
-from robodyn.dynamics.constraints.tree import columns_of, constraint_columns, open_scene, tree_scene
+from robodyn.dynamics.constraints.tree import columns_of, constraint_columns, normal_of, open_scene, tree_scene
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import plan
@@ -109,6 +109,19 @@ class ConstraintPass:
     def _own(self) -> int:
         """Columns of the wrenches of loops on their links, and of contacts."""
         return 6 * len(self.scene.constraint_names)
+
+    @property
+    def touch(self) -> tuple[Floats, Floats] | None:
+        """(C, N) of the last block: what contacts press with along their normals [N], and where they are on."""
+        contacts, at = self.scene.contacts, 0
+        if not contacts:
+            return None
+        presses, on = [], []
+        for k, contact in enumerate(contacts, start=len(self.scene.loops)):
+            presses.append(product(self._wrenches[:, 6 * k : 6 * k + 3], normal_of(contact, self.scene)))
+            on.append(self.touching[:, at : at + len(contact.points)].any(axis=1))
+            at += len(contact.points)
+        return np.array(presses), np.array(on, dtype=float)
 
     def settle(self, loads: Floats) -> None:
         """Write over what the recursion finds of the last block: at passive rates what nothing gives, no

@@ -56,12 +56,14 @@ class History:
         base: of each component of the base wrench its load.
         energy: "work done" and "energy stored" since the start [J].
         states: for each joint q, qd, qdd and columns at its peak torque.
+        contacts: of each contact the force along its normal [N], and whether it is on; None without contacts.
     """
 
     joints: Curves | None
     base: Curves
     energy: Curves
     states: tuple[Mapping[str, Floats], ...]
+    contacts: Curves | None = None
 
 
 class Thinned:
@@ -119,10 +121,11 @@ def _extreme(samples: Sequence[Floats], deciding: int) -> Floats:
 class Recorder:
     """Gathers a `History`."""
 
-    def __init__(self, joints: tuple[str, ...], components: tuple[str, ...]) -> None:
+    def __init__(self, joints: tuple[str, ...], components: tuple[str, ...], contacts: tuple[str, ...] = ()) -> None:
         self.joints = Thinned(joints, ("speed", "torque", "power"), ("acceleration",))
         self.base = Thinned(components, ("load",))
         self.energy = Thinned(("work done", "energy stored"), ("energy",))
+        self.contacts = Thinned(contacts, ("normal",), ("on",))
 
     def update(
         self,
@@ -134,6 +137,7 @@ class Recorder:
         energy: Floats,
         rows: NDArray[np.int64],
         more: float,
+        touch: tuple[Floats, Floats] | None = None,
     ) -> None:
         """Take in a block.
 
@@ -141,15 +145,19 @@ class Recorder:
             time: (N,) s; qd, qdd, tau: (joints, N); base: (components, N).
             energy: (2, k) work done and energy stored since the start [J], at these `rows`.
             more: times as many samples may come, with these.
+            touch: (contacts, N) forces along their normals [N], and where they are on.
         """
         left = float(time[-1] - time[0]) * more
         if len(tau):
             self.joints.update(time, (qd, tau, qd * tau, qdd), left)
         self.base.update(time, (base,), left)
         self.energy.update(time[rows], (energy,), left)
+        if touch is not None:
+            self.contacts.update(time, touch, left)
 
     def history(self, at_peak: Mapping[int, Mapping[str, Floats]]) -> History:
         """Return what has been gathered, with the states at the peaks of the joints."""
         joints = self.joints.curves() if self.joints.names else None
         states = tuple(at_peak[k] for k in range(len(at_peak)))
-        return History(joints, self.base.curves(), self.energy.curves(), states)
+        contacts = self.contacts.curves() if self.contacts.names else None
+        return History(joints, self.base.curves(), self.energy.curves(), states, contacts)

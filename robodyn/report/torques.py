@@ -74,7 +74,8 @@ def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
 
 def _base(result: Result) -> Section:
     head, rows = base_table(result)
-    title = "Base wrench: ground on robot, about the base's origin"
+    beside = ", beside its contacts" if result.constraints and result.constraints.contacts else ""
+    title = f"Base wrench: ground on robot{beside}, about the base's origin"
     if all(rms == "0" for *_, rms in rows):
         return [Paragraph(f"{title}: zero throughout")]
     return [Table(title, head, rows)]

@@ -73,6 +73,8 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
     if result.constraints is not None:
         blocks.append(Heading("Loops and contacts"))
         blocks += [Paragraph(line) for line in constraint_lines(result.constraints)]
+        if plots is not None and (contacts := plots.contacts()):
+            blocks.append(Gallery(tuple(contacts)))
         blocks += [Table(title, *rows) for title, rows in constraint_tables(result)]
     blocks += [*_base(result, plots), *_momentum(result), *trust(result, plots)]
     return Document(result.robot, what, (*blocks, *_files(result, history)))
@@ -153,7 +155,8 @@ def _base(result: Result, plots: Plots | None) -> Iterator[Block]:
     yield Heading("Loads of the base")
     head, rows = base_table(result)
     if all(row[-1] == "0" for row in rows):
-        yield Paragraph("No force and no moment between ground and robot throughout.")
+        beside = " but those of its contacts" if result.constraints and result.constraints.contacts else ""
+        yield Paragraph(f"No force and no moment between ground and robot throughout{beside}.")
         return
     if plots is not None and (base := plots.base()):
         yield Gallery(tuple(base))

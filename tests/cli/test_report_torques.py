@@ -173,3 +173,17 @@ def test_motors(tmp_path: Path) -> None:
         f"Motor of {joint}" for joint in captions[2:8]
     ]
     assert "Momentum and energy" in text
+
+
+def test_a_robot_on_its_feet(tmp_path: Path) -> None:
+    file = tmp_path / "trot.html"
+    call = [str(ROBOTS / name) for name in ("quadruped.urdf", "quadruped_trot.csv")]
+    assert run("torques", *call, "--scene", str(ROBOTS / "quadruped_trot.toml"), "--report", str(file)).status == 0
+    page = page_of(file)
+    captions = [each.text for each in page.all("figcaption")]
+    assert "What acts on rf_shank, which rf_knee carries" in captions
+    for foot in ("lf", "rf", "lh", "rh"):
+        assert f"{foot}: force along the normal; shaded where it is on" in captions
+    labels = [str(each.attributes["aria-label"]) for each in page.elements if each.attributes.get("role") == "img"]
+    assert "Contact lf: force along the normal against time, up to 61.05 N, on 63 % of it" in labels
+    assert "contact forces on rf_foot" in page.all("main")[0].text

@@ -153,3 +153,15 @@ def test_a_slope_takes_friction_of_its_tangent(name, slope):
     found = robodyn.torques(walker.model, still.trajectory(scene), scene).constraints
     assert found.balanced
     assert found.least_friction == pytest.approx(np.tan(angle), rel=2e-6)
+
+
+def test_history_has_what_feet_press_with_and_when_they_are_on():
+    walker, motion = WALKERS["Go2"], walked("Go2")
+    scene = walker.scene()
+    found = robodyn.torques(walker.model, motion.trajectory(scene), scene, history=True)
+    for k, contact in enumerate(found.constraints.contacts):
+        samples = found.history.contacts.samples(k)
+        np.testing.assert_array_equal(samples["time"], motion.time)
+        np.testing.assert_array_equal(samples["on"], motion.columns[f"on_{contact.name}"])
+        assert samples["normal"].max() == contact.normal.value
+        assert not samples["normal"][samples["on"] == 0.0].any()

@@ -15,6 +15,7 @@ from robodyn.loads.result import JointLoad, Result
 from robodyn.loads.sizing_result import MotorLoad, Sizing
 from robodyn.report.document import Figure
 from robodyn.report.limits import effort_use, offenders, worst_joint
+from robodyn.report.pictures.contacts import contact_figures
 from robodyn.report.pictures.figures import BAD, SERIES, dots, few_ticks, plot
 from robodyn.report.pictures.panels import WIDE, zero_lines
 from robodyn.report.pictures.torques import base_figures, energy_figure, joint_figures, share_figures
@@ -77,6 +78,11 @@ class Plots:
     def base(self) -> list[Figure]:
         """Return forces and moments of the ground on the robot."""
         return base_figures(self._result.base_wrench, self.history, self._size)
+
+    def contacts(self) -> list[Figure]:
+        """Return what each contact presses with; nothing without contacts."""
+        found, curves = self._result.constraints, self.history.contacts
+        return contact_figures(found.contacts, curves, self._size) if found and curves else []
 
     def energy(self) -> list[Figure]:
         """Return work and stored energy; nothing where both are zero throughout."""
