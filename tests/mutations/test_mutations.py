@@ -3,51 +3,62 @@
 from __future__ import annotations
 
 import ast
+import compileall
 import os
 import shutil
-import subprocess
-import sys
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
+from importlib.util import cache_from_source
 from pathlib import Path
 
 import pytest
 from helpers.mutated import mutated
 from helpers.mutation_list import MUTATIONS
+from helpers.preloaded import Preloaded, preloaded
 
 ROOT = Path(__file__).parents[2]
 CASES = [(test, *mutation) for test, mutations in MUTATIONS.items() for mutation in mutations]
-RUN = "import sys, pytest, robodyn; print(robodyn.__file__); sys.exit(pytest.main(sys.argv[1:]))"
+Case = tuple[str, str, str, str]
+ENVIRONMENT = {"PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
 FAILED = 1, 2
 """What pytest ends with where a test failed, or could not even be read."""
 
 
-def _copy(folder: Path) -> None:
+def _copied(folder: Path) -> Path:
+    """The package as it is in a folder, with its bytecode."""
     skipped = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "robodyn", folder / "robodyn", ignore=skipped)
     shutil.copytree(ROOT / "cli", folder / "robodyn" / "cli", ignore=skipped)
+    assert compileall.compile_dir(folder / "robodyn", quiet=1)
+    return folder
 
 
-def _tests(folder: Path, names: Iterable[str]) -> subprocess.CompletedProcess[str]:
-    """These tests against the package in a folder, up to the first failure."""
+def _tests(runs: Preloaded, folder: Path, names: Iterable[str]) -> tuple[int, str]:
+    """What pytest ends with, and writes, for these tests against the package in a folder, up to the first failure."""
     options = ["-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=no", "--hypothesis-seed=0"]
-    environment = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-c", RUN, *options, *(str(ROOT / "tests" / name) for name in names)]
-    done = subprocess.run(command, check=False, cwd=folder, env=environment, capture_output=True, text=True)
-    assert done.stdout.startswith(str(folder)), done.stdout + done.stderr
-    return done
+    status, output = runs.run(folder, [*options, *(str(ROOT / "tests" / name) for name in names)])
+    assert output.startswith(str(folder)), output
+    return status, output
 
 
-def _survives(folder: Path, case: tuple[str, str, str, str]) -> bool:
-    """Whether the test passes on a copy with this change."""
+def _survivors(whole: Path, folder: Path, cases: Iterable[Case]) -> list[Case]:
+    """Those of the changes with which, on a copy of the package, their test passes."""
+    with preloaded(**ENVIRONMENT) as runs:
+        return [case for k, case in enumerate(cases) if _survives(runs, whole, folder / str(k), case)]
+
+
+def _survives(runs: Preloaded, whole: Path, folder: Path, case: Case) -> bool:
     test, file, old, new = case
-    _copy(folder)
+    shutil.copytree(whole, folder, copy_function=os.link)
     path = folder / "robodyn" / file
-    path.write_text(mutated(path.read_text(), old, new))
-    done = _tests(folder, [test])
+    source = path.read_text()
+    for kept in path, Path(cache_from_source(path)):
+        kept.unlink()
+    path.write_text(mutated(source, old, new))
+    status, output = _tests(runs, folder, [test])
     shutil.rmtree(folder)
-    assert done.returncode in (0, *FAILED), done.stdout + done.stderr
-    return done.returncode == 0
+    assert status in (0, *FAILED), output
+    return status == 0
 
 
 def test_pieces_are_there() -> None:
@@ -60,14 +71,16 @@ def test_pieces_are_there() -> None:
 
 @pytest.mark.slow
 def test_the_product_itself_survives(tmp_path: Path) -> None:
-    _copy(tmp_path)
-    done = _tests(tmp_path, MUTATIONS)
-    assert done.returncode == 0, done.stdout
+    with preloaded(**ENVIRONMENT) as runs:
+        status, output = _tests(runs, _copied(tmp_path), MUTATIONS)
+    assert status == 0, output
 
 
 @pytest.mark.slow
 def test_every_mutation_is_killed(tmp_path: Path) -> None:
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        folders = [tmp_path / str(k) for k in range(len(CASES))]
-        survivors = list(pool.map(_survives, folders, CASES))
-    assert not [case for case, survived in zip(CASES, survivors, strict=True) if survived]
+    whole, together = _copied(tmp_path / "whole"), os.cpu_count() or 1
+    with ThreadPoolExecutor(together) as pool:
+        folders = [tmp_path / str(k) for k in range(together)]
+        shares = [CASES[k::together] for k in range(together)]
+        survivors = list(pool.map(lambda folder, share: _survivors(whole, folder, share), folders, shares))
+    assert not [case for share in survivors for case in share]
