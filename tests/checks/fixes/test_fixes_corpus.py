@@ -83,6 +83,7 @@ def assert_idempotent(name: str, unsafe: bool) -> None:
     assert not again.made
 
 
+@cache
 def loads(program: str, text: bytes) -> bool:
     """Whether a program reads a description without its shapes; in a process of its own, which may crash."""
     done = subprocess.run(
