@@ -11,6 +11,7 @@ from robodyn.checks.bodies.masses import STILL
 from robodyn.checks.bodies.rest import behind, joint_pose, relative, rest_poses
 from robodyn.checks.bodies.shapes import link_boxes, size_of
 from robodyn.checks.context import Context
+from robodyn.checks.reading.tree import Group
 from robodyn.programs.vectors import length
 from robodyn.robot.kinematics import Pose
 from robodyn.robot.urdf.view import JointView
@@ -101,6 +102,7 @@ class Sides:
         self.boxes = {name: box for name, box in self.shaped.items() if box is not None}
         self.poses = context.once(rest_poses)
         self._fixed: dict[str, list[str]] = {}
+        self._next_shaped: dict[int, Group] = {}
         for joint in context.view.joints:
             if not joint.moves:
                 self._fixed.setdefault(joint.parent, []).append(joint.child)
@@ -129,12 +131,21 @@ class Sides:
 
     def _above(self, joint: JointView) -> list[str]:
         """Return the links with shapes that are fixed to the parent, or to the next group above that has such."""
-        branch, group = set(self._branch(joint)), self._tree.group[joint.parent]
+        branch, group = set(self._branch(joint)), self._shaped_from(self._tree.group[joint.parent])
         while True:
             names = [link.name for link in group.links if link.name in self.shaped and link.name not in branch]
             if names or group.parent is None:
                 return names
-            group = group.parent
+            group = self._shaped_from(group.parent)
+
+    def _shaped_from(self, group: Group) -> Group:
+        """Return the group, or the next one above, in which a link has a shape; without one the root's."""
+        passed = []
+        while (above := group.parent) is not None and not any(link.name in self.shaped for link in group.links):
+            passed.append(group)
+            group = self._next_shaped.get(id(group), above)
+        self._next_shaped.update((id(below), group) for below in passed)
+        return group
 
     def _nearest(self, joint: JointView, below: Sequence[str], above: Sequence[str], child: Pose) -> Contact | None:
         """Return the contact with the least gap, the child standing at this pose in the root's frame."""

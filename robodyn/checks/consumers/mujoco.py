@@ -93,14 +93,14 @@ def _least_moment(weight: Weight) -> float:
 def _number(context: Context, name: str) -> float:
     """Return a number of <compiler>; 0 where it is not there or is none."""
     try:
-        return float(compiler(context).get(name, "0"))
+        return float(context.once(compiler).get(name, "0"))
     except ValueError:
         return 0.0
 
 
 def impossible(context: Context) -> frozenset[str]:
     """Return the links whose tensor no body has, also the root and links without mass; one of zeros counts as none."""
-    balanced = compiler(context).get("balanceinertia") == "true"
+    balanced = context.once(compiler).get("balanceinertia") == "true"
     found = set()
     for link in context.tree.links:
         tensor = link.tensor
@@ -152,6 +152,6 @@ def second_worlds(context: Context) -> Iterator[Found]:
 
 def visuals(context: Context) -> Iterator[Found]:
     """Yield the <visual>s, unless the description asks for them."""
-    if compiler(context).get("discardvisual", "true") == "true":
+    if context.once(compiler).get("discardvisual", "true") == "true":
         for link in context.view.links:
             yield from (Found(one.element.span, named(link)) for one in link.geometries if one.kind == "visual")

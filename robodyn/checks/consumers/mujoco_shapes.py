@@ -22,7 +22,7 @@ _SURELY = 1e3
 
 def uris(context: Context) -> Iterator[Found]:
     """Yield meshes to collide with that are named by a URI, where MuJoCo is not told to strip it."""
-    if compiler(context).get("strippath") != "true":
+    if context.once(compiler).get("strippath") != "true":
         for use in mesh_uses(context):
             if "://" in use.uri and use.geometry.kind == "collision":
                 yield used(use, use.uri)

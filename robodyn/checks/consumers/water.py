@@ -64,7 +64,7 @@ def compiler(context: Context) -> Mapping[str, str]:
 
 def is_weighed(context: Context, link: LinkView) -> bool:
     """Return whether MuJoCo takes a link's mass from its collision shapes."""
-    asked = compiler(context).get("inertiafromgeom", "auto")
+    asked = context.once(compiler).get("inertiafromgeom", "auto")
     return asked != "false" and (link.inertial is None or asked == "true") and bool(_collisions(link))
 
 
