@@ -136,7 +136,8 @@ WALKERS = {
         "talos_full_v2",
         {"left": "left_sole_link", "right": "right_sole_link"},
         ((-0.1, -0.06, 0), (0.1, -0.06, 0), (0.1, 0.06, 0), (-0.1, 0.06, 0)),
-        _sides("leg_SIDE_3_joint leg_SIDE_4_joint leg_SIDE_5_joint", (-0.45, 0.9, -0.45)),
+        _sides("leg_SIDE_3_joint leg_SIDE_4_joint leg_SIDE_5_joint", (-0.45, 0.9, -0.45))
+        | {"arm_left_2_joint": 0.3, "arm_right_2_joint": -0.3},
         stride=0.2,
         lift=0.06,
         shift=2.0,
