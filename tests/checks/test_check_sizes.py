@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from robodyn.checks.bodies.contacts import Sides
+from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_one
 from robodyn.robot.urdf.document import read
@@ -56,6 +58,16 @@ def test_a_long_tail_into_a_cycle() -> None:
 def test_a_long_chain(kind: str) -> None:
     expected = {} if kind == "fixed" else {"RD202": MANY - 1}
     assert codes(found(links(MANY) + joints([(k, k + 1) for k in range(MANY - 1)], kind))) == expected
+
+
+def test_a_chain_below_one_shape() -> None:
+    """The next shape above each joint is the root's."""
+    count = MANY // 10
+    ball = '<link name="0"><visual><geometry><sphere radius="1"/></geometry></visual></link>'
+    body = links(count).replace('<link name="0"/>', ball) + joints([(k, k + 1) for k in range(count - 1)], "floating")
+    context = Context(read(f'<robot name="r">{body}</robot>'.encode()))
+    sides = Sides(context)
+    assert all(sides._above(joint) == ["0"] for joint in context.view.joints)
 
 
 @pytest.mark.slow
