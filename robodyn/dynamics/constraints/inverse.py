@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, numbers, zero_sources
+from robodyn.dynamics.constraints.actuation import actuation
 from robodyn.dynamics.constraints.maps import closures
 from robodyn.dynamics.constraints.solve import ConstraintSolver
 from robodyn.dynamics.constraints.touching import touching
@@ -79,15 +80,18 @@ def as_tree(
     state: tuple[ArrayLike, ArrayLike, ArrayLike],
     scene: Scene,
     columns: Mapping[str, ArrayLike],
-) -> tuple[Scene, dict[str, ArrayLike]]:
+) -> tuple[Scene, dict[str, ArrayLike], Floats]:
     """Return the scene of `tree_scene` and its columns: the tree that constraint forces hold where constraints did.
+
+    And (..., n) what the motion takes at passive rates and nothing gives, 0 elsewhere.
 
     Args:
         state: q, qd, qdd as for `constraint_forces`.
     """
-    _, wrenches = _solved(model, state, scene, columns, "numpy", None)
+    tau, wrenches = _solved(model, state, scene, columns, "numpy", None)
     found = dict(zip(constraint_columns(scene), np.moveaxis(wrenches, -1, 0), strict=True))
-    return tree_scene(model, scene), {**columns, **found}
+    missing = np.where(actuation(model, scene).passive, tau, 0.0)
+    return tree_scene(model, scene), {**columns, **found}, missing
 
 
 def _solved(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +29,8 @@ from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velo
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
+from robodyn.support.wording import figure, shown
 
 
 def free_bodies(
@@ -58,8 +61,9 @@ def free_bodies(
     """
     refuse_others(model, scene)
     given: Mapping[str, ArrayLike] = columns or {}
+    missing: Floats = np.zeros(model.n)
     if scene.constrained:
-        scene, given = as_tree(model, (q, qd, qdd), scene, given)
+        scene, given, missing = as_tree(model, (q, qd, qdd), scene, given)
     sources, shape = arrays_of(model, {"q": q, "qd": qd, "qdd": qdd}, scene, given)
     if shape:
         raise InputError(f"{shape} samples", remedy="a free-body diagram is of one state")
@@ -75,7 +79,21 @@ def free_bodies(
     around = applied_wrenches(a_plan.effects, sample, scene)
     bodies = tuple(_cut_free(model, terms, joints, cuts, around))
     tau = joint_torques(model, joints, wrenches, terms.at_joint)
-    return _found(scene, sample, bodies, cuts, tau)
+    found = _found(scene, sample, bodies, cuts, tau)
+    return replace(found, warnings=(*_not_given(model, missing), *found.warnings))
+
+
+def _not_given(model: Model, missing: Floats) -> Iterator[str]:
+    """Yield a sentence on each passive rate at which the motion takes what nothing gives.
+
+    Args:
+        missing: (n,) N m or N.
+    """
+    slides = {joint.name for joint in model.independent if joint.kind == "prismatic"}
+    for name, value in zip(model.rates, missing.tolist(), strict=True):
+        if value:
+            unit = "N" if name in slides or name[-3:] in ("_vx", "_vy", "_vz") else "N m"
+            yield f"nothing drives {shown(name)}, and the motion takes {figure(value)} {unit} there, shown as its drive"
 
 
 def _cut_free(
