@@ -75,7 +75,7 @@ def _data(file: Download) -> str:
 
 
 MEANINGS = {
-    "at [s]": "time at which the value before it is largest",
+    "at [s]": "time of the value before it",
     "RMS": "root mean square over the whole time: what heats a motor",
     "cubic mean": "cube root of the mean of |torque|^3, weighted by speed: what wears a gear",
     "peak": "largest magnitude, with its sign",
@@ -112,6 +112,10 @@ MEANINGS = {
     "ma": "moment about the axis, where the joint holds it",
     "radial f": "resultant of the forces across the axis",
     "tilting m": "resultant of the moments across the axis",
+    "along normal [N]": "least and largest force with which the contact presses while it is on",
+    "of it used": "sum of the forces along the ground over friction times the sum of those along the normal, at most",
+    "margin [mm]": "least distance of the centre of pressure from the edges of the polygon",
+    "determined": "whether no other force balances the motion; where others do, the least is given",
     "its noise": "standard deviation of what is no motion in the data",
     "grid": "step of the numbers in the data, of an encoder for instance",
     "noise left": "standard deviation that noise typically leaves in the highest derivative",
