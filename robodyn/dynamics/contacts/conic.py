@@ -107,7 +107,7 @@ def _sample(problem: Problem, n: int, active: Any, axes: Floats, size: float) ->
     if free is not None:
         L = free.H.shape[2]
         A = np.hstack((A, free.H[n]))
-        M = np.hstack((M, free.S[n] if free.S is not None else np.zeros((len(M), L))))
+        M = np.hstack((M, free.S[n] if terms is not None and free.S is not None else np.zeros((len(M), L))))
         diagonal = np.append(diagonal, np.full(L, free.weight))
     w = np.zeros(0) if terms is None else terms.weights
     P = np.diag(diagonal) + product(M.T * w, M)

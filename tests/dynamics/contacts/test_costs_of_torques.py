@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.stances import feet, stance
 
-from robodyn.dynamics.contacts.diagnosis import base_columns
+from robodyn.dynamics.contacts.diagnosis import base_columns, least_friction
 from robodyn.dynamics.contacts.problem import FreeTerms, Problem, TorqueTerms
 from robodyn.dynamics.contacts.solve import contact_forces
 from robodyn.errors import InputError
@@ -103,6 +103,14 @@ def test_free_unknowns_balance_what_contacts_cannot():
     assert found.feasible.all()
     assert found.free[0, 0] == pytest.approx(found.f[0, :, 2].sum() * -1.0 - 100.0, rel=1e-8)
     assert not contact_forces(replace(pulled, free=None)).feasible.any()
+
+
+def test_the_least_friction_beside_other_unknowns_does_not_depend_on_torques():
+    """What the unknowns take from the torques is left out with these."""
+    problem = legs(push=30.0)
+    H, S = np.zeros((1, 6, 1)), np.full((1, 2, 1), 0.5)
+    without, beside = (least_friction(replace(problem, free=FreeTerms(H, each))) for each in (None, S))
+    assert beside == without == pytest.approx(0.3, rel=1e-5)
 
 
 def test_samples_are_each_their_own():
