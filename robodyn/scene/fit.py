@@ -83,7 +83,7 @@ def refuse_constraints(scene: Scene, file: str | None = None, *, loops: bool = F
     """
     if scene.loops and not loops:
         what = "the scene closes loops, and this knows only the open tree"
-        remedy = "robodyn torques, fbd, simulate and linearize follow closed chains; without [[loop]] it is the tree"
+        remedy = "robodyn torques, fbd, simulate and linearize follow closed chains; without loops it is the tree"
         raise SceneError(what, remedy=remedy, file=file)
     if scene.contacts and not contacts:
         what = "the scene has contacts, and only torques and fbd find their forces"

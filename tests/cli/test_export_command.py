@@ -38,7 +38,7 @@ CALLS = {
     "--to jax --out {folder}/NumPy.py": "{folder}/NumPy.py: a module of this name hides numpy, which it or what ",
     "--to numpy --out {folder}/math.py": "{folder}/math.py: a module of this name hides math, which it or what ",
     "--to casadi --out {folder}/platform.py": "{folder}/platform.py: a module of this name hides platform, which ",
-    "--to c --scene {folder}/loop.toml": "{folder}/loop.toml: the scene closes loops, and what joints and loops share ",
+    "--to c --scene {folder}/loop.toml": "{folder}/loop.toml: the scene closes loops, and this knows only the open ",
 }
 
 

@@ -87,6 +87,26 @@ MUTATIONS = {
         ("dynamics/recursions/momentum.py", "H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]"),
         ("dynamics/recursions/momentum.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
     ],
+    "dynamics/constraints/test_share.py": [
+        ("dynamics/constraints/share.py", "np.sqrt(weights / weights.max())", "weights / weights.max()"),
+        (
+            "dynamics/constraints/share.py",
+            "wanted = forces[:, ~passive] - _along(drive, x)",
+            "wanted = forces[:, ~passive]",
+        ),
+    ],
+    "dynamics/constraints/test_random_mechanisms.py": [
+        ("dynamics/constraints/maps.py", "cross(at, force) - about", "cross(at, force) + about"),
+        ("dynamics/constraints/maps.py", "product(a.R, product(place.B.T, m)) + cross(at, force)", "cross(at, force)"),
+    ],
+    "dynamics/contacts/test_contact_forces.py": [
+        ("dynamics/contacts/cones.py", "edge * along * sine / t", "edge * along / t"),
+        ("dynamics/contacts/cones.py", "press * sine - t * cosine", "press * cosine - t * sine"),
+    ],
+    "loads/test_singular_passages.py": [
+        ("dynamics/constraints/crossing.py", "1.0 / (1.0 - least[lost])", "-1.0 / least[lost]"),
+        ("loads/constraints.py", "loads[self._lost, :n] = self._tau[self._lost]", "pass"),
+    ],
     "dynamics/effects/test_external_wrench.py": [
         ("dynamics/recursions/newton_euler.py", "n[i] - wrench.n", "n[i] + wrench.n"),
         ("programs/vectors.py", "xy - wz", "xy + wz"),

@@ -19,6 +19,8 @@ from helpers.robot_catalogue import FOLDER, belonging, names
 from robodyn.loads.example_motion import example_motion
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
+from robodyn.scene.read import load_scene
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.robot_motion import motion, read_motion, signals
@@ -110,7 +112,9 @@ def test_our_tables_are_not_doubted(table: Path) -> None:
     moving = "base_" in table.read_text().partition("\n")[0]
     name = next(name for name in names() if table in belonging(name, ".csv"))
     model = load(str(FOLDER / f"{name}.urdf"), moving_base=moving)
-    with read_motion(table, model, ignore_extra=True) as reader:
+    own = table.with_suffix(".toml")
+    scene = load_scene(own) if own.exists() else Scene()
+    with read_motion(table, model, scene, ignore_extra=True) as reader:
         assert [block.doubts for block in reader.blocks()][-1] == ()
 
 
