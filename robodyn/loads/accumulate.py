@@ -37,6 +37,7 @@ from robodyn.robot.limits import binding, coverage
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
 from robodyn.trajectory.columns import COMPONENTS
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import sources_of
@@ -241,7 +242,11 @@ class TorqueAccumulator:
             *carried(self.model, self.scene, base, joints, force, moment, looped),
             *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
         )
-        warnings = [*(doubt.said for doubt in doubts), *self.model.notes, *last.notes]
+        idle = [
+            f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone"
+            for k in self._idle
+        ]
+        warnings = [*(doubt.said for doubt in doubts), *idle, *self.model.notes, *last.notes]
         return Result(
             robot=self.model.name,
             samples=total.samples,
@@ -266,8 +271,18 @@ class TorqueAccumulator:
             constraints=constraints,
         )
 
-    def _inertias(self, joints: Sequence[int]) -> dict[int, float]:
-        """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]."""
-        rates = {k: self.rates.start + k for k in joints}
-        states = {k: self.statistics.at_peak[k] for k in joints}
-        return {k: float(self.bars.response(states[k], own=True)[rate, rate]) for k, rate in rates.items()}
+    def _inertias(self, joints: Sequence[int]) -> dict[int, float | None]:
+        """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of those
+        that nothing drives."""
+        rates, idle = {k: self.rates.start + k for k in joints}, self._idle
+        states = {k: self.statistics.at_peak[k] for k in joints if k not in idle}
+        found = {k: float(self.bars.response(state, own=True)[rates[k], rates[k]]) for k, state in states.items()}
+        return {k: found.get(k) for k in joints}
+
+    @property
+    def _idle(self) -> list[int]:
+        """Joints with motors that nothing drives."""
+        if self.sizing is None or self.constraints is None:
+            return []
+        passive = self.constraints.solver.actuation.passive[self.rates]
+        return [k for k in self.sizing.driven if passive[k]]

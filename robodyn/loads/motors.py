@@ -153,7 +153,7 @@ class MotorPass:
         travel = self.integrals.totals["joint travel"][i]
         return float(self.integrals.totals["wear"][i] / travel) ** (1 / 3) if travel else 0.0
 
-    def load(self, i: int, duration: float, load_inertia: float) -> MotorLoad:
+    def load(self, i: int, duration: float, load_inertia: float | None) -> MotorLoad:
         """Return the figures of motor i.
 
         Args:
@@ -171,7 +171,7 @@ class MotorPass:
             gear=train.gear,
             efficiency=motor.efficiency,
             inertia=train.inertia,
-            inertia_ratio=load_inertia / rotor if rotor else None,
+            inertia_ratio=load_inertia / rotor if rotor and load_inertia is not None else None,
             peak=float(torque.kept["torque"][i]),
             peak_time=float(torque.time[i]),
             peak_row=int(torque.row[i]),

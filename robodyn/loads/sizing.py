@@ -89,20 +89,22 @@ class SizingPass:
         for integrals in (self.integrals, self.motors.integrals, self.bearings.integrals):
             yield from integrals.totals.values()
 
-    def report(self, loads: Sequence[JointLoad], inertias: Mapping[int, float]) -> Sizing:
+    def report(self, loads: Sequence[JointLoad], inertias: Mapping[int, float | None]) -> Sizing:
         """Return everything gathered.
 
         Args:
-            loads: of the joints; inertias: of those with motors, what each accelerates at its peak, with its rotor.
+            loads: of the joints; inertias: of those with motors, what each accelerates at its peak, with its rotor;
+                None of those that nothing drives.
         """
         duration = self.integrals.duration
         motors = {k: self._motor(i, duration, inertias[k]) for i, k in enumerate(self.driven)}
         joints = tuple(self._joint(k, load, motors.get(k), duration) for k, load in enumerate(loads))
         return Sizing(joints, self.bearings.report(), self._foundation())
 
-    def _motor(self, i: int, duration: float, inertia: float) -> MotorLoad:
+    def _motor(self, i: int, duration: float, inertia: float | None) -> MotorLoad:
         train = self.motors.trains[i]
-        return self.motors.load(i, duration, inertia - train.gear * train.gear * train.inertia)
+        own = train.gear * train.gear * train.inertia
+        return self.motors.load(i, duration, None if inertia is None else inertia - own)
 
     def _joint(self, k: int, load: JointLoad, motor: MotorLoad | None, duration: float) -> JointSizing:
         totals = self.integrals.totals

@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.command_line import ROBOTS
 from helpers.oracles import EPS, reference
 from helpers.small_robots import built, joint, link
 from scipy.integrate import trapezoid
 
+import robodyn
 from robodyn.errors import SceneError
 from robodyn.loads.motors import allowed
 from robodyn.loads.torques import torques
@@ -215,3 +217,18 @@ def test_without_motors_nothing_is_sized():
     assert bare.operations == sized.operations
     assert replace(sized, sizing=None) == bare
     assert torques(model, taken, floating_in_space(Motor()), sizing=False).sizing is None
+
+
+def test_motors_at_joints_that_nothing_drives():
+    """Their rotors are turned along, so that their speed alone is judged; they accelerate no load."""
+    model, scene = robodyn.load(ROBOTS / "crank_slider.urdf"), robodyn.load_scene(ROBOTS / "crank_slider_turn.toml")
+    motor = Motor(continuous=1.0, peak=1.0, max_speed=10.0)
+    rotors = {name: Rotor(1e-4, 10.0) for name in ("main", "pin")}
+    scene = replace(scene, motor={"main": motor, "pin": motor}, rotor=rotors)
+    result = torques(model, ROBOTS / "crank_slider_turn.csv", scene)
+    assert result.sizing is not None
+    found = {joint.name: joint.motor for joint in result.sizing.joints}
+    assert found["pin"].inertia_ratio is None
+    assert found["main"].inertia_ratio > 1.0
+    assert found["pin"].seconds_over_speed > 1.0
+    assert "nothing drives 'pin', so that its [motor] is judged by its speed alone" in result.warnings
