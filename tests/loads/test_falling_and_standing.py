@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.oracles import ROBOTS
 
 import robodyn
 from robodyn import Contact, Scene
+from robodyn.errors import InputError
 
 FEET = tuple(Contact(leg, f"{leg}_foot", normal=(0.0, 0.0, 1.0)) for leg in ("lf", "rf", "lh", "rh"))
 KNEES = (0.0, 0.68, -1.36) * 2 + (0.0, -0.68, 1.36) * 2
@@ -45,3 +48,14 @@ def test_what_contacts_carry_is_not_left_to_the_base(quadruped):
     found = robodyn.torques(quadruped, motion, Scene(moving_base=True, contacts=FEET))
     assert max(found.checks.first_law, found.checks.second_law, found.checks.power) <= 1e-12
     assert all(part.peak == part.rms == 0.0 for part in found.base_wrench)
+
+
+@pytest.mark.parametrize(
+    ("column", "said"),
+    [(np.array((1.0, np.nan, 0.0)), "is not a number at 1 of 3 samples"), (np.ones(4), r"has the shape \(4,\)")],
+)
+def test_columns_of_contacts_fit_the_samples(quadruped, column, said):
+    q = np.tile(np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, KNEES)), (3, 1))
+    scene = Scene(moving_base=True, contacts=tuple(replace(foot, on="stands") for foot in FEET))
+    with pytest.raises(InputError, match=said):
+        robodyn.constraint_forces(quadruped, q, np.zeros(18), np.zeros(18), scene=scene, columns={"stands": column})

@@ -125,7 +125,16 @@ def _solved(
 
 
 def _of_samples(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    return np.broadcast_to(numbers(name, values, np.dtype(float)), shape).reshape(prod(shape))
+    """Return (N,) a column of contacts; not a number is neither on nor off."""
+    given = numbers(name, values, np.dtype(float))
+    if np.isnan(given).any():
+        what = f"column {shown(name)} of contacts is not a number at {np.isnan(given).sum()} of {given.size} samples"
+        raise InputError(what, remedy="0 where a contact is off, 1 where it is on")
+    try:
+        return np.broadcast_to(given, shape).reshape(prod(shape))
+    except ValueError:
+        what = f"column {shown(name)} of contacts has the shape {given.shape}, the samples {shape}"
+        raise InputError(what, remedy="give one value for each sample") from None
 
 
 def _check_closed(a_plan: Plan, gap: Floats) -> None:
