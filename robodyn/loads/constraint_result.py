@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from robodyn.support.doubts import Doubt
+from robodyn.support.floats import first_largest
 from robodyn.support.wording import count, figure, shown
 
 
@@ -140,16 +141,20 @@ def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
     """Return what keeps a verdict over a motion under constraints from being sure."""
     doubts = []
     if found.missing:
-        worst = max(found.missing, key=lambda each: each.force.value)
+        worst = found.missing[first_largest([each.force.value for each in found.missing])]
         others = f" (and in {count(found.spans - 1, 'more span')})" if found.spans > 1 else ""
         said = (
             f"no contact forces balance the motion from {figure(worst.start)} s to {figure(worst.end)} s{others}: "
             f"{_WHY[worst.kind]}; {figure(worst.force.value)} N and {figure(worst.moment.value)} N m are missing at "
             f"{figure(worst.force.time)} s and {figure(worst.moment.time)} s"
         )
+        if joints := [each for each in found.unbalanced if each.name not in _BASE]:
+            most = joints[first_largest([abs(each.most.value) for each in joints])]
+            more = f", and {len(joints) - 1} more" if len(joints) > 1 else ""
+            said += f"; {figure(most.most.value)} {most.unit} at the passive {shown(most.name)}{more}"
         doubts.append(Doubt("as long as something gives the forces that contacts cannot (assumed)", said))
     elif found.unbalanced:
-        worst_joint = max(found.unbalanced, key=lambda each: abs(each.most.value))
+        worst_joint = found.unbalanced[first_largest([abs(each.most.value) for each in found.unbalanced])]
         value, time, _ = worst_joint.most
         others = f", and {len(found.unbalanced) - 1} more" if len(found.unbalanced) > 1 else ""
         said = (
@@ -167,6 +172,7 @@ def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
     return tuple(doubts)
 
 
+_BASE = frozenset(f"base_{part}{axis}" for part in "wv" for axis in "xyz")
 _WHY = {
     "slip": "feet would slip, more friction would do",
     "pull": "contacts had to pull",

@@ -50,6 +50,17 @@ def test_what_contacts_carry_is_not_left_to_the_base(quadruped):
     assert all(part.peak == part.rms == 0.0 for part in found.base_wrench)
 
 
+def test_what_passive_knees_lack_is_told(quadruped):
+    """The base of a robot on limp knees lacks little; the knees lack what bends them."""
+    q = np.tile(np.hstack((0.0, 0.0, 0.28, 0.0, 0.0, 0.0, 1.0, KNEES)), (3, 1))
+    still, knees = np.zeros((3, 18)), tuple(f"{foot.name}_knee" for foot in FEET)
+    scene = Scene(moving_base=True, contacts=FEET, passive=knees)
+    found = robodyn.torques(quadruped, robodyn.motion(quadruped, np.arange(3) * 0.1, q, still, still), scene)
+    lacks = {each.name: each.most.value for each in found.constraints.unbalanced}
+    assert min(abs(lacks[knee]) for knee in knees) > 0.1
+    assert sum("N m at the passive 'lf_knee', and 3 more" in doubt.said for doubt in found.doubts) == 1
+
+
 @pytest.mark.parametrize(
     ("column", "said"),
     [(np.array((1.0, np.nan, 0.0)), "is not a number at 1 of 3 samples"), (np.ones(4), r"has the shape \(4,\)")],
