@@ -68,7 +68,11 @@ def _figure(effect: EffectReport, operations: int | None) -> str:
 
 
 def share_table(result: Result) -> Content:
-    """Return for every joint what each effect adds to its peak; effects that add nothing are left out."""
+    """Return for every joint what each effect adds to its peak; effects that add nothing are left out.
+
+    Error bars of closed chains are not called 95 %: they are of accelerations alone, and there velocities that were
+    derived count too.
+    """
     joints, size = result.joints, result_sizes(result)
     names = [effect.name for effect in result.effects]
     present = [name for name in names if not all(is_noise(abs(j.shares.get(name, 0.0)), size[j.unit]) for j in joints)]
@@ -76,8 +80,10 @@ def share_table(result: Result) -> Content:
     rows = [[joint.name, *(number(joint.shares[name], size[joint.unit]) for name in present)] for joint in joints]
     for joint, row in zip(joints, rows, strict=True):
         row.append(f"{number(joint.peak, size[joint.unit])} {joint.unit}")
+    loops = result.constraints is not None and result.constraints.loops
+    bars = "error (of accelerations)" if loops else "error (95 %)"
     for title, values in (
-        ("error (95 %)", [_bar(joint) for joint in joints]),
+        (bars, [_bar(joint) for joint in joints]),
         ("friction holds", [number(joint.hold) for joint in joints]),
     ):
         if set(values) != {"0"}:

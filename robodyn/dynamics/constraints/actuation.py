@@ -58,6 +58,9 @@ def actuation(model: Model, scene: Scene) -> Actuation:
             continue
         drives = joint.name in actuated if actuated is not None else joint.name not in scene.passive
         passive[joint.rate], driven[joint.rate] = not drives, drives
+        if not drives and joint.name in scene.weights:
+            what = f"[weights]: nothing drives {shown(joint.name)}"
+            raise SceneError(what, remedy="give weights of joints that drive")
         if drives:
             weights.append(_weight(joint, scene))
             limits.append(binding(joint.effort) or np.inf)

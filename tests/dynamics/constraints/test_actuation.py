@@ -79,3 +79,8 @@ def test_bases_are_passive_where_contacts_or_loops_to_the_ground_hold_them():
     assert actuation(model, bolted).passive[:6].all()
     assert not actuation(model, replace(bolted, held=True)).counted[:6].any()
     assert not actuation(model, replace(bolted, loops=(replace(bolted.loops[0], to="lf_foot"),))).counted[:6].any()
+
+
+def test_weights_of_joints_that_do_not_drive():
+    with pytest.raises(SceneError, match=r"\[weights\]: nothing drives 'pin' \(give weights of joints that drive\)"):
+        driving(Scene(loops=(LOOP,), actuated=("main",), share="weighted", weights={"pin": 2.0}))
