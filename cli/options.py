@@ -13,7 +13,7 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from robodyn.scene.scene import Payload
+    from robodyn.scene.parts import Payload
 
 Callback = Callable[..., Any]
 Vector = tuple[float, float, float]
@@ -134,7 +134,7 @@ def _at(text: str) -> list[float] | dict[str, float]:
 
 def _payload(text: str) -> Payload:
     """Return the payload of LINK=KG or LINK=KG@X,Y,Z."""
-    from robodyn.scene.scene import Payload
+    from robodyn.scene.parts import Payload
 
     link, _, load = text.rpartition("=")
     mass, at, com = load.partition("@")

@@ -38,20 +38,20 @@ if TYPE_CHECKING:
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.assemble import load as load
     from robodyn.robot.model import Model as Model
+    from robodyn.scene.constraints import Contact as Contact
+    from robodyn.scene.constraints import ContactCost as ContactCost
+    from robodyn.scene.constraints import Loop as Loop
     from robodyn.scene.described_loops import scene_of as scene_of
     from robodyn.scene.motor import Motor as Motor
+    from robodyn.scene.parts import Drive as Drive
+    from robodyn.scene.parts import ExternalWrench as ExternalWrench
+    from robodyn.scene.parts import Friction as Friction
+    from robodyn.scene.parts import Immersed as Immersed
+    from robodyn.scene.parts import Payload as Payload
+    from robodyn.scene.parts import Rotor as Rotor
+    from robodyn.scene.parts import Spring as Spring
     from robodyn.scene.read import load_scene as load_scene
-    from robodyn.scene.scene import Contact as Contact
-    from robodyn.scene.scene import ContactCost as ContactCost
-    from robodyn.scene.scene import Drive as Drive
-    from robodyn.scene.scene import ExternalWrench as ExternalWrench
-    from robodyn.scene.scene import Friction as Friction
-    from robodyn.scene.scene import Immersed as Immersed
-    from robodyn.scene.scene import Loop as Loop
-    from robodyn.scene.scene import Payload as Payload
-    from robodyn.scene.scene import Rotor as Rotor
     from robodyn.scene.scene import Scene as Scene
-    from robodyn.scene.scene import Spring as Spring
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.run import simulate as simulate
     from robodyn.solids.mesh_mass import mass_properties as mass_properties
@@ -82,10 +82,9 @@ _HOMES = {
     "scene.described_loops": ("scene_of",),
     "scene.motor": ("Motor",),
     "scene.read": ("load_scene",),
-    "scene.scene": (
-        *("Contact", "ContactCost", "Drive", "ExternalWrench", "Friction", "Immersed", "Loop", "Payload", "Rotor"),
-        *("Scene", "Spring"),
-    ),
+    "scene.constraints": ("Contact", "ContactCost", "Loop"),
+    "scene.parts": ("Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
+    "scene.scene": ("Scene",),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),

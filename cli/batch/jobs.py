@@ -16,8 +16,9 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.robot.assemble import load
 from robodyn.robot.model import Model
+from robodyn.scene.parts import Payload
 from robodyn.scene.read import parse_scene
-from robodyn.scene.scene import DEFAULT, Payload, Scene
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
 from robodyn.support.libraries import version_of

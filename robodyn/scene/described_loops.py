@@ -13,7 +13,8 @@ from robodyn.programs.vectors import product, rotation_from_rpy
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.constraints import Constraint, read_constraints
 from robodyn.robot.urdf.parts import Vector
-from robodyn.scene.scene import DEFAULT, Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 

@@ -6,7 +6,8 @@ from collections.abc import Collection
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.scene import DEFAULT, GROUND, Loop, Scene
+from robodyn.scene.constraints import GROUND, Loop
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import alternatives, shown
 
 

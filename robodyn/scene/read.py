@@ -6,10 +6,11 @@ import os
 from typing import Any
 
 from robodyn.errors import unreadable
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
 from robodyn.scene.read_simulation import simulated_of
-from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
 from robodyn.support.input_file import read_input
 

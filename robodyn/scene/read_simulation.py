@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.scene.scene import Drive, LimitSpring, Scene
+from robodyn.scene.parts import Drive, LimitSpring
+from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import SceneTable
 
 LIMITS = ("stop", "ignore", "spring")

@@ -9,7 +9,7 @@ from dataclasses import MISSING, fields
 from typing import Any, TypeVar
 
 from robodyn.errors import SceneError
-from robodyn.scene.scene import Entry, Vector
+from robodyn.scene.parts import Entry, Vector
 from robodyn.support.wording import nearest, shown
 
 T = TypeVar("T")

@@ -17,7 +17,8 @@ from robodyn.programs.program import trace
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Array, Scalar, cross
 from robodyn.robot.model import Model
-from robodyn.scene.scene import GROUND, Scene
+from robodyn.scene.constraints import GROUND
+from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import STATE, Equations
 
 

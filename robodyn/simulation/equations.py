@@ -24,7 +24,8 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, cross
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Entry, Scene
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
 from robodyn.simulation.table import LOAD, RATE, REFERENCE, Curve, curves
 
 STATE = "state"

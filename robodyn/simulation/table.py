@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Entry, Scene
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
 from robodyn.simulation.rows import NEAR, Piece
 from robodyn.support.floats import Floats
 from robodyn.trajectory.columns import Signals

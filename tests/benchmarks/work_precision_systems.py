@@ -26,7 +26,8 @@ from robodyn.measure.accuracy.motion_reference import motion_reference
 from robodyn.measure.speed.peers import bare_description
 from robodyn.programs.vectors import rotation_from_rpy
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS, MethodOptions
 from robodyn.simulation.run import integrated
 

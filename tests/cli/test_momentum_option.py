@@ -14,7 +14,8 @@ from helpers.oracles import EPS, robot, worst
 import robodyn
 from robodyn.dynamics.momenta import View
 from robodyn.loads.momenta import NAMES
-from robodyn.scene.scene import Rotor, Scene
+from robodyn.scene.parts import Rotor
+from robodyn.scene.scene import Scene
 
 SCARA = (str(ROBOTS / "scara.urdf"), str(ROBOTS / "scara_pick_and_place.csv"))
 

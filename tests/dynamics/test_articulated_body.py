@@ -32,7 +32,8 @@ from robodyn.programs.dual import Dual
 from robodyn.programs.vectors import vector
 from robodyn.robot.kinematics import REST, joint_motion
 from robodyn.robot.model import Body, Joint, Model
-from robodyn.scene.scene import Rotor, Scene
+from robodyn.scene.parts import Rotor
+from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import MASSLESS, Inertia
 
 MODELS = reference("golden_inverse_dynamics")["models"]

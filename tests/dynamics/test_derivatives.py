@@ -18,8 +18,10 @@ from robodyn.dynamics.forward import acceleration_program
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.assemble import load
+from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Friction
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import Friction, Loop, Scene
+from robodyn.scene.scene import Scene
 
 SAMPLES = 2
 VARIANTS = ("alex_sake_hands", "g1_29dof_rev_1_0", "icub_reduced", "romeo_small", "romeo_laas_small", "tiago_dual")

@@ -17,7 +17,8 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
 from robodyn.programs.run.multiprecision import Multiprecision
-from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 MODEL = golden_model("puma560_corke")
 STATE = random_state(MODEL, np.random.default_rng(5), 3000)

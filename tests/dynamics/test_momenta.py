@@ -14,7 +14,8 @@ import robodyn
 from robodyn.errors import InputError
 from robodyn.programs.vectors import cross
 from robodyn.robot.kinematics import motions, poses
-from robodyn.scene.scene import Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 STILL = Scene(gravity=(0.0, 0.0, 0.0))
 

@@ -15,7 +15,8 @@ from helpers.small_robots import built, joint, link, random_tree_parts, urdf
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import Friction, Rotor, Scene
+from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.scene import Scene
 
 KINDS = ("revolute", "prismatic", "continuous")
 

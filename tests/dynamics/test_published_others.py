@@ -14,7 +14,8 @@ from robodyn.dynamics.effects import coriolis, gravity
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.scene import ExternalWrench, Scene
+from robodyn.scene.parts import ExternalWrench
+from robodyn.scene.scene import Scene
 
 PRINTED = reference("published_checks")
 g = 9.81

@@ -16,8 +16,8 @@ from robodyn.dynamics.effects import coriolis
 from robodyn.dynamics.inverse import bias_forces, inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
+from robodyn.scene.parts import ExternalWrench, Payload
 from robodyn.scene.read import load_scene
-from robodyn.scene.scene import ExternalWrench, Payload
 
 PRINTED = reference("published_checks")["puma560_rtb"]
 QN = [0, math.pi / 4, math.pi, 0, math.pi / 4, 0]

@@ -17,7 +17,9 @@ import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import SceneError
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import Friction, Loop, Payload, Rotor, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Friction, Payload, Rotor
+from robodyn.scene.scene import Scene
 
 SAMPLES = 3
 bases = pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])

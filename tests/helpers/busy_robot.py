@@ -8,7 +8,8 @@ import numpy as np
 
 from helpers.small_robots import body_numbers, joint, link, urdf
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 AXES = {"j1": (0, 0, 1), "j2": (0.6, 0, -0.8), "j3": (0, -1, 0), "j4": (0.48, 0.6, 0.64)}
 

@@ -10,7 +10,8 @@ import scipy.linalg
 
 from helpers.dense_mechanics import Piece, ground, loop_rows, places, text_of, torques_of_masses
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import GROUND, Scene
+from robodyn.scene.constraints import GROUND
+from robodyn.scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ import numpy as np
 
 from robodyn.dynamics.runners import runner_of
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 ROBOTS = Path(__file__).parents[2] / "robots"

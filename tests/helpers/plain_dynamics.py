@@ -15,7 +15,8 @@ from helpers.simulated_robots import pendulum, slide
 from helpers.small_robots import built, joint, link, random_tree
 from robodyn import forward_dynamics
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Drive, Friction, Scene
+from robodyn.scene.parts import Drive, Friction
+from robodyn.scene.scene import Scene
 
 G = 9.81
 Rates = Callable[[Any, Any], list[Any]]

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 from helpers.simulated_robots import slide
 from helpers.small_robots import built, joint, link
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Drive, Scene
+from robodyn.scene.parts import Drive
+from robodyn.scene.scene import Scene
 
 Floats = NDArray[np.float64]
 

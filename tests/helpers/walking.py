@@ -16,7 +16,8 @@ from robodyn.dynamics.constraints.maps import contact_map
 from robodyn.dynamics.plan import plan
 from robodyn.robot.configuration import body_poses, configuration
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Contact, Scene
+from robodyn.scene.constraints import Contact
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import motion
 

@@ -14,7 +14,8 @@ from robodyn.loads.statistics import Greatest
 from robodyn.loads.torques import torques
 from robodyn.robot.assemble import load
 from robodyn.scene.motor import Motor
-from robodyn.scene.scene import Rotor, Scene
+from robodyn.scene.parts import Rotor
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.read import open_trajectory
 from robodyn.trajectory.robot_motion import signals
 

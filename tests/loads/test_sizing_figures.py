@@ -14,7 +14,8 @@ from robodyn.dynamics.plan import Plan
 from robodyn.loads.energy import quadrature_errors
 from robodyn.loads.statistics import Integrals, Statistics
 from robodyn.loads.torques import torques
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.robot_motion import motion
 
 SIZING = reference("sizing")

@@ -12,7 +12,8 @@ from helpers.small_robots import body_numbers, built, chain, chain_parts, joint,
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.scene import ExternalWrench, Friction, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 MOVING_AND_AT_REST = {
     "ur5_robot": (371, 131),

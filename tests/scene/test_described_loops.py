@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import robodyn
 from robodyn.errors import DescriptionError
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 
 
 def constraint(name, kind, parent, child, **parts):

@@ -17,20 +17,10 @@ from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import torque_runner
 from robodyn.programs.run.llvm.build import code_key
+from robodyn.scene.constraints import Contact, ContactCost, Loop
 from robodyn.scene.motor import Motor
-from robodyn.scene.scene import (
-    DEFAULT,
-    Contact,
-    ContactCost,
-    Drive,
-    ExternalWrench,
-    Friction,
-    Loop,
-    Payload,
-    Rotor,
-    Scene,
-    Spring,
-)
+from robodyn.scene.parts import Drive, ExternalWrench, Friction, Payload, Rotor, Spring
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.simulation.run import simulate
 
 EVERYTHING = replace(

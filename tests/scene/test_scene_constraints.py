@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from robodyn.errors import SceneError
+from robodyn.scene.constraints import Contact, ContactCost
 from robodyn.scene.read import parse_scene
-from robodyn.scene.scene import Contact, ContactCost
 
 WHOLE = b"""
 actuated = ["a", "b"]

@@ -6,8 +6,9 @@ import pytest
 from helpers.oracles import ROBOTS
 
 from robodyn.errors import SceneError
+from robodyn.scene.parts import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
 from robodyn.scene.read import load_scene, parse_scene
-from robodyn.scene.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
+from robodyn.scene.scene import Scene
 
 EVERYTHING = b"""
 gravity = [0.5, -1, -9.81]

@@ -12,7 +12,8 @@ from robodyn.dynamics.mass import mass_matrix
 from robodyn.errors import SceneError
 from robodyn.loads.torques import torques
 from robodyn.scene.fit import check_scene
-from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 from robodyn.trajectory.robot_motion import motion
 
 PUMA = robot("puma560")

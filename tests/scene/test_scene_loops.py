@@ -8,9 +8,10 @@ import pytest
 from helpers.oracles import robot
 
 from robodyn.errors import SceneError
+from robodyn.scene.constraints import Loop
 from robodyn.scene.fit import check_scene
 from robodyn.scene.read import parse_scene
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.scene import Scene
 
 EVERY_KIND = b"""
 baumgarte = 20

@@ -17,7 +17,8 @@ from robodyn.errors import InputError
 from robodyn.measure.accuracy import effort
 from robodyn.measure.accuracy.refined import graze
 from robodyn.measure.accuracy.simulate_within import simulate_within
-from robodyn.scene.scene import Drive, Scene
+from robodyn.scene.parts import Drive
+from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import METHODS
 
 WAYS = [{}, {"rtol": 1e-6}, {"rtol": 1e-9}, {"method": "radau"}]

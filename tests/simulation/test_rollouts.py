@@ -10,7 +10,8 @@ from helpers.simulated_robots import pendulum, tumbling
 import robodyn
 from robodyn.errors import InputError
 from robodyn.programs.run.llvm.machine import Compiler
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 from robodyn.simulation.rollouts import TOGETHER, rollouts
 
 

@@ -9,7 +9,8 @@ from helpers.simulated_robots import pendulum, slide
 from helpers.small_robots import built, joint, link
 
 import robodyn
-from robodyn.scene.scene import Drive, Friction, Scene, Spring
+from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.scene import Scene
 
 G = 9.81
 PERIODS = {float(k): float(v) for k, v in reference("analytic")["pendulum_L1_g9.81"]["T_by_amplitude_deg"].items()}

@@ -9,7 +9,8 @@ import pytest
 from helpers.oracles import robot
 
 from robodyn.dynamics.plan import plan
-from robodyn.scene.scene import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import Drive, ExternalWrench, Friction, Immersed, LimitSpring, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

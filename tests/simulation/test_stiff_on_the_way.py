@@ -12,7 +12,7 @@ from helpers.simulated_robots import pendulum, turntable
 import robodyn
 from robodyn.errors import InputError
 from robodyn.report.json.runs import simulation_json
-from robodyn.scene.scene import Drive, Friction
+from robodyn.scene.parts import Drive, Friction
 from robodyn.simulation import follow
 from robodyn.simulation.methods import TooMuchError
 

@@ -12,7 +12,8 @@ from helpers.simulated_robots import pendulum, slide
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError, RobodynError
-from robodyn.scene.scene import Drive, ExternalWrench, Scene
+from robodyn.scene.parts import Drive, ExternalWrench
+from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import Equations
 from robodyn.simulation.methods import method_named
 from robodyn.simulation.steps import Steps

@@ -9,7 +9,8 @@ from helpers.simulated_robots import pendulum, slide
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.scene import Drive, ExternalWrench, Friction, Scene, Spring
+from robodyn.scene.parts import Drive, ExternalWrench, Friction, Spring
+from robodyn.scene.scene import Scene
 
 PULLED = Scene(
     spring={"j1": Spring(20.0, 0.3)},

@@ -9,7 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from robodyn.robot.model import Model
-from robodyn.scene.scene import GROUND, Contact, ContactCost, Entry, ExternalWrench, Loop, Scene, Vector
+from robodyn.scene.constraints import GROUND, Contact, ContactCost, Loop
+from robodyn.scene.parts import Entry, ExternalWrench, Vector
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
 PARTS = ("fx", "fy", "fz", "mx", "my", "mz")

@@ -7,7 +7,8 @@ from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.programs.vectors import Scalar, exp, sign, sqrt, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:

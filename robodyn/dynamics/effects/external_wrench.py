@@ -10,7 +10,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Array, cross
 from robodyn.robot.kinematics import Pose, Wrench, poses
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Entry, ExternalWrench, Scene
+from robodyn.scene.parts import Entry, ExternalWrench
+from robodyn.scene.scene import Scene
 
 
 def acting(scene: Scene, cause: str) -> list[ExternalWrench]:

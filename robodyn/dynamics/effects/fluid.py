@@ -10,7 +10,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import cross, sign
 from robodyn.robot.kinematics import Pose, Velocity, Wrench, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Immersed, Scene
+from robodyn.scene.parts import Immersed
+from robodyn.scene.scene import Scene
 
 
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:

@@ -8,7 +8,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import Scene, Spring
+from robodyn.scene.parts import Spring
+from robodyn.scene.scene import Scene
 
 
 def _sprung(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, Spring]]:

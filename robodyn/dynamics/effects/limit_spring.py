@@ -9,7 +9,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Scalar, sign, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import LimitSpring, Scene
+from robodyn.scene.parts import LimitSpring
+from robodyn.scene.scene import Scene
 
 
 class Stop(NamedTuple):

@@ -8,7 +8,8 @@ from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, Zero
 from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.kinematics import Motion
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import Friction, Scene
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 
 
 def friction_of(joint: Joint, scene: Scene) -> Friction:

@@ -22,7 +22,8 @@ from robodyn.programs.vectors import cross, product
 from robodyn.robot.configuration import Values, configuration, rates
 from robodyn.robot.kinematics import Wrench
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Entry, Scene
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats, first_largest
 
 

@@ -17,7 +17,8 @@ from robodyn.equations.dae.system import Matrices, System, matrices
 from robodyn.equations.ode import bias_plan
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, length, product, rotation_from_rpy
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 
 
 def joint_connections(model: Model, centres: Sequence[Array], q: Sequence[Scalar]) -> tuple[Connection, ...]:

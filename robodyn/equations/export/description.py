@@ -10,7 +10,7 @@ from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.plan import Plan
 from robodyn.equations.export.job import Job
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Friction
+from robodyn.scene.parts import Friction
 from robodyn.support.wording import listed
 
 _SMOOTH = "sign(qd) is qd / sqrt(qd^2 + slip_speed^2), slip_speed"

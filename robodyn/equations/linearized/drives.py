@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Entry, Scene
+from robodyn.scene.parts import Entry
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
 

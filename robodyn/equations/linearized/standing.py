@@ -24,7 +24,8 @@ from robodyn.programs.dual import Dual, rate_of
 from robodyn.programs.linear import across, shortest
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
 _ROUNDED = 4.0 * float(np.finfo(float).eps) / 1e-10

@@ -19,7 +19,8 @@ from robodyn.measure.timing import largest_difference, taking_turns
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
-from robodyn.scene.scene import DEFAULT, Friction, Rotor, Scene
+from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
 KEPT = {"link": {"inertial"}, "joint": {"origin", "parent", "child", "axis", "limit"}}

@@ -18,7 +18,8 @@ from robodyn.dynamics.constraints.share import shares
 from robodyn.dynamics.constraints.structure import structure
 from robodyn.dynamics.loops.find import closed_chain
 from robodyn.dynamics.plan import plan
-from robodyn.scene.scene import GROUND, Scene
+from robodyn.scene.constraints import GROUND
+from robodyn.scene.scene import Scene
 
 QUICK = 40
 SEEDS = [pytest.param(seed, marks=pytest.mark.slow if seed >= QUICK else ()) for seed in range(COUNT)]

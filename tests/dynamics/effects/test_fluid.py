@@ -10,7 +10,8 @@ from helpers.small_robots import built, joint, link
 from robodyn.dynamics.effects import fluid, gravity
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.scene import Immersed, Payload, Scene
+from robodyn.scene.parts import Immersed, Payload
+from robodyn.scene.scene import Scene
 
 WATER = 1000.0
 

@@ -10,7 +10,8 @@ from helpers.small_robots import built, joint, link
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
-from robodyn.scene.scene import Friction, Rotor, Scene, Spring
+from robodyn.scene.parts import Friction, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 GEARED = (
     '<transmission name="t"><joint name="j"/><actuator name="m">'

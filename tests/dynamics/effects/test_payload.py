@@ -13,7 +13,8 @@ from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import Payload, Scene
+from robodyn.scene.parts import Payload
+from robodyn.scene.scene import Scene
 
 
 def _numbers(seed):

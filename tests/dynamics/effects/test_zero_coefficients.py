@@ -10,7 +10,8 @@ from helpers.oracles import random_state, robot
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.scene import ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 NOTHING = {
     "viscous friction": Scene(friction={"shoulder": Friction()}),

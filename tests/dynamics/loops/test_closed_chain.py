@@ -15,7 +15,8 @@ from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.composite_body import Root, composite_body, rates_inward
 from robodyn.dynamics.recursions.elimination import aligned
 from robodyn.errors import InputError
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 
 
 def dense(entries, n):

@@ -14,7 +14,7 @@ from robodyn.dynamics.loops.closed_start import closed_start
 from robodyn.dynamics.loops.necessary import necessary
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.scene.scene import Loop
+from robodyn.scene.constraints import Loop
 
 
 def started(model, scene):

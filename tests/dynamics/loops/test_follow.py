@@ -13,7 +13,8 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.loops.follow import Follow
 from robodyn.dynamics.plan import plan
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 
 CRANK, ROD = 0.3, 0.8
 

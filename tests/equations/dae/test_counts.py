@@ -10,7 +10,8 @@ from helpers.small_robots import built, chain, joint, link, random_tree
 
 from robodyn.equations.dae.dae import dae, dae_at
 from robodyn.equations.dae.solve import ranked
-from robodyn.scene.scene import Loop, Scene
+from robodyn.scene.constraints import Loop
+from robodyn.scene.scene import Scene
 
 
 def index_of_pencil(E, A):

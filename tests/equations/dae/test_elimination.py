@@ -16,7 +16,8 @@ from robodyn.equations.dae import elimination
 from robodyn.equations.dae import solve as reduction
 from robodyn.equations.dae.posed import own_rates, posed
 from robodyn.equations.dae.solve import reduced
-from robodyn.scene.scene import Rotor, Scene
+from robodyn.scene.parts import Rotor
+from robodyn.scene.scene import Scene
 
 STILL_BUSY = replace(BUSY_SCENE, wrenches=BUSY_SCENE.wrenches[::2])
 FORMULAS = [

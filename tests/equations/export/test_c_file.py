@@ -16,7 +16,8 @@ from helpers.small_robots import built, joint, link
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.scene.scene import Immersed, Scene
+from robodyn.scene.parts import Immersed
+from robodyn.scene.scene import Scene
 
 WHOLE = ",".join(ARGUMENTS)
 

@@ -11,7 +11,8 @@ from helpers.small_robots import chain
 import robodyn
 from robodyn.dynamics.plan import Plan
 from robodyn.errors import InputError
-from robodyn.scene.scene import DEFAULT, ExternalWrench, Friction, Immersed, Payload, Rotor, Scene, Spring
+from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.scene import DEFAULT, Scene
 
 ROBOTS = ("puma560", "scara", "cylindrical", "gripper", "two_link_spatial", "satellite", "meshed_arm")
 BUSY = Scene(

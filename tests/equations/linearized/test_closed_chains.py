@@ -14,7 +14,9 @@ from mpmath import mp, mpf
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.errors import InputError
-from robodyn.scene.scene import Drive, Friction, Loop, Scene, Spring
+from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.scene import Scene
 
 R, L, G = mpf("0.1"), mpf("0.3"), mpf("9.81")
 PUMP = robodyn.load_scene(str(ROBOTS / "crank_slider_pump.toml"))

@@ -19,7 +19,9 @@ from robodyn.dynamics.plan import Plan
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import in_steps
 from robodyn.errors import InputError
-from robodyn.scene.scene import Drive, Friction, Loop, Scene, Spring
+from robodyn.scene.constraints import Loop
+from robodyn.scene.parts import Drive, Friction, Spring
+from robodyn.scene.scene import Scene
 
 
 def free_of_columns(scene):

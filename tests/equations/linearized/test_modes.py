@@ -16,7 +16,8 @@ from mpmath import mp
 import robodyn
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.robot.assemble import load
-from robodyn.scene.scene import Drive, Friction, LimitSpring, Rotor, Scene, Spring
+from robodyn.scene.parts import Drive, Friction, LimitSpring, Rotor, Spring
+from robodyn.scene.scene import Scene
 
 G = 9.81
 NO_WEIGHT = Scene(gravity=(0.0, 0.0, 0.0))

@@ -19,7 +19,8 @@ from robodyn.measure.accuracy.ladder import front
 from robodyn.measure.accuracy.motion_error import MotionError
 from robodyn.measure.accuracy.motion_reference import motion_reference
 from robodyn.measure.accuracy.simulation_ladder import simulation_accuracy, state_errors
-from robodyn.scene.scene import Drive, Friction, Scene
+from robodyn.scene.parts import Drive, Friction
+from robodyn.scene.scene import Scene
 from robodyn.simulation.run import simulate
 
 pytest.importorskip("mpmath")

@@ -12,7 +12,8 @@ from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
 from robodyn.measure.accuracy.taylor import BITS, Taylor, fixed, step_of, summed
 from robodyn.programs.program import trace
-from robodyn.scene.scene import Friction, Scene, Spring
+from robodyn.scene.parts import Friction, Spring
+from robodyn.scene.scene import Scene
 from robodyn.simulation.equations import STATE, Equations
 
 mpmath = pytest.importorskip("mpmath")

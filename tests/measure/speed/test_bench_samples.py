@@ -8,7 +8,8 @@ from helpers.oracles import robot
 
 from robodyn.errors import InputError
 from robodyn.measure.speed.executors import MEMORY, laid_out, random_sources
-from robodyn.scene.scene import ExternalWrench, Scene
+from robodyn.scene.parts import ExternalWrench
+from robodyn.scene.scene import Scene
 
 PUSHED = Scene(wrenches=(ExternalWrench("upper_link", ("fx", 0.0, "fz")),))
 
