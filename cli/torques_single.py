@@ -14,7 +14,7 @@ from robodyn.cli.progress import watched
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready, pictured
 from robodyn.errors import InputError
-from robodyn.loads.accumulate import output_names
+from robodyn.loads.columns import output_names
 from robodyn.loads.result import Result
 from robodyn.loads.torques import Sink, torques
 from robodyn.report.document import Document

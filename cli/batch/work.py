@@ -9,7 +9,7 @@ from typing import Any
 
 from robodyn.cli.batch.jobs import VERSION, Job, Setup
 from robodyn.errors import InputError, RobodynError
-from robodyn.loads.accumulate import output_names
+from robodyn.loads.columns import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
 from robodyn.loads.torques import torques
 from robodyn.report.json.loads import torques_json

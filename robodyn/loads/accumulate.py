@@ -15,6 +15,8 @@ from robodyn.dynamics.balance import LawResiduals, energy, laws, losses
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.runners import runner_of
+from robodyn.loads.checks_result import Checks
+from robodyn.loads.columns import output_names
 from robodyn.loads.constraint_result import constraint_doubts
 from robodyn.loads.doubts import carried
 from robodyn.loads.energy import EnergyLedger
@@ -29,13 +31,13 @@ from robodyn.loads.figures import (
     position_of_rates,
     shares_at_peaks,
 )
-from robodyn.loads.result import Checks, Result
+from robodyn.loads.result import Result
 from robodyn.loads.statistics import Statistics
 from robodyn.programs.run.choice import Choice
 from robodyn.programs.run.runner import Run, Runner
 from robodyn.robot.limits import binding, coverage
 from robodyn.robot.model import Model
-from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import shown
 from robodyn.trajectory.columns import COMPONENTS
@@ -51,26 +53,6 @@ if TYPE_CHECKING:
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
-
-
-def output_names(model: Model, reactions: bool, momentum: bool = False, scene: Scene = DEFAULT) -> list[str]:
-    """Names of the columns of loads: tau, then the base wrench, then joint wrenches, then momentum and energy.
-
-    In a scene with constraints tau of the drives alone, and after it the wrenches of loops and contacts.
-    """
-    names = [f"tau_{name}" for name in model.rates]
-    if reactions:
-        names += [f"base_{part}" for part in COMPONENTS]
-        names += [f"{part}_{body.joint.name}" for body in model.bodies[1:] for part in COMPONENTS]
-    if momentum:
-        from robodyn.loads.momenta import NAMES
-
-        names += NAMES
-    if scene.constrained:
-        from robodyn.loads.constraints import constrained_names
-
-        names = constrained_names(model, scene, names)
-    return names
 
 
 class Options(NamedTuple):

@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from robodyn.dynamics.arrays import zero_sources
-from robodyn.dynamics.constraints.actuation import actuation
 from robodyn.dynamics.constraints.maps import loop_map
 from robodyn.dynamics.constraints.solve import ConstraintSolver, Found
 from robodyn.dynamics.constraints.structure import Mask
 from robodyn.dynamics.constraints.touching import touching
-from robodyn.dynamics.constraints.tree import columns_of, constraint_columns, normal_of, open_scene, tree_scene
+from robodyn.dynamics.constraints.tree import constraint_columns, normal_of, open_scene, tree_scene
 from robodyn.dynamics.loops.find import NOTHING
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import plan
@@ -28,18 +27,6 @@ from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.robot_motion import sources_of
-
-
-def constrained_names(model: Model, scene: Scene, names: Sequence[str]) -> list[str]:
-    """Return the columns of a table of results under constraints: torques of drives, wrenches of loops and contacts.
-
-    Args:
-        names: those of the tree: tau of all rates, and what follows.
-    """
-    passive = actuation(model, scene).passive.tolist()
-    driven = [name for name, free in zip(names, passive, strict=False) if not free]
-    wrenches = [column for name in scene.constraint_names for column in columns_of(name)]
-    return [*driven, *wrenches, *names[model.n :]]
 
 
 class ConstraintPass:
@@ -91,7 +78,7 @@ class ConstraintPass:
         return replace(block, extra={**block.extra, **dict(zip(names, self._wrenches.T, strict=True))})
 
     def written(self, columns: Floats) -> Floats:
-        """Return the columns of `constrained_names` for the last block.
+        """Return the columns of `output_names` for the last block.
 
         Args:
             columns: (N, n and more) torques of all rates, and what follows them in tables.

@@ -7,7 +7,8 @@ from math import hypot
 
 import numpy as np
 
-from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
+from robodyn.loads.checks_result import EnergyBalance
+from robodyn.loads.result import ComponentLoad, JointLoad
 from robodyn.programs.vectors import length
 from robodyn.robot.model import Model
 from robodyn.robot.standing import untouched

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from robodyn.loads.result import EnergyBalance
+from robodyn.loads.checks_result import EnergyBalance
 from robodyn.support.floats import Floats, first_largest
 
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robodyn.loads.checks_result import EnergyBalance
 from robodyn.loads.history import Curves, History
-from robodyn.loads.result import ComponentLoad, EnergyBalance, JointLoad
+from robodyn.loads.result import ComponentLoad, JointLoad
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import BAD, GRID, INK, SERIES, SOFT, Sheet, dots, few_ticks, plot
 from robodyn.report.pictures.panels import LOW, WIDE, Lines, against_time, limit_lines, panel, zero_lines
