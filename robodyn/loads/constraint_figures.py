@@ -134,6 +134,7 @@ class ConstraintFigures:
             singular=tuple(self.singular[:MOST_PLACES]),
             followed=(),
             least_friction=contacts.friction if contacts else None,
+            beyond_limits=contacts.beyond if contacts else None,
         )
 
     @property

@@ -83,7 +83,8 @@ class Missing:
     """A span of time in which no contact forces balance the motion.
 
     Attributes:
-        kind: "slip" (more friction would do), "pull" (contacts had to pull) or "tip" (the robot tips over).
+        kind: "slip" (more friction would do), "pull" (contacts had to pull), "tip" (the robot tips over) or "fly" (no
+            contact is on).
         start, end: first and last time [s].
         force, moment: the largest magnitudes that are missing [N, N m]; moments about the base's origin.
     """
@@ -112,6 +113,8 @@ class Constraints:
         followed: joints whose motion follows from the loops.
         least_friction: the least coefficient, alike at all contacts, that the motion takes; None without contacts or
             where none suffices.
+        beyond_limits: the first time [s] at which no forces that balance the motion keep the effort limits, where they
+            are asked to; None without one.
     """
 
     loops: tuple[LoopLoad, ...]
@@ -130,6 +133,7 @@ class Constraints:
     singular: tuple[float, ...]
     followed: tuple[str, ...]
     least_friction: float | None
+    beyond_limits: float | None = None
 
     @property
     def balanced(self) -> bool:
@@ -177,4 +181,5 @@ _WHY = {
     "slip": "feet would slip, more friction would do",
     "pull": "contacts had to pull",
     "tip": "the robot tips over",
+    "fly": "no contact is on",
 }

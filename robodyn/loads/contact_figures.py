@@ -30,6 +30,7 @@ class ContactFigures:
     Attributes:
         missing: the first spans without contact forces, of `spans` in all.
         friction: the least coefficient so far that suffices; None where none does.
+        beyond: the first time [s] at which forces balance the motion, and none that keep the effort limits.
     """
 
     def __init__(self, solver: ConstraintSolver) -> None:
@@ -39,6 +40,7 @@ class ContactFigures:
         self.missing: list[Missing] = []
         self.spans, self._kind = 0, ""
         self.friction: float | None = 0.0
+        self.beyond: float | None = None
 
     def update(self, time: Floats, row: int, found: Found) -> None:
         """Take in a piece: time (N,) s, the row of the data that it begins with, and what was found."""
@@ -54,6 +56,9 @@ class ContactFigures:
             each.update(time, row, on, forces[:, k], found.contacts.arms[:, k])
             at = k.stop
         self._note_missing(time, row, problem, solved, found.tau)
+        beyond = np.flatnonzero(solved.feasible & ~solved.within_limits)
+        if len(beyond) and self.beyond is None:
+            self.beyond = float(time[beyond[0]])
         if self.friction is not None:
             self.friction = least_friction(problem, self.friction, self.executor)
 
@@ -64,6 +69,8 @@ class ContactFigures:
             self._kind = ""
             return
         names = dict(zip(lost.tolist(), kinds(problem.chosen(lost), solved.chosen(lost), self.executor), strict=True))
+        if problem.active is not None:
+            names |= {i: "fly" for i in lost.tolist() if not problem.active[i].any()}
         for i in range(len(time)):
             self._extend(names.get(i, ""), float(time[i]), row + i, tau[i, :6])
 

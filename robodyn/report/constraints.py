@@ -12,7 +12,7 @@ from robodyn.support.wording import count, figure
 
 _FEW = 3
 """Joints that are named instead of counted."""
-_MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over"}
+_MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
 
 
 def constraint_tables(result: Result) -> Iterator[tuple[str, Content]]:
@@ -52,6 +52,9 @@ def constraint_lines(found: Constraints, joints: int = 8) -> Iterator[str]:
         yield f"Follow from the loops, for want of columns: {_names(found.followed, joints)}."
     if found.contacts:
         yield _friction(found)
+    if found.beyond_limits is not None:
+        since = figure(found.beyond_limits)
+        yield f"From {since} s on there are samples at which no contact forces keep the effort limits."
 
 
 def _ranks(found: Constraints) -> str:

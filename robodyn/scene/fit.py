@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from math import isfinite
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
-from robodyn.scene.constraints import GROUND, Loop
+from robodyn.scene.constraints import GROUND, Contact, Loop
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.wording import alternatives, shown
 
@@ -49,6 +50,11 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
             known(where, kind, name, valid, file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
+    for contact in scene.contacts:
+        _check_contact(contact, file)
+    if scene.contact_cost.forces <= 0.0:
+        what = f"[contact_cost] forces is {scene.contact_cost.forces:g}"
+        raise SceneError(what, remedy="it is positive: torques alone leave forces open", file=file)
     if scene.moving_base and not model.floating:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
@@ -112,6 +118,25 @@ def _check_loop(loop: Loop, model: Model, file: str | None) -> None:
     if len(bodies) == 1 or (bodies == {-1, 0} and not model.floating):
         what = f"{where}: no joint moves {shown(loop.link)} against {shown(loop.to)}"
         raise SceneError(what, remedy="a loop connects links that move against each other", file=file)
+
+
+def _check_contact(contact: Contact, file: str | None) -> None:
+    """Raise if numbers of a contact, which may have been made in Python, are out of range."""
+    numbers = [*(x for point in contact.points for x in point), *(contact.normal or ())]
+    wrong = ""
+    if not contact.points:
+        wrong = "has no points"
+    elif not all(isfinite(x) for x in numbers):
+        wrong = "has numbers that are not finite"
+    elif not contact.friction >= 0.0:
+        wrong = f"has a friction of {contact.friction:g}"
+    elif contact.normal is not None and not any(contact.normal):
+        wrong = "has a normal without a direction"
+    if wrong:
+        what = f"[[contact]] {shown(contact.name)} {wrong}"
+        raise SceneError(
+            what, remedy="give points, a normal that is not zero, friction that is not negative", file=file
+        )
 
 
 def _leads(table: str, name: str, model: Model, file: str | None) -> None:

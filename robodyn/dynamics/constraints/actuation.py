@@ -75,7 +75,7 @@ def actuation(model: Model, scene: Scene) -> Actuation:
 def _grounded(model: Model, scene: Scene) -> bool:
     """Return whether contacts, or loops to the ground, hold a base that moves, and nothing else does."""
     to_ground = GROUND not in model.links and any(loop.to == GROUND for loop in scene.loops)
-    return bool(scene.contacts) or (to_ground and not scene.held)
+    return (bool(scene.contacts) or to_ground) and not scene.held
 
 
 def _weight(joint: Joint, scene: Scene) -> float:
