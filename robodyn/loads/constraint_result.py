@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from robodyn.scene.parts import Vector
 from robodyn.support.doubts import Doubt
 from robodyn.support.floats import first_largest
 from robodyn.support.wording import count, figure, shown
@@ -55,6 +56,7 @@ class ContactLoad:
             None if it is never on.
         margin: the least distance of the centre of pressure from the edges of its polygon [m], negative outside; None
             for a point, and where nothing presses.
+        centre: of pressure there, from the middle of the points, in the axes of the ground [m]; None without a margin.
     """
 
     name: str
@@ -67,6 +69,7 @@ class ContactLoad:
     least_normal: Peak
     friction_used: Peak | None
     margin: Peak | None
+    centre: Vector | None
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from robodyn.dynamics.contacts.problem import Forces, Problem
 from robodyn.loads.constraint_result import ContactLoad, Missing, Peak
 from robodyn.programs.vectors import length, product
 from robodyn.scene.constraints import Contact
+from robodyn.scene.parts import Vector
 from robodyn.support.floats import Floats, first_of_ties, steady
 
 MOST_SPANS = 20
@@ -99,6 +100,7 @@ class _ContactFigures:
         self.contact, self.normal = contact, normal
         self.samples = self.on = 0
         self.force, self.press, self.least, self.used, self.margin = (_Most() for _ in range(5))
+        self.centre: Vector | None = None
 
     def update(self, time: Floats, row: int, touching: Mask, forces: Floats, arms: Floats) -> None:
         """Take in a piece.
@@ -119,10 +121,13 @@ class _ContactFigures:
         self.least.update(time, rows, -press)
         self.used.update(time, rows, np.where(np.abs(used - 1.0) < ROUNDING, 1.0, np.where(np.isnan(used), 0.0, used)))
         if len(self.contact.points) > 2:
-            margin = centre_of_pressure(arms, self.normal, forces)[1]
+            centre, margin = centre_of_pressure(arms, self.normal, forces)
             pressing = ~np.isnan(margin)
             margin = np.where(np.abs(margin) < ROUNDING, 0.0, margin)
-            self.margin.update(time[pressing], rows[pressing], -margin[pressing])
+            at = self.margin.update(time[pressing], rows[pressing], -margin[pressing])
+            if at is not None:
+                x, y, z = centre[pressing][at].tolist()
+                self.centre = x, y, z
 
     def report(self) -> ContactLoad:
         """Return the figures so far."""
@@ -139,6 +144,7 @@ class _ContactFigures:
             least_normal=_negative(least) or nothing,
             friction_used=self.used.peak,
             margin=_negative(margin),
+            centre=self.centre,
         )
 
 
@@ -152,13 +158,15 @@ class _Most:
     def __init__(self) -> None:
         self.peak: Peak | None = None
 
-    def update(self, time: Floats, rows: NDArray[np.intp], values: Floats) -> None:
-        """Take in values (N,) of some rows."""
+    def update(self, time: Floats, rows: NDArray[np.intp], values: Floats) -> int | None:
+        """Take in values (N,) of some rows; return which of them is the greatest so far, None if none is."""
         if not len(values):
-            return
+            return None
         at = int(first_of_ties(values[None])[0])
-        if self.peak is None or steady(values[at]) > steady(np.float64(self.peak.value)):
-            self.peak = Peak(float(values[at]), float(time[at]), int(rows[at]))
+        if self.peak is not None and not steady(values[at]) > steady(np.float64(self.peak.value)):
+            return None
+        self.peak = Peak(float(values[at]), float(time[at]), int(rows[at]))
+        return at
 
 
 def _negative(peak: Peak | None) -> Peak | None:

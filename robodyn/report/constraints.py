@@ -8,8 +8,11 @@ from robodyn.loads.constraint_result import Constraints, ContactLoad, LoopLoad, 
 from robodyn.loads.result import Result
 from robodyn.report.sizes import Sizes, result_sizes
 from robodyn.report.table import Columns, Content, by_columns, number, printable
+from robodyn.scene.parts import Vector
 from robodyn.support.wording import count, figure
 
+_FINE = 1e3
+"""mm beside which the places of centres of pressure are noise or not."""
 _FEW = 3
 """Joints that are named instead of counted."""
 _MISSING = {"slip": "would slip", "pull": "had to pull", "tip": "would tip over", "fly": "stands on nothing"}
@@ -118,10 +121,17 @@ def _contacts(contacts: tuple[ContactLoad, ...], size: Sizes) -> Content:
         ("at [s]", lambda each: _time(each.friction_used)),
         ("margin [mm]", lambda each: f"{1e3 * each.margin.value:.3g}" if each.margin else ""),
         ("at [s]", lambda each: _time(each.margin)),
+        ("centre of pressure [mm]", lambda each: _centre(each.centre)),
     ]
     if all(each.margin is None for each in contacts):
-        columns = columns[:-2]
+        columns = columns[:-3]
     return by_columns(columns, contacts)
+
+
+def _centre(centre: Vector | None) -> str:
+    if centre is None:
+        return ""
+    return f"({', '.join(number(1e3 * x, _FINE) for x in centre)})"
 
 
 def _share(peak: Peak | None) -> str:

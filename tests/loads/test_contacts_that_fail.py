@@ -37,6 +37,28 @@ def test_no_contact_is_on(robot, scene):
     assert any("no contact is on" in warning for warning in result.warnings)
 
 
+BLOCK = b"""<robot name="block"><link name="block"><inertial><origin xyz="0 0 0.2"/><mass value="3"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+SOLE = ((0.1, 0.05, 0.0), (0.1, -0.05, 0.0), (-0.1, -0.05, 0.0), (-0.1, 0.05, 0.0))
+
+
+def test_centre_of_pressure_of_a_block_that_is_pushed():
+    """A push of F at the height h moves the centre of pressure by F h / W towards where it points."""
+    block = robodyn.load(BLOCK, moving_base=True)
+    push = robodyn.ExternalWrench("block", (4.0, -2.0, 0.0), point=(0.0, 0.0, 0.3), frame="world")
+    scene = robodyn.Scene(moving_base=True, contacts=(Contact("sole", "block", SOLE),), wrenches=(push,))
+    q, still = np.tile([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (30, 1)), np.zeros((30, 6))
+    motion = robodyn.motion(block, np.arange(30.0), q, still, still)
+    found = robodyn.torques(block, motion, scene).constraints
+    assert found is not None
+    (sole,) = found.contacts
+    expected = np.array([4.0, -2.0, 0.0]) * 0.3 / (3.0 * 9.81)
+    assert sole.centre == pytest.approx(expected, abs=1e-12)
+    assert sole.margin is not None
+    assert sole.margin.value == pytest.approx(0.05 - abs(expected[1]), abs=1e-12)
+    assert found.least_friction is not None
+
+
 def test_limits_that_no_forces_keep(robot, scene):
     """Knees of 16 N m keep them; of a tenth of what they need they cannot, and the first time is told."""
     keeping = replace(scene, contact_cost=ContactCost(within_limits=True))

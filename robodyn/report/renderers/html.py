@@ -115,6 +115,7 @@ MEANINGS = {
     "along normal [N]": "least and largest force with which the contact presses while it is on",
     "of it used": "sum of the forces along the ground over friction times the sum of those along the normal, at most",
     "margin [mm]": "least distance of the centre of pressure from the edges of the polygon",
+    "centre of pressure [mm]": "where it is then, from the middle of the polygon, in the axes of the ground",
     "determined": "whether no other force balances the motion; where others do, the least is given",
     "its noise": "standard deviation of what is no motion in the data",
     "grid": "step of the numbers in the data, of an encoder for instance",
