@@ -22,7 +22,7 @@ STANDARD_INPUT = "-"
 ROBOT, TABLE, SCENE_FILE = "a robot description", "a table", "a scene"
 _KINDS = {
     ROBOT: ROBOT_SUFFIXES,
-    TABLE: (".csv", ".tsv", ".parquet", ".pq", ".npz"),
+    TABLE: (".csv", ".tsv", ".parquet", ".pq", ".npz", ".db3", ".mcap", ".bag"),
     SCENE_FILE: (".toml",),
     "a mesh": (".stl", ".obj", ".ply", ".off", ".dae", ".glb", ".gltf", ".3mf"),
 }

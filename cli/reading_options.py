@@ -69,10 +69,11 @@ READING = together(
         "--angle-unit", type=click.Choice(get_args(AngleUnit)), help="Of joints whose columns do not tell; default rad."
     ),
     kept("--derivatives", type=click.Choice(MODES), default="auto", help="Of missing columns; default auto."),
+    kept("--topic", metavar="NAME", help="Of a ROS bag, if several topics are about joints."),
     kept("--ignore-extra", is_flag=True, help="Leave out columns that the robot does not know."),
 )
 """The options whose values are those of `reading`."""
-_DEFAULTS = {"time_unit": None, "angle_unit": None, "derivatives": "auto", "ignore_extra": False}
+_DEFAULTS = {"time_unit": None, "angle_unit": None, "derivatives": "auto", "ignore_extra": False, "topic": None}
 
 
 def reading() -> dict[str, Any]:

@@ -22,7 +22,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
 from robodyn.support.libraries import version_of
-from robodyn.trajectory.table import FILE_TYPES
+from robodyn.trajectory.table import FILE_TYPES, READABLE, log_kind
 
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
 
@@ -57,11 +57,10 @@ def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
     jobs: dict[str, Job] = {}
     for name, path in zip(names, paths, strict=True):
         stem, suffix = os.path.splitext(os.path.relpath(path, common))
-        kind = FILE_TYPES.get(suffix.lower())
+        kind = FILE_TYPES.get(suffix.lower(), "csv" if log_kind(path) else None)
         if kind is None:
-            raise InputError(
-                "unknown type of table by this suffix", remedy=f"suffixes: {' '.join(FILE_TYPES)}", file=name
-            )
+            remedy = f"suffixes: {' '.join(READABLE)}"
+            raise InputError("unknown type of table by this suffix", remedy=remedy, file=name)
         if kind == "parquet":
             need("Parquet tables", "pyarrow", file=name)
         shown = os.path.join(out, stem + _SUFFIXES[kind])

@@ -51,6 +51,8 @@ OPTIONAL = (
     Library("sympy", "sympy", "equations in closed form", "symbolic"),
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
     Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
+    Library("rosbags", "rosbags", "ROS bags", "ros"),
+    Library("ruamel.yaml", "ruamel.yaml", "messages of ROS as YAML", "ros"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),
     Library("casadi", "casadi", "use of what `export --to casadi` writes", "casadi"),
     Library("jax", "jax", "use of what `export --to jax` writes", "jax"),

@@ -16,7 +16,7 @@ from robodyn.trajectory.columns import Signals, matrix_column
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.reader import BLOCK_ROWS, TrajectoryReader
 from robodyn.trajectory.reading import DEFAULT, Reading
-from robodyn.trajectory.table import FILE_TYPES, ArrayTable, Table, reason
+from robodyn.trajectory.table import FILE_TYPES, READABLE, ArrayTable, Table, log_kind, reason
 
 
 def open_trajectory(
@@ -31,7 +31,8 @@ def open_trajectory(
     """A reader of the trajectory in a file.
 
     Args:
-        path: `.csv .tsv .txt .dat`, `.parquet .pq` or `.npz`; `-` is standard input (CSV).
+        path: `.csv .tsv .txt .dat`, `.parquet .pq` or `.npz`; a bag of ROS, `.db3 .mcap .bag` or a folder, or messages
+            of ROS as `.yaml .yml .json`; `-` is standard input (CSV).
         signals: what the robot wants.
         file_type: "csv", "parquet" or "npz" if the suffix does not tell.
         extra: further columns to read, which the scene names.
@@ -41,7 +42,7 @@ def open_trajectory(
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
     """
-    table = open_table(path, file_type)
+    table = open_table(path, file_type, reading.topic)
     try:
         return TrajectoryReader(table, signals, extra, reading, block_rows)
     except BaseException:
@@ -97,23 +98,35 @@ def _array(name: str, values: ArrayLike, width: int | None) -> Floats:
     return array
 
 
-def open_table(path: str | os.PathLike[str], file_type: str | None = None) -> Table:
-    """The table in a file; `-` is standard input (CSV).
+def open_table(path: str | os.PathLike[str], file_type: str | None = None, topic: str | None = None) -> Table:
+    """The table in a file, a bag or a file of messages; `-` is standard input (CSV).
 
     Args:
         file_type: "csv", "parquet" or "npz"; by the suffix of the name if None.
+        topic: of a bag; None: the only one that there is.
 
     Raises:
         TrajectoryError: there is no such file, it cannot be opened, or it is not of that type.
     """
     name = os.fspath(path)
+    log = log_kind(name) if file_type is None else None
+    if topic is not None and log != "bag":
+        raise TrajectoryError("has no topics", remedy="--topic is for bags: .db3, .mcap, .bag", file=name)
     kind = file_type or ("csv" if name == "-" else FILE_TYPES.get(os.path.splitext(name)[1].lower()))
     known = sorted(set(FILE_TYPES.values()))
-    if kind not in known:
+    if kind not in known and log is None:
         what = f"unknown type of table {file_type!r}" if file_type else "unknown type of table by this suffix"
-        remedy = f"types: {', '.join(known)}" if file_type else f"suffixes: {' '.join(FILE_TYPES)}"
+        remedy = f"types: {', '.join(known)}" if file_type else f"suffixes: {' '.join(READABLE)}"
         raise TrajectoryError(what, remedy=remedy, file=name)
     try:
+        if log == "bag":
+            from robodyn.trajectory.read_bag import bag_table
+
+            return bag_table(name, topic)
+        if log == "messages":
+            from robodyn.trajectory.read_message_text import message_table
+
+            return message_table(name)
         if os.path.isdir(name):
             raise TrajectoryError("is a directory", remedy="name a file", file=name)
         if kind == "csv":

@@ -50,6 +50,8 @@ class TrajectoryReader:
         if reading.derivatives not in MODES:
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
+        if table.leaves_out:
+            reading = replace(reading, ignore_extra=True)
         self._table, self._mode, self._rows = table, reading.derivatives, block_rows
         self.columns = table.names
         header = Header(table.names, table.file, table.header_line)
@@ -62,7 +64,7 @@ class TrajectoryReader:
             lost = [group.name for group in self._groups]
             what = f"velocity or acceleration of {listing(lost)} is not given"
             raise header.error(what, "--derivatives auto derives what is missing")
-        self.notes, self.followed = layout.notes + assumptions, layout.followed
+        self.notes, self.followed = (*table.notes, *layout.notes, *assumptions), layout.followed
         self.doubts: tuple[Doubt, ...] = ()
         self._plan: Plan | None = None
 

@@ -108,6 +108,7 @@ class Reading:
         hold: where joints without columns are.
         columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
         time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
+        topic: of a bag, whose messages are read; None: the only one that there is.
     """
 
     derivatives: Derivatives = "auto"
@@ -116,6 +117,7 @@ class Reading:
     columns: Mapping[str, str] = field(default_factory=dict)
     time_unit: TimeUnit | None = None
     angle_unit: AngleUnit | None = None
+    topic: str | None = None
 
 
 DEFAULT = Reading()

@@ -76,13 +76,15 @@ def read_motion(
     columns: Mapping[str, str] | None = None,
     time_unit: TimeUnit | None = None,
     angle_unit: AngleUnit | None = None,
+    topic: str | None = None,
 ) -> TrajectoryReader:
     """Return a reader of the motion of this robot in this scene, for `torques`.
 
     Joints of loops may be without columns: they follow, see `loads.follow`.
 
     Args:
-        path: `.csv`, `.parquet` or `.npz`; `-` is standard input.
+        path: `.csv`, `.parquet` or `.npz`; a bag of ROS (`.db3`, `.mcap`, `.bag`, or a folder) or messages of ROS
+            (`.yaml`, `.json`); `-` is standard input.
         derivatives: how missing velocities and accelerations are derived: "auto", "given" (not at all), "spline",
             "savgol" or "central".
         ignore_extra: leave unknown columns out instead of refusing them.
@@ -91,12 +93,13 @@ def read_motion(
         columns: our name -> the table's, such as {"q_elbow": "Elbow angle"}.
         time_unit, angle_unit: of columns whose names do not tell; None assumes s and rad, and doubts them where the
             motion could hardly be so.
+        topic: of a bag; None: the only one with messages about joints.
 
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
     """
     refuse_others(model, scene)
-    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit)
+    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit, topic)
     return open_trajectory(path, signals(model, scene), extra=scene.motion_columns, reading=reading)
 
 

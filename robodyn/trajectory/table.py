@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,11 @@ FILE_TYPES = {
     ".npz": "npz",
 }
 """The kind of table by the suffix of its file."""
+BAGS, MESSAGES = (".db3", ".mcap", ".bag"), (".yaml", ".yml", ".json")
+"""Suffixes of bags of ROS, and of its messages as text."""
+READABLE = (*FILE_TYPES, *BAGS, *MESSAGES)
+METADATA = "metadata.yaml"
+"""What a folder has that is a bag of ROS 2."""
 
 _EXPANDED, _RATIO = 1 << 28, 500
 """Bytes of numbers that are always read, and how many for each byte that is stored."""
@@ -40,7 +46,12 @@ class Table(ABC):
         names: the columns.
         size_bytes, position_bytes: length of the file and how much of it has been read.
         origins: column -> number that is subtracted from it, exactly, before it becomes a double.
+        leaves_out: whether columns that the robot does not know are left out, as those of a log of more than it.
+        notes: on what was left out.
     """
+
+    leaves_out = False
+    notes: tuple[str, ...] = ()
 
     header_line: int | None = None
     size_bytes = position_bytes = 0
@@ -111,6 +122,14 @@ class ArrayTable(Table):
 
     def first(self, columns: Sequence[int]) -> list[str | float]:
         return [self._arrays[i][0].item() for i in columns] if self._rows else []
+
+
+def log_kind(name: str) -> Literal["bag", "messages"] | None:
+    """Return whether a file or folder is a bag of ROS or has messages of it as text, by its name; None if neither."""
+    lower = name.lower()
+    if lower.endswith(BAGS) or os.path.isfile(os.path.join(name, METADATA)):
+        return "bag"
+    return "messages" if lower.endswith(MESSAGES) else None
 
 
 def reason(error: OSError) -> str:

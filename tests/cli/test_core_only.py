@@ -52,6 +52,8 @@ NEEDS = {
     "torques scara.urdf scara_pick_and_place.csv --accuracy 1e-9 --out {out}/tau.csv": "exact",
     "torques scara.urdf scara_pick_and_place.csv more.csv --out {out}/many --dask tcp://127.0.0.1:9": "dask",
     "torques {out}/arm.xacro scara_pick_and_place.csv": "xacro",
+    "torques scara.urdf {out}/log.mcap": "ros",
+    "torques scara.urdf {out}/plan.yaml": "ros",
     "simulate two_link_planar.urdf --duration 3000 --report {out}/swing.html": "report",
     "simulate two_link_planar.urdf --duration 3000 --out {out}/swing.parquet": "parquet",
     "inertia meshes/bracket.stl --report {out}/part.html": "report",

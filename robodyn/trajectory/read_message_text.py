@@ -1,0 +1,61 @@
+"""Messages of ROS as text: JSON, or the YAML that MoveIt and `ros2 topic echo` write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from robodyn.errors import TrajectoryError
+from robodyn.support.extras import need
+from robodyn.support.input_file import read_input
+from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, LogTable, State, states_of
+from robodyn.trajectory.table import decoding
+
+_KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}
+_KEYS |= {TRAJECTORY: {"joint_names", "points"}}
+"""By kind, the keys by which a mapping is one."""
+
+
+def message_table(name: str) -> LogTable:
+    """Return the motion in a file of messages: a trajectory, or states one after another.
+
+    Raises:
+        TrajectoryError: it cannot be read, or has no messages about joints, or of several kinds.
+    """
+    json = name.lower().endswith(".json")
+    if not json:
+        need("YAML files", "ruamel.yaml", file=name)
+    text = read_input(name)
+    with decoding("JSON" if json else "YAML", name):
+        documents = _json(text) if json else _yaml(text)
+        found = [each for document in documents for each in _messages(document)]
+    kinds = sorted({kind for kind, _ in found})
+    if len(kinds) != 1:
+        what = f"has messages of several kinds: {', '.join(kinds)}" if kinds else "has no messages about joints"
+        remedy = f"understood: {', '.join((*KINDS, TRAJECTORY))}, by keys such as joint_names and points"
+        raise TrajectoryError(what, remedy=remedy, file=name)
+    states: list[State] = states_of(kinds[0], ((message, 0) for _, message in found), name)
+    return LogTable(name, states)
+
+
+def _json(text: bytes) -> list[Any]:
+    import json
+
+    return [json.loads(text)]
+
+
+def _yaml(text: bytes) -> list[Any]:
+    from ruamel.yaml import YAML
+
+    return list(YAML(typ="safe", pure=False).load_all(text))
+
+
+def _messages(value: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the messages in a document, wherever they are, with their kinds."""
+    if isinstance(value, Mapping):
+        kind = next((kind for kind, keys in _KEYS.items() if keys <= value.keys()), None)
+        if kind is not None:
+            yield kind, value
+            return
+    for each in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
+        yield from _messages(each)

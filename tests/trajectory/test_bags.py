@@ -1,0 +1,233 @@
+"""Logs of ROS: bags of every kind, messages as text, and what is said of those that do not fit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.bags import NANO, ROS1, ROS2, dynamic_joint_state, joint_state, joint_trajectory, write_bag
+from helpers.command_line import ROBOTS, run
+
+import robodyn
+from robodyn.errors import TrajectoryError
+from robodyn.trajectory.assemble import join
+from robodyn.trajectory.read import open_table
+
+NAMES = ("shoulder", "elbow")
+URDF = str(ROBOTS / "two_link_planar.urdf")
+LOG = Path(__file__).parents[1] / "data" / "ur10_log" / "exciting"
+START = 1_700_000_000 * NANO
+"""ns, of an epoch: as numbers of seconds such stamps are 2e-7 s apart."""
+
+
+def samples(count: int = 60):
+    """Times in ns, positions, velocities and efforts of both joints."""
+    time = 8_000_000 * np.arange(count)
+    angle = np.column_stack([np.sin(1e-9 * time), np.cos(2e-9 * time)])
+    speed = np.column_stack([np.cos(1e-9 * time), -2.0 * np.sin(2e-9 * time)])
+    return time, angle, speed, 3.0 * angle
+
+
+def states(store, start=START, names=NAMES, order=None):
+    """Messages as they are recorded; `order`: places of the joints, message by message."""
+    found = []
+    for k, (time, *parts) in enumerate(zip(*samples(), strict=True)):
+        turn = list((order or (lambda k: range(len(names))))(k))
+        values = {name: part[turn] for name, part in zip(("position", "velocity", "effort"), parts, strict=True)}
+        message = joint_state(store, start + int(time), [names[i] for i in turn], values)
+        found.append((START + int(time) + 77, message))
+    return found
+
+
+def read(path, **options):
+    model = robodyn.load(URDF)
+    with robodyn.read_motion(path, model, **options) as reader:
+        return join(list(reader.blocks()))
+
+
+def check(block, names=NAMES):
+    time, angle, speed, _ = samples()
+    order = [robodyn.load(URDF).rates.index(name) for name in names]
+    np.testing.assert_array_equal(block.time, time / NANO)
+    np.testing.assert_array_equal(block.q[:, order], angle)
+    np.testing.assert_array_equal(block.qd[:, order], speed)
+
+
+@pytest.mark.parametrize("kind", ["sqlite3", "mcap", "ros1"])
+def test_bags_of_every_kind(kind, tmp_path):
+    """The numbers of the messages, to the bit; stamps count from the first one, exactly."""
+    path = write_bag(
+        tmp_path / f"log{'.bag' * (kind == 'ros1')}", {"/joint_states": states(ROS1 if kind == "ros1" else ROS2)}, kind
+    )
+    block = read(path)
+    assert block.origin == 1_700_000_000
+    check(block)
+    if kind != "ros1":
+        (file,) = path.glob("*.db3" if kind == "sqlite3" else "*.mcap")
+        check(read(file))
+
+
+def test_joints_in_any_order_and_more_than_the_robot_has(tmp_path):
+    """A log of a robot with a gripper, whose driver shuffles its joints."""
+    names = (*NAMES, "finger")
+    found = []
+    for k, (recorded, message) in enumerate(states(ROS2)):
+        turn = [k % 3, (k + 1) % 3, (k + 2) % 3]
+        values = {part: np.append(getattr(message, part), 0.5)[turn] for part in ("position", "velocity", "effort")}
+        stamp = message.header.stamp.sec * NANO + message.header.stamp.nanosec
+        found.append((recorded, joint_state(ROS2, stamp, [names[i] for i in turn], values)))
+    block = read(write_bag(tmp_path / "log", {"/joint_states": found}))
+    check(block)
+    assert any("'q_finger'" in note for note in block.notes)
+
+
+def test_effort_is_the_torque(tmp_path):
+    table = open_table(write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}))
+    assert table.names == (
+        "sec",
+        "nanosec",
+        "q_shoulder",
+        "q_elbow",
+        "qd_shoulder",
+        "qd_elbow",
+        "tau_shoulder",
+        "tau_elbow",
+    )
+    (block,) = table.blocks([6, 7], 1000)
+    np.testing.assert_array_equal(block, samples()[3])
+
+
+def test_messages_without_stamps_are_those_of_the_record(tmp_path):
+    found = [(recorded, joint_state(ROS2, 0, m.name, {"position": m.position})) for recorded, m in states(ROS2)]
+    block = read(write_bag(tmp_path / "log", {"/joint_states": found}))
+    np.testing.assert_array_equal(block.time, samples()[0] / NANO)
+
+
+def test_messages_that_say_something_else_are_left_out_and_told(tmp_path):
+    """A gripper's driver on the same topic, and a message that came twice."""
+    found = states(ROS2)
+    for k in (5, 20, 30):
+        found.append((found[k][0] + 1, joint_state(ROS2, START, ["finger"], {"position": [0.1]})))
+    found.append((found[7][0] + 1, found[7][1]))
+    block = read(write_bag(tmp_path / "log", {"/joint_states": sorted(found, key=lambda pair: pair[0])}))
+    check(block)
+    assert "3 messages about other joints left out" in block.notes
+    assert "1 message with the stamp of the one before left out" in block.notes
+
+
+def test_interfaces_that_all_joints_have(tmp_path):
+    time, angle, speed, effort = samples()
+    found = []
+    for k, stamp in enumerate(time.tolist()):
+        each = {name: {"position": angle[k, i], "velocity": speed[k, i]} for i, name in enumerate(NAMES)}
+        each["elbow"]["effort"] = effort[k, 1]
+        found.append((START + stamp, dynamic_joint_state(START + stamp, each)))
+    path = write_bag(tmp_path / "log", {"/dynamic_joint_states": found})
+    check(read(path))
+    assert not any(name.startswith("tau") for name in open_table(path).names)
+
+
+def test_a_planned_trajectory(tmp_path):
+    time, angle, *_ = samples()
+    message = joint_trajectory(NAMES, time.tolist(), angle)
+    block = read(write_bag(tmp_path / "plan", {"/plan": [(START, message)]}))
+    np.testing.assert_array_equal(block.time, time / NANO)
+    assert block.derivation is not None
+
+
+def topics(tmp_path):
+    other = [(recorded, joint_state(ROS2, 0, ["finger"], {"position": [0.1]})) for recorded, _ in states(ROS2)]
+    return write_bag(tmp_path / "log", {"/left/joint_states": states(ROS2), "/right/joint_states": other})
+
+
+def test_one_of_several_topics(tmp_path):
+    path = topics(tmp_path)
+    check(read(path, topic="/left/joint_states"))
+    outcome = run("torques", URDF, str(path), "--topic", "/left/joint_states")
+    assert (outcome.status, outcome.err) == (0, "")
+    listed = "/left/joint_states (JointState, 60 messages), /right/joint_states (JointState, 60 messages)"
+    outcome = run("torques", URDF, str(path))
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err == f"error: {path}: has several topics about joints: {listed} (--topic NAME says which)\n"
+    with pytest.raises(TrajectoryError, match="no topic '/lft/joint_states' with messages about joints"):
+        read(path, topic="/lft/joint_states")
+
+
+def as_text(folder: Path, name: str, document: object) -> Path:
+    path = folder / name
+    path.write_text(json.dumps(document))  # JSON is YAML
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".json", ".yaml"])
+@pytest.mark.parametrize("nested", [False, True], ids=["", "MoveIt"])
+def test_trajectories_as_text(suffix, nested, tmp_path):
+    time, angle, speed, _ = samples()
+    points = [
+        {"positions": q, "velocities": qd, "time_from_start": {"sec": t // NANO, "nanosec": t % NANO}}
+        for t, q, qd in zip(time.tolist(), angle.tolist(), speed.tolist(), strict=True)
+    ]
+    plan = {"joint_names": list(NAMES), "points": points}
+    check(read(as_text(tmp_path, f"plan{suffix}", {"trajectory": [{"joint_trajectory": plan}]} if nested else plan)))
+
+
+def test_what_topic_echo_writes(tmp_path):
+    """Documents one after another, in the words of ROS 1 too."""
+    lines = []
+    for time, q, qd, _ in zip(*(part.tolist() for part in samples()), strict=True):
+        stamp = {"secs": 1_700_000_000 + time // NANO, "nsecs": time % NANO}
+        lines.append(json.dumps({"header": {"stamp": stamp}, "name": list(NAMES), "position": q, "velocity": qd}))
+    path = tmp_path / "echo.yaml"
+    path.write_text("\n---\n".join(lines) + "\n---\n")
+    block = read(path)
+    assert block.origin == 1_700_000_000
+    check(block)
+
+
+WRONG = {
+    "{}": "has no messages about joints (understood: JointState, DynamicJointState, JointTrajectory, by keys",
+    '[{"joint_names": [], "points": []}, {"name": ["a"], "position": [1]}]': "has messages of several kinds: JointSt",
+    '{"joint_names": ["a"], "points": []}': "has no messages",
+    '{"name": ["shoulder", "elbow"], "velocity": [1, 2], "position": []}': "no messages with positions",
+    "{": "cannot be read as JSON: ",
+}
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_text_that_is_no_motion(text, tmp_path):
+    path = tmp_path / "plan.json"
+    path.write_text(text)
+    outcome = run("torques", URDF, str(path))
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(f"error: {path}: {WRONG[text]}")
+    assert len(outcome.err.splitlines()) == 1
+
+
+def test_bags_that_are_none(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "metadata.yaml").write_text("none: 1\n")
+    broken = tmp_path / "log.mcap"
+    broken.write_bytes(b"not a bag at all")
+    for path, said in (
+        (folder, "cannot be read as a bag: "),
+        (broken, "cannot be read as a bag: "),
+        (tmp_path / "no.db3", "no such file"),
+    ):
+        outcome = run("torques", URDF, str(path))
+        assert (outcome.status, outcome.out) == (2, "")
+        assert said in outcome.err
+        assert len(outcome.err.splitlines()) == 1
+    outcome = run("torques", URDF, str(ROBOTS / "two_link_planar_swing.csv"), "--topic", "/joint_states")
+    assert outcome.err.endswith("two_link_planar_swing.csv: has no topics (--topic is for bags: .db3, .mcap, .bag)\n")
+
+
+def test_a_real_log_has_the_torques_that_were_measured():
+    """The first second of a UR10's: joints in its own order, efforts as large as gravity asks for."""
+    table = open_table(LOG)
+    assert len(table.names) == 20
+    (tau,) = table.blocks([table.names.index("tau_shoulder_lift_joint")], 1000)
+    assert len(tau) == 120
+    assert -120.0 < tau.min() < -10.0
