@@ -25,7 +25,7 @@ NO_DIGITS = {
     "measure.speed": "times",
     "dynamics.constraints.structure": "ranks, and which rows vanish",
     "dynamics.constraints.crossing": "ranks, and times to four digits",
-    "dynamics.constraints.share": "solutions of least squares, of which the last digits differ",
+    "dynamics.constraints.share": "singular values, which tell where the rank drops",
     "dynamics.forward": "the name of a joint; and products of objects",
     "equations.dae.counts": "ranks; the comparison has no matrix product of its own",
     "solids.mesh.integrate.kernel": "bounds, which are rounded",

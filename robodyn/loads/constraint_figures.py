@@ -14,7 +14,7 @@ from robodyn.loads.constraint_result import Constraints, LoopLoad, Peak, Unbalan
 from robodyn.loads.contact_figures import ContactFigures
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.scene.scene import Scene
-from robodyn.support.floats import Floats
+from robodyn.support.floats import Floats, steady
 
 TOLD = 1e-6
 """Of the largest torque of the motion: less than that at a passive joint is not told."""
@@ -76,7 +76,7 @@ class ConstraintFigures:
         before = np.append(self._last_time, time[:-1])
         between = np.where(found.singular | was, np.nan, before + found.crossed * (time - before))
         times = np.where(found.singular & ~was, time, between)
-        self.singular += times[np.isfinite(times)].tolist()
+        self.singular += steady(times[np.isfinite(times)]).tolist()
         self._was_singular, self._last_time = bool(found.singular[-1]), float(time[-1])
 
     def _loops(self) -> Iterator[LoopLoad]:

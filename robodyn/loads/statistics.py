@@ -154,7 +154,7 @@ class Statistics:
             self.at_peak[joint] = {name: values[at].copy() for name, values in state.items()}
         self.speed.update(time, row, speed, value=qd, torque=tau)
         self.base.update(time, row, np.abs(base), value=base)
-        power, square = tau * qd, tau * tau
+        power, square = tau * qd + 0.0, tau * tau  # no power is 0, and not -0
         np.maximum(self.power_most, power.max(axis=1), out=self.power_most)
         np.minimum(self.power_least, power.min(axis=1), out=self.power_least)
         np.minimum(self.q_min, q.min(axis=1), out=self.q_min)

@@ -34,6 +34,9 @@ torques robots/scara.urdf robots/scara_pick_and_place.csv
 torques robots/satellite.urdf robots/satellite_slew.csv --scene robots/satellite.toml
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --sizing --momentum
 check robots/scara.urdf --trajectory robots/scara_pick_and_place.csv
+torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml
+torques robots/planar_3rrr.urdf robots/planar_3rrr_circle.csv --scene robots/planar_3rrr_circle.toml --sizing
+torques robots/quadruped.urdf robots/quadruped_trot.csv --scene robots/quadruped_trot.toml
 fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
 fbd robots/puma560.urdf --traj robots/puma560_sweep.csv --time 0.5
 equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2

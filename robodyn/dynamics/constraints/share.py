@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.constraints.structure import Mask, Structure, svd, times
+from robodyn.programs.stacked import least_squares, orthogonal
 from robodyn.support.floats import Floats
 
 LOST = 1e-6
@@ -41,9 +42,9 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
     there is. Of all solutions the one with the least sum of weights times torques^2 is taken, and of those with the
     same torques the one with the least sum of multipliers^2, whatever their units (N and N m alike).
 
-    Method: `multipliers = A^+ tau_P + N z` with the singular value decomposition of the equilibrated A, truncated at
-    its usual rank (Udwadia and Kalaba 1992; Featherstone 2008, sections 8.3 and 8.12, without redundant actuation).
-    Only projectors reach the result, so the basis that LAPACK finds does not.
+    Method: `multipliers = A^+ tau_P + N z` of the equilibrated A at its usual rank (Udwadia and Kalaba 1992;
+    Featherstone 2008, sections 8.3 and 8.12, without redundant actuation), by reflections in an order of operations
+    that no processor changes. Singular values, truncated, serve where the rank drops, and tell where.
 
     Args:
         found: of this motion.
@@ -56,12 +57,17 @@ def shares(found: Structure, J: Floats, tau: Floats, weights: Floats) -> Shares:
     """
     passive, rank = found.passive, found.rank
     scaled, forces = found.scaled(J), tau * found.rate_scale
-    left, sizes, right = svd(scaled[:, :, passive].transpose(0, 2, 1))
+    A = scaled[:, :, passive].transpose(0, 2, 1)
+    left, sizes, right = svd(A)
     kept = sizes[:, :rank] > LOST * found.usual * found.largest
     singular: Mask = ~np.all(kept, axis=1)
-    given = np.einsum("nij,ni->nj", left[:, :, :rank], forces[:, passive])
-    x = np.einsum("nij,ni->nj", right[:, :rank], _divided(given, sizes[:, :rank], kept))
-    open_forces = np.where(singular[:, None, None], 0.0, right[:, rank:].transpose(0, 2, 1))
+    Q = orthogonal(A.transpose(0, 2, 1))
+    x = _along(Q[:, :, :rank], solved(times(A, Q[:, :, :rank]), forces[:, passive]))
+    if singular.any():
+        given = np.einsum("nij,ni->nj", left[singular][:, :, :rank], forces[singular][:, passive])
+        found_there = _divided(given, sizes[singular][:, :rank], kept[singular])
+        x[singular] = np.einsum("nij,ni->nj", right[singular][:, :rank], found_there)
+    open_forces = np.where(singular[:, None, None], 0.0, Q[:, :, rank:])
     if found.redundancy:
         drive = scaled[:, :, ~passive].transpose(0, 2, 1)
         roots = np.sqrt(weights / weights.max()) / found.rate_scale[~passive]
@@ -81,21 +87,24 @@ def _least_torque(B: Floats, wanted: Floats, roots: Floats, found: Structure) ->
     """Return z (N, k) with the least weighted torques `wanted - B z`, a basis (N, k, k - b) of the z that do nothing
     to them, and where B has lost rank; z is 0 there."""
     b = found.redundancy
-    left, sizes, right = svd(B)
-    kept = sizes[:, :b] > LOST * found.usual_redundancy * found.largest
-    lost: Mask = ~np.all(kept, axis=1)
-    Q, R = np.linalg.qr(left[:, :, :b] * roots[:, None])
-    y = np.linalg.solve(R, np.einsum("nij,ni->nj", Q, wanted * roots)[:, :, None])[:, :, 0]
-    z = np.einsum("nij,ni->nj", right[:, :b], _divided(y, sizes[:, :b], kept & ~lost[:, None]))
-    return z, right[:, b:].transpose(0, 2, 1), lost
+    sizes = svd(B)[1]
+    lost: Mask = ~np.all(sizes[:, :b] > LOST * found.usual_redundancy * found.largest, axis=1)
+    weighted = B * roots[:, None]
+    Q = orthogonal(weighted.transpose(0, 2, 1))
+    z = _along(Q[:, :, :b], solved(times(weighted, Q[:, :, :b]), wanted * roots))
+    return np.where(lost[:, None], 0.0, z), Q[:, :, b:], lost
+
+
+def solved(A: Floats, b: Floats) -> Floats:
+    """Return (N, k) the least-squares solutions of A x = b, A (N, m, k) of full rank."""
+    return least_squares(A, b[:, :, None]).x[:, :, 0]
 
 
 def _shortest(multipliers: Floats, free: Floats, singular: Mask) -> Floats:
     """Return the multipliers without what lies in the span of `free` (N, m, k); as they are where singular."""
     if not free.shape[2]:
         return multipliers
-    Q, _ = np.linalg.qr(free)
-    changed = multipliers - _along(Q, np.einsum("nij,ni->nj", Q, multipliers))
+    changed = multipliers - _along(free, solved(free, multipliers))
     return np.where(singular[:, None], multipliers, changed)
 
 
