@@ -224,11 +224,7 @@ class TorqueAccumulator:
             *carried(self.model, self.scene, base, joints, force, moment, looped),
             *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
         )
-        idle = [
-            f"nothing drives {shown(joints[k].name)}, so that its [motor] is judged by its speed alone"
-            for k in self._idle
-        ]
-        warnings = [*(doubt.said for doubt in doubts), *idle, *self.model.notes, *last.notes]
+        warnings = [*(doubt.said for doubt in doubts), *self._idle_notes(), *self.model.notes, *last.notes]
         return Result(
             robot=self.model.name,
             samples=total.samples,
@@ -252,6 +248,11 @@ class TorqueAccumulator:
             held=last.held,
             constraints=constraints,
         )
+
+    def _idle_notes(self) -> list[str]:
+        """Return notes on motors at joints that nothing drives."""
+        names = [self.model.rates[self.rates][k] for k in self._idle]
+        return [f"nothing drives {shown(name)}, so that its [motor] is judged by its speed alone" for name in names]
 
     def _inertias(self, joints: Sequence[int]) -> dict[int, float | None]:
         """Return what some joints accelerate at their peaks, by their own torque alone [kg m^2 or kg]; None of those

@@ -74,9 +74,7 @@ def simulate(
 
     Accuracy: the error of each method falls with its order until rounding, some 1e-14 of the largest per step.
     """
-    refuse_others(model, scene)
-    refuse_constraints(scene, loops=True)
-    check_moves(model)
+    _check_robot(model, scene)
     options = choose_method(step, rtol, method)._replace(most=most)
     _check_positive(duration=duration, step=step, rtol=rtol)
     signal = Signal(scene, model, None if table is None else read_table(table, scene))
@@ -130,6 +128,13 @@ def simulate(
             *([f"springs at limits: {pushed or 'no joint reaches a limit'}"] if scene.limit_spring else []),
         ),
     )
+
+
+def _check_robot(model: Model, scene: Scene) -> None:
+    """Raise unless these are a robot that moves, and a scene without contacts, which a simulation does not know."""
+    refuse_others(model, scene)
+    refuse_constraints(scene, loops=True)
+    check_moves(model)
 
 
 def _check_positive(**numbers: float | None) -> None:
