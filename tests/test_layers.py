@@ -20,7 +20,7 @@ ORDER = [
     ("robot",),
     ("scene",),
     ("dynamics", "trajectory"),
-    ("equations", "loads", "simulation"),
+    ("equations", "identify", "loads", "simulation"),
     ("checks", "measure"),
     ("report",),
     ("cli",),

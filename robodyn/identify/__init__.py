@@ -1,0 +1,1 @@
+"""The model meets the robot: logs, base parameters, calibrated descriptions, exciting motions."""
