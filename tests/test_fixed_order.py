@@ -31,6 +31,7 @@ NO_DIGITS = {
     "solids.mesh.integrate.kernel": "bounds, which are rounded",
     "solids.mesh.integrate.residues": "integers",
     "solids.mesh.read.scenes": "a sign",
+    "identify.base": "a condition number, told to three digits",
     "simulation.loop_figures": "a rank",
     "dynamics.loops.necessary": "a rank",
     "simulation.singular": "ranks, and times to four digits",
