@@ -37,6 +37,11 @@ NO_DIGITS = {
     "simulation.singular": "ranks, and times to four digits",
     "simulation.stiffness": "steps of 1, 2 and 5",
     "report.pictures.visuals": "pictures",
+    "identify.pseudo_inertia": "a divergence, to four digits",
+    "identify.interior_point": "steps towards a minimum that is well conditioned, and far beyond the digits of a log",
+    "identify.newton": "the same",
+    "identify.cones": "the same",
+    "identify.consistent": "the same",
 }
 """Parts that may use them, and what for."""
 LINEAR_ALGEBRA = {"solve", "inv", "pinv", "lstsq", "svd", "qr", "eig", "eigh", "eigvals", "eigvalsh", "cholesky", "det"}

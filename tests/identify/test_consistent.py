@@ -1,0 +1,309 @@
+"""Physically consistent parameters: against another solver, and by what every answer must fulfil."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers.peers import peer
+from helpers.small_robots import built, joint, link, random_tree
+
+import robodyn
+from robodyn.errors import InputError
+from robodyn.identify.cones import BASIS, coordinates
+from robodyn.identify.consistent import MARGIN, consistent_parameters
+from robodyn.identify.prior import Prior, PriorBody, ellipsoid, prior_of
+from robodyn.identify.pseudo_inertia import divergence, parameters_of, pseudo_inertia
+from robodyn.solids.inertia.validity import Box
+
+NAMES = tuple(f"b.{part}" for part in ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"))
+
+
+def truth_near(prior, rng, spread=0.3, friction=1.0):
+    """Parameters of bodies that can exist, some way from the prior, and of friction and rotors that do not drive."""
+    theta = prior.theta.copy()
+    for body in prior.bodies:
+        L = np.linalg.cholesky(pseudo_inertia(theta[body.columns]))
+        X = np.eye(4) + spread * rng.normal(size=(4, 4))
+        theta[body.columns] = parameters_of(L @ X @ X.T @ L.T)
+    for k, name in enumerate(prior.names):
+        kind = name.rpartition(".")[2]
+        if kind in ("viscous", "forward", "backward", "rotor"):
+            theta[k] = rng.uniform(0.1, friction) * (-1.0 if kind == "backward" else 1.0)
+    return theta
+
+
+@cache
+def arm(seed=3, n=4, samples=60):
+    """A robot's regressor in random states, and its prior."""
+    model, rng = random_tree(seed, n, kinds=("revolute", "prismatic")), np.random.default_rng(seed)
+    q, qd, qdd = rng.normal(size=(3, samples, model.n)) * np.array((1.0, 2.0, 4.0))[:, None, None]
+    found = robodyn.regressor(model, q, qd, qdd)
+    return found.Y.reshape(-1, len(found.names)), prior_of(model, found.names, found.theta)
+
+
+def log(noise, seed=5, zero=()):
+    """Triangular factor and right side of the arm's torques, with noise, and the truth."""
+    Y, prior = arm()
+    rng = np.random.default_rng(seed)
+    truth = truth_near(prior, rng)
+    truth[[k for k, name in enumerate(prior.names) if name.rpartition(".")[2] in zero]] = 0.0
+    tau = Y @ truth
+    tau += noise * tau.std() * rng.normal(size=len(tau))
+    factor = np.linalg.qr(np.column_stack((Y, tau)), mode="r")
+    return factor[:-1, :-1], factor[:-1, -1], prior, truth
+
+
+def smallest(theta, prior):
+    """The least eigenvalue of P0^-1 P over the bodies."""
+    return min(
+        np.linalg.eigvals(np.linalg.solve(*(pseudo_inertia(t[b.columns]) for t in (prior.theta, theta)))).real.min()
+        for b in prior.bodies
+    )
+
+
+def assert_possible(theta, prior):
+    assert smallest(theta, prior) >= 0.9 * MARGIN
+    for body in prior.bodies:
+        m, c = theta[body.columns.start], theta[body.columns][1:4] / theta[body.columns.start]
+        P = pseudo_inertia(theta[body.columns])
+        second = np.linalg.eigvalsh(P[:3, :3] - m * np.outer(c, c))
+        moments = sorted((second[0] + second[1], second[0] + second[2], second[1] + second[2]))
+        assert min(m, *moments) > 0
+        assert moments[0] + moments[1] > moments[2]
+    for k, name in enumerate(prior.names):
+        kind = name.rpartition(".")[2]
+        assert kind not in ("viscous", "forward", "rotor", "stribeck") or theta[k] >= 0.0
+        assert kind != "backward" or theta[k] <= 0.0
+
+
+def one_body(R, prior_parameters, Q=None):
+    prior = np.asarray(prior_parameters, dtype=float)
+    return Prior(NAMES, prior, prior, (PriorBody("b", slice(0, 10), Q),), ())
+
+
+def random_body(rng, scale=1.0):
+    x = rng.normal(size=(8, 4)) * (scale, scale, scale, 0.0) + (0.0, 0.0, 0.0, 1.0)
+    return parameters_of(np.einsum("k,ki,kj->ij", rng.uniform(0.1, 1.0, 8), x, x))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_body_that_is_seen_whole_is_found(seed):
+    rng = np.random.default_rng(seed)
+    truth, prior, R = random_body(rng), random_body(rng), rng.normal(size=(12, 10))
+    found = consistent_parameters(R, R @ truth, one_body(R, prior))
+    assert np.abs(found.theta - truth).max() <= 1e-8 * np.abs(truth).max()
+
+
+def test_noise_free_torques_are_reproduced():
+    R, z, prior, truth = log(0.0)
+    found = consistent_parameters(R, z, prior)
+    assert np.linalg.norm(R @ (found.theta - truth)) <= 1e-5 * np.linalg.norm(z)
+    viscous = [k for k, name in enumerate(prior.names) if name.endswith(".viscous")]
+    assert np.abs(found.theta - truth)[viscous].max() <= 1e-6
+    assert_possible(found.theta, prior)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e-4, 1e5, 1e9])
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_units_and_magnitudes_do_not_matter(scale, size):
+    """Masses times `scale` and lengths times `size` make the same bodies of the same data."""
+    rng = np.random.default_rng(8)
+    truth, prior, R = random_body(rng), random_body(rng), rng.normal(size=(8, 10))
+    z = R @ truth + 0.1 * rng.normal(size=8)
+    units = scale * np.array((1.0, *(size,) * 3, *(size * size,) * 6))
+    for strength in (0.0, 1e-3):
+        plain = consistent_parameters(R, z, one_body(R, prior), strength)
+        other = consistent_parameters(R / units, z, one_body(R, prior * units), strength)
+        assert np.abs(other.theta / units - plain.theta).max() <= 1e-5 * np.abs(plain.theta).max()
+        assert abs(other.error - plain.error) <= 1e-10 * (z @ z)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05, 0.5])
+@pytest.mark.parametrize("strength", [0.0, 1e-8, 1e-4, 1.0, 1e4])
+def test_every_answer_is_possible_and_certain(noise, strength):
+    R, z, prior, _ = log(noise, zero=("rotor",))
+    found = consistent_parameters(R, z, prior, strength * (z @ z))
+    assert_possible(found.theta, prior)
+    assert found.gap <= 1e-10 * (z @ z)
+    assert found.error == pytest.approx(0.5 * np.sum((R @ found.theta - z) ** 2), rel=1e-9)
+
+
+def test_more_strength_gives_less_divergence_and_more_error():
+    R, z, prior, _ = log(0.2)
+    fits = [consistent_parameters(R, z, prior, 10.0**k * (z @ z)) for k in range(-9, 4)]
+    errors, far = [fit.error for fit in fits], [sum(fit.divergence.values()) for fit in fits]
+    assert all(a <= b + 1e-10 * (z @ z) for a, b in pairwise(errors))
+    assert all(a >= b - 1e-9 * a for a, b in pairwise(far))
+    assert far[-1] <= 1e-6
+    assert errors[-1] > 2 * errors[0]
+
+
+def objective(theta, R, z, prior, strength):
+    """By its definition."""
+    total = 0.5 * np.sum((R @ theta - z) ** 2)
+    for body in prior.bodies:
+        P, P0 = (pseudo_inertia(t[body.columns]) for t in (theta, prior.theta))
+        total += strength * float(divergence((P - MARGIN * P0) / (1 - MARGIN), P0))
+    for k, name in enumerate(prior.names):
+        if name.rpartition(".")[2] in ("viscous", "forward", "backward", "rotor"):
+            unit = max(abs(prior.theta[k]), np.linalg.norm(z) / np.linalg.norm(R[:, k]))
+            total += strength * 0.5 * ((theta[k] - prior.theta[k]) / unit) ** 2
+    return total
+
+
+@pytest.mark.parametrize("strength", [1e-6, 1e-2])
+def test_nothing_near_is_better(strength):
+    R, z, prior, _ = log(0.3)
+    moved = prior.bodies[0]
+    seen = Prior(prior.names, prior.described, prior.theta, tuple(b for b in prior.bodies if b is not moved), ())
+    strength *= z @ z
+    best = consistent_parameters(R, z, prior, strength).theta
+    least, rng = objective(best, R, z, seen, strength), np.random.default_rng(2)
+    for step in (1e-2, 1e-4, 1e-6):
+        for _ in range(20):
+            near = best + step * (truth_near(seen, rng) - best)
+            assert objective(near, R, z, seen, strength) >= least - 1e-10 * (z @ z)
+
+
+def by_clarabel(R, z, prior):
+    """min ||R theta - z||^2 / 2 over P - MARGIN P0 positive semidefinite and the signs, by a conic solver."""
+    clarabel, sparse = peer("clarabel"), peer("scipy.sparse")
+    p, rows, right, cones = R.shape[1], [], [], []
+    for body in prior.bodies:
+        P0 = pseudo_inertia(prior.theta[body.columns])
+        L = np.linalg.cholesky(P0)
+        inner = np.linalg.inv(L)
+        block = np.zeros((10, p))
+        unit = np.stack([coordinates(inner @ pseudo_inertia(e) @ inner.T) for e in np.eye(10)], axis=1)
+        order = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9]  # the upper triangle by columns, of the basis by rows
+        block[:, body.columns] = unit[order]
+        rows, right = [*rows, -block], [*right, -MARGIN * coordinates(np.eye(4))[order]]
+        cones.append(clarabel.PSDTriangleConeT(4))
+    for k, name in enumerate(prior.names):
+        kind = name.rpartition(".")[2]
+        if kind in ("viscous", "forward", "backward", "rotor"):
+            row = np.zeros((1, p))
+            row[0, k] = 1.0 if kind == "backward" else -1.0
+            rows, right, cones = [*rows, row], [*right, np.zeros(1)], [*cones, clarabel.NonnegativeConeT(1)]
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    size = np.linalg.norm(z)
+    A, b = np.vstack(rows), np.concatenate(right)
+    P, q = sparse.csc_matrix(np.triu(R.T @ R / size**2)), -(R.T @ z) / size**2
+    solution = clarabel.DefaultSolver(P, q, sparse.csc_matrix(A), b, cones, settings).solve()
+    return np.array(solution.x)
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.5])
+def test_without_strength_it_is_the_optimum_of_another_solver(noise):
+    R, z, prior, _ = log(noise, zero=("rotor", "viscous"))
+    ours, theirs = consistent_parameters(R, z, prior).theta, by_clarabel(R, z, prior)
+    errors = [np.sum((R @ theta - z) ** 2) / (z @ z) for theta in (ours, theirs)]
+    assert abs(errors[0] - errors[1]) <= 1e-6 * errors[1]
+    unconstrained = np.linalg.lstsq(R, z, rcond=1e-12)[0]
+    assert errors[0] > 1.001 * np.sum((R @ unconstrained - z) ** 2) / (z @ z)  # the bounds are active
+
+
+def test_bounds_that_hold_are_reached_exactly():
+    R, z, prior, _ = log(0.3, zero=("rotor", "viscous"))
+    found = consistent_parameters(R, z, prior)
+    bounded = [k for k, name in enumerate(prior.names) if name.endswith((".rotor", ".viscous"))]
+    zeros = [k for k in bounded if found.theta[k] == 0.0]
+    gradient = R.T @ (R @ found.theta - z)
+    assert 0 < len(zeros) < len(bounded)
+    assert (gradient[zeros] > 0.0).all()
+    open_ones = [k for k in bounded if k not in zeros]
+    unit = np.linalg.norm(z) / np.linalg.norm(R[:, open_ones], axis=0)
+    assert np.abs(gradient[open_ones] * unit).max() <= 1e-6 * (z @ z)
+
+
+def test_mass_stays_within_the_ellipsoid():
+    rng = np.random.default_rng(11)
+    box = Box(np.array((-0.1, -0.2, 0.0)), np.array((0.3, 0.2, 0.1)))
+    inside = rng.uniform(box.lo, box.hi, (50, 3))
+    homogeneous = np.column_stack((inside, np.ones(50)))
+    prior = parameters_of(np.einsum("ki,kj->ij", homogeneous, homogeneous) * 0.02)
+    far = parameters_of(pseudo_inertia(prior) + np.outer(*((5.0, 0.0, 0.0, 1.0),) * 2) * 0.5)
+    R, Q = rng.normal(size=(12, 10)), ellipsoid(box)
+    assert np.einsum("ki,ij,kj->k", homogeneous, Q, homogeneous).min() >= 0.0
+    corner = np.append(box.hi, 1.0)
+    assert abs(corner @ Q @ corner) <= 1e-12
+    free = consistent_parameters(R, R @ far, one_body(R, prior))
+    bound = consistent_parameters(R, R @ far, one_body(R, prior, Q))
+    assert np.sum(pseudo_inertia(free.theta) * Q) < -1.0
+    assert np.sum(pseudo_inertia(bound.theta) * Q) >= -1e-12
+    assert bound.gap <= 1e-10 * np.sum((R @ far) ** 2)
+
+
+def test_what_is_not_seen_stays_as_described():
+    Y, prior = arm()
+    nothing = consistent_parameters(0.0 * Y[:5], np.zeros(5), prior)
+    assert nothing.theta.tolist() == prior.described.tolist()
+    R, z, prior, _ = log(0.1)
+    found = consistent_parameters(R, z, prior)
+    base = prior.bodies[0].columns
+    assert found.theta[base].tolist() == prior.described[base].tolist()
+
+
+def test_a_rank_of_one_is_enough():
+    rng = np.random.default_rng(0)
+    prior = random_body(rng)
+    row = rng.normal(size=(1, 10))
+    found = consistent_parameters(row, row @ prior * 1.3, one_body(row, prior))
+    assert float(np.abs(row @ found.theta - 1.3 * row @ prior).max()) <= 1e-6 * np.abs(row @ prior).max()
+    change = np.linalg.inv(pseudo_inertia(found.theta)) - np.linalg.inv(pseudo_inertia(prior))
+    gradient = np.array([np.sum(change * pseudo_inertia(e)) for e in np.eye(10)])  # of D: along the row, if nearest
+    assert abs(gradient @ row[0]) >= (1 - 1e-4) * np.linalg.norm(gradient) * np.linalg.norm(row)
+
+
+def test_impossible_descriptions_are_replaced_and_said():
+    model = built(
+        link("base", 1.0, inertia=(1, 0, 0, 1, 0, 1)),
+        link("a", 2.0, (0, 0, 0.3), (0.1, 0, 0, 0.1, 0, 0.5)),
+        link("b", 0.2, (0, 0, 0.04)),
+        link("c", 0.0, inertia=(0.1, 0, 0, 0.1, 0, 0.1)),
+        link("frame"),
+        link("tip", 1.0, (0, 0, 0.1), (0.1, 0, 0, 0.1, 0, 0.1)),
+        *(joint(f"j{k}", a, b, xyz=(0, 0, 0.5)) for k, (a, b) in enumerate(pairwise(LINKS))),
+    )
+    found = robodyn.regressor(model, *np.zeros((3, 1, 5)))
+    prior = prior_of(model, found.names, found.theta)
+    assert [body.name for body in prior.bodies] == ["base", "a", "b", "c", "tip"]
+    for body in prior.bodies:
+        assert np.linalg.eigvalsh(pseudo_inertia(prior.theta[body.columns])).min() > 0.0
+    assert [note.split(":")[0] for note in prior.notes] == [
+        "body 'a' has an inertia that no body has",
+        "body 'b' has no inertia",
+        "body 'c' has a mass of 0 kg",
+    ]
+    kept = [prior.bodies[k].columns for k in (0, 4)]
+    assert all((prior.theta[own] == prior.described[own]).all() for own in kept)
+    b = prior.theta[prior.bodies[2].columns]
+    assert b[:4] == pytest.approx((0.2, 0, 0, 0.2 * 0.04))
+    assert 0.0 < b[4] < 0.2 * 0.5**2
+
+
+LINKS = ("base", "a", "b", "c", "frame", "tip")
+
+
+@pytest.mark.parametrize(
+    ("R", "z", "strength", "what"),
+    [
+        (np.ones((3, 9)), np.ones(3), 0.0, "rows of shape"),
+        (np.ones((3, 10)), np.ones(2), 0.0, "rows of shape"),
+        (np.full((3, 10), np.nan), np.ones(3), 0.0, "not finite"),
+        (np.ones((3, 10)), np.ones(3), -1.0, "strength"),
+    ],
+)
+def test_what_does_not_fit_is_refused(R, z, strength, what):
+    prior = one_body(R, random_body(np.random.default_rng(0)))
+    with pytest.raises(InputError, match=what):
+        consistent_parameters(R, z, prior, strength)
+
+
+def test_the_basis_is_orthonormal():
+    assert np.abs(np.einsum("aij,bij->ab", BASIS, BASIS) - np.eye(10)).max() <= 4 * np.finfo(float).eps
