@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 from robodyn.robot.urdf.document import Document
+from robodyn.robot.urdf.edits import Edit
 from robodyn.robot.urdf.elements import BOM, Span
 from robodyn.robot.urdf.view import Subject
 
@@ -24,15 +25,6 @@ class Severity(Enum):
 
 _ORDER = tuple(Severity)
 """The most severe first."""
-
-
-@dataclass(frozen=True, slots=True)
-class Edit:
-    """Bytes [start, end) of the file, and the text to stand there instead."""
-
-    start: int
-    end: int
-    text: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from itertools import pairwise
 from robodyn.checks.rule import Edit, Finding, Fix
 from robodyn.errors import InputError
 from robodyn.robot.urdf.document import read
+from robodyn.robot.urdf.edits import edited
 
 
 def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix]]:
@@ -30,13 +31,8 @@ def together(findings: Iterable[Finding], safe: bool) -> list[tuple[Finding, Fix
     return chosen
 
 
-def edited(data: bytes, fixes: Iterable[Fix], encoding: str) -> bytes:
-    """Return the text with the edits made; what the encoding lacks is written as a character reference."""
-    parts, place = [], 0
-    for edit in sorted((edit for fix in fixes for edit in fix.edits), key=lambda edit: edit.start):
-        parts += [data[place : edit.start], edit.text.encode(encoding, "xmlcharrefreplace")]
-        place = edit.end
-    return b"".join([*parts, data[place:]])
+def _edits(fixes: Iterable[Fix]) -> list[Edit]:
+    return [edit for fix in fixes for edit in fix.edits]
 
 
 def _touch(a: Edit, b: Edit) -> bool:
@@ -118,13 +114,13 @@ def fixed(data: bytes, file: str, check: Check, *, unsafe: bool = False) -> Fixe
 
 def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made], list[Refused]]:
     """Return the text with those fixes made that are proven to leave the dynamics alone."""
-    after = edited(text, (fix for _, fix in pairs), encoding)
+    after = edited(text, _edits(fix for _, fix in pairs), encoding)
     if not pairs or unproven(text, after) is None:
         return after, [Made(*pair) for pair in pairs], []
     made, refused = list[Made](), list[Refused]()
     after = text
     for finding, fix in pairs:
-        candidate = edited(text, [*(one.fix for one in made), fix], encoding)
+        candidate = edited(text, _edits([*(one.fix for one in made), fix]), encoding)
         why = unproven(text, candidate)
         if why is None:
             after = candidate
@@ -135,7 +131,7 @@ def _safely(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]
 
 
 def apply_unsafe_fixes(text: bytes, pairs: Pairs, encoding: str) -> tuple[bytes, list[Made]]:
-    after = edited(text, (fix for _, fix in pairs), encoding)
+    after = edited(text, _edits(fix for _, fix in pairs), encoding)
     try:
         change = change_of_dynamics(text, after) if pairs else None
     except InputError:

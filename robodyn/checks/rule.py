@@ -22,8 +22,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from robodyn.checks.context import Context
-from robodyn.checks.finding import Edit, Excerpt, Finding, Fix, Severity, excerpt
+from robodyn.checks.finding import Excerpt, Finding, Fix, Severity, excerpt
 from robodyn.robot.urdf.document import Document
+from robodyn.robot.urdf.edits import Edit
 from robodyn.robot.urdf.elements import Span
 from robodyn.robot.urdf.view import Subject
 

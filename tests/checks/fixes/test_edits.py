@@ -6,9 +6,10 @@ from dataclasses import replace
 
 from helpers.clean_arm import arm
 
-from robodyn.checks.fixes import edited, together
+from robodyn.checks.fixes import together
 from robodyn.checks.rule import Edit, Finding, Fix
 from robodyn.checks.run import check_one
+from robodyn.robot.urdf.edits import edited
 
 
 def with_fixes(*fixes: Fix | None) -> list[Finding]:
@@ -42,5 +43,5 @@ def test_only_fixes_of_the_kind_asked_for() -> None:
 
 def test_the_order_of_edits_does_not_matter() -> None:
     edits = [Edit(1, 2, "one"), Edit(4, 4, "ü∑"), Edit(0, 0, "<")]
-    assert edited(b"abcdef", [Fix("", tuple(edits), True)], "latin-1") == "<aonecdü&#8721;ef".encode("latin-1")
-    assert edited(b"abcdef", [Fix("", (edit,), True) for edit in edits[::-1]], "utf-8") == "<aonecdü∑ef".encode()
+    assert edited(b"abcdef", edits, "latin-1") == "<aonecdü&#8721;ef".encode("latin-1")
+    assert edited(b"abcdef", edits[::-1], "utf-8") == "<aonecdü∑ef".encode()
