@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Sequence
 
 from robodyn.report.table import PLAIN, number
 from robodyn.robot.configuration import configuration, link_poses
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.scene import DEFAULT
+from robodyn.support.toml_text import toml_key, toml_string
 
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
 _HEAD = """Scene of the robot {name}, begun by: robodyn scene init
 As it stands it changes nothing: robodyn computes as without a scene.
 Lines that begin with # and no blank are examples. Take away the # of one and put in your numbers; each is
@@ -22,7 +21,7 @@ def scene_toml(model: Model) -> str:
 
     As written it makes no difference. Lines with `#` and no blank behind it are examples, each valid alone.
     """
-    head = _comment(_HEAD.format(name=_key(model.name)))
+    head = _comment(_HEAD.format(name=toml_key(model.name)))
     gravity = _comment("Gravity in the axes of the ground, m/s^2.") + f"gravity = {_vector(DEFAULT.gravity)}\n"
     blocks = [_comment(text) + "".join(f"#{line}\n" for line in lines) for text, lines in _sections(model) if lines]
     blocks = [head, *([_comment(_table(model))] if model.n else []), gravity, *blocks]
@@ -33,7 +32,7 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     """Yield what each part is for, and its examples."""
     single = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     own = [joint for joint in model.independent if joint.kind != "floating"]
-    tip = _text(_tip(model))
+    tip = toml_string(_tip(model))
     yield _FRICTION, _of_each("friction", single, lambda each: [("viscous", each.damping), ("coulomb", each.friction)])
     yield _SLIP, ["slip_speed = 0.001"]
     yield _ROTOR, _of_each("rotor", single, lambda each: [("inertia", each.rotor_inertia), ("gear", each.reduction)])
@@ -43,17 +42,17 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     yield _WRENCH, [f'wrench = [{{ link = {tip}, frame = "world", force = {_DOWN}, moment = {_ZERO} }}]']
     yield _FLUID, [f"fluid = {{ density = 1000.0, link = [{{ link = {tip}, volume = 0.001, centre = {_ZERO} }}] }}"]
     yield _BASE, ['base.motion = "moving"']
-    yield _INITIAL, [f"initial.q.{_key(joint.name)} = {_rest(joint)!r}" for joint in own]
-    yield "", [f"initial.qd.{_key(joint.name)} = 0.0" for joint in own]
+    yield _INITIAL, [f"initial.q.{toml_key(joint.name)} = {_rest(joint)!r}" for joint in own]
+    yield "", [f"initial.qd.{toml_key(joint.name)} = 0.0" for joint in own]
     yield _DRIVE, _of_each("drive", own, lambda each: [("kp", 100.0), ("kd", 10.0), ("reference", _rest(each))])
     yield _BETWEEN, ['between_rows = "hold"']
     yield _LIMITS, ['joint_limits = "ignore"', "limit_spring = { stiffness = 10000.0, damping = 100.0 }"]
     yield _LOOP, [_loop(model, own)] if own else []
     yield _BAUMGARTE, ["baumgarte = 10.0"]
     if own:
-        last = _text(own[-1].name)
+        last = toml_string(own[-1].name)
         yield _PASSIVE, [f"actuated = [{last}]", f"passive = [{last}]"]
-        yield _SHARE, ['share = "weighted"', 'weights = "effort"', f"weights.{_key(own[-1].name)} = 2.0"]
+        yield _SHARE, ['share = "weighted"', 'weights = "effort"', f"weights.{toml_key(own[-1].name)} = 2.0"]
     yield _CONTACT, [f'contact = [{{ name = "foot", link = {tip}, friction = 0.7 }}]']
     yield _COST, ["contact_cost = { forces = 1.0, torques = 1.0, within_limits = true }"]
 
@@ -108,13 +107,13 @@ def _row(joint: Joint) -> tuple[str, ...]:
     units = (turn, turn, load, f"{turn}/s", f"{load} s/{turn}", load)
     given = (joint.lower, joint.upper, joint.effort, joint.velocity, joint.damping or None, joint.friction or None)
     cells = ["-" if value is None else f"{number(value)} {unit}" for value, unit in zip(given, units, strict=True)]
-    return (_key(joint.name), f"{kind}, follows {_key(joint.mimics)}" if joint.mimics else kind, *cells)
+    return (toml_key(joint.name), f"{kind}, follows {toml_key(joint.mimics)}" if joint.mimics else kind, *cells)
 
 
 def _of_each(table: str, joints: Sequence[Joint], values: Callable[[Joint], Sequence[tuple[str, float]]]) -> list[str]:
     """Return a line for each joint."""
     return [
-        f"{table}.{_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
+        f"{table}.{toml_key(joint.name)} = {{ {', '.join(f'{key} = {value!r}' for key, value in values(joint))} }}"
         for joint in joints
     ]
 
@@ -137,8 +136,8 @@ def _rest(joint: Joint) -> float:
 def _loop(model: Model, joints: Sequence[Joint]) -> str:
     """Return the tip held where it is when a simulation begins."""
     poses, tip = link_poses(model, configuration(model, {joint.name: _rest(joint) for joint in joints})), _tip(model)
-    place = _vector([round(float(x), 12) for x in poses[tip].p])
-    return f'loop = [{{ name = "closure", link = {_text(tip)}, point = {_ZERO}, to = "ground", to_point = {place} }}]'
+    link, place = toml_string(tip), _vector([round(float(x), 12) for x in poses[tip].p])
+    return f'loop = [{{ name = "closure", link = {link}, point = {_ZERO}, to = "ground", to_point = {place} }}]'
 
 
 def _tip(model: Model) -> str:
@@ -151,14 +150,3 @@ def _tip(model: Model) -> str:
 
 def _vector(values: Sequence[float]) -> str:
     return f"[{', '.join(repr(value) for value in values)}]"
-
-
-def _key(name: str) -> str:
-    """Return a name as a TOML key."""
-    return name if _BARE.fullmatch(name) else _text(name)
-
-
-def _text(name: str) -> str:
-    """Return a name as a TOML string."""
-    escaped = re.sub(r'["\\\x00-\x1f\x7f-\x9f\u2028\u2029]', lambda found: f"\\u{ord(found[0]):04x}", name)
-    return f'"{escaped}"'
