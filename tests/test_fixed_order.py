@@ -42,6 +42,8 @@ NO_DIGITS = {
     "identify.newton": "the same",
     "identify.cones": "the same",
     "identify.consistent": "the same",
+    "identify.link_inertias": "a sign, and a share of three digits",
+    "scene.covariance": "a sign",
 }
 """Parts that may use them, and what for."""
 LINEAR_ALGEBRA = {"solve", "inv", "pinv", "lstsq", "svd", "qr", "eig", "eigh", "eigvals", "eigvalsh", "cholesky", "det"}

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers.peers import peer
+from helpers.possible_bodies import truth_near
 from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
@@ -19,20 +20,6 @@ from robodyn.identify.pseudo_inertia import divergence, parameters_of, pseudo_in
 from robodyn.solids.inertia.validity import Box
 
 NAMES = tuple(f"b.{part}" for part in ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"))
-
-
-def truth_near(prior, rng, spread=0.3, friction=1.0):
-    """Parameters of bodies that can exist, some way from the prior, and of friction and rotors that do not drive."""
-    theta = prior.theta.copy()
-    for body in prior.bodies:
-        L = np.linalg.cholesky(pseudo_inertia(theta[body.columns]))
-        X = np.eye(4) + spread * rng.normal(size=(4, 4))
-        theta[body.columns] = parameters_of(L @ X @ X.T @ L.T)
-    for k, name in enumerate(prior.names):
-        kind = name.rpartition(".")[2]
-        if kind in ("viscous", "forward", "backward", "rotor"):
-            theta[k] = rng.uniform(0.1, friction) * (-1.0 if kind == "backward" else 1.0)
-    return theta
 
 
 @cache

@@ -1,0 +1,77 @@
+"""The scene of a calibrated robot: friction and rotors, of which a description can say a part only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
+
+from robodyn.dynamics.effects.rotor_inertia import rotor_of
+from robodyn.dynamics.effects.viscous_friction import friction_of, joints_with_friction
+from robodyn.robot.model import Joint, Model
+from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
+from robodyn.support.toml_text import toml_key
+
+
+def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
+    """Return the scene with the friction and the rotors of theta, which replace what the description says of them.
+
+    What theta does not hold stays: the speed of Stribeck's excess, gears. Joints without friction or rotor, in theta as
+    before, are not named.
+
+    Args:
+        names, theta: of `robodyn.regressor` for this model and scene.
+
+    Accuracy: `robodyn.regressor` of it has theta, rotors within 2 eps.
+    """
+    found = dict(zip(names, theta.tolist(), strict=True))
+    friction, rotors = dict(scene.friction), dict(scene.rotor)
+    for _, joint, old in joints_with_friction(model, scene):
+        new = _friction(joint, old, found)
+        if new != Friction() or old != Friction():
+            friction[joint.name] = new
+        inertia, gear = rotor_of(joint, scene)
+        reflected = found.get(f"{joint.name}.rotor", 0.0)
+        if gear and (inertia or reflected):
+            rotors[joint.name] = Rotor(reflected / gear / gear, gear)
+    return replace(scene, friction=friction, rotor=rotors)
+
+
+def _friction(joint: Joint, old: Friction, found: dict[str, float]) -> Friction:
+    parts = ("viscous", "forward", "backward", "stribeck")
+    return replace(old, **{part: found[name] for part in parts if (name := f"{joint.name}.{part}") in found})
+
+
+def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> str:
+    """Return as TOML what a scene says of friction and rotors: what `robodyn.load_scene` reads back the same.
+
+    Args:
+        comment: lines at the top.
+    """
+    blocks = ["".join(f"# {line}".rstrip() + "\n" for line in comment)] if comment else []
+    if scene.slip_speed:
+        blocks.append(f"slip_speed = {scene.slip_speed!r}\n")
+    for _, joint, _ in joints_with_friction(model, scene):
+        key = toml_key(joint.name)
+        if joint.name in scene.friction:
+            blocks.append(_table(f"friction.{key}", _entries(friction_of(joint, scene))))
+        if joint.name in scene.rotor:
+            inertia, gear = rotor_of(joint, scene)
+            blocks.append(_table(f"rotor.{key}", (("inertia", repr(inertia)), ("gear", repr(gear)))))
+    return "\n".join(blocks)
+
+
+def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
+    """Yield keys and values of a joint's friction, as far as they are not the default."""
+    yield "viscous", repr(friction.viscous)
+    forward, backward = friction.forward, friction.backward
+    yield "coulomb", repr(forward) if forward == -backward else f"[{forward!r}, {backward!r}]"
+    for field in fields(Friction)[3:]:
+        value = getattr(friction, field.name)
+        if value != field.default:
+            yield field.name, repr(value)
+
+
+def _table(name: str, entries: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
+    return f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in entries)
