@@ -26,6 +26,7 @@ NO_DIGITS = {
     "dynamics.constraints.structure": "ranks, and which rows vanish",
     "dynamics.constraints.crossing": "ranks, and times to four digits",
     "dynamics.constraints.share": "singular values, which tell where the rank drops",
+    "identify.filters": "sums of filters, from which parameters are told to four digits",
     "dynamics.forward": "the name of a joint; and products of objects",
     "equations.dae.counts": "ranks; the comparison has no matrix product of its own",
     "solids.mesh.integrate.kernel": "bounds, which are rounded",

@@ -53,7 +53,7 @@ class Meaning(NamedTuple):
     """What a column holds.
 
     Attributes:
-        place: quantity and index in it; None if it is not used: a torque, or of a joint without a coordinate.
+        place: quantity and index in it; None if it is not used, being of a joint without a coordinate.
         unit: text of the unit in the column's name, None if it tells none.
     """
 
@@ -183,7 +183,7 @@ class Signals:
             stems = self.positions if quantity == "q" else self.velocities
             for end in _ends(stem):
                 if end in stems:
-                    return Meaning(None if quantity == "tau" else (quantity, stems.index(end)))
+                    return Meaning((quantity, stems.index(end)))
                 if end in self.dependent:
                     return Meaning(None)
         return None

@@ -23,7 +23,7 @@ class Layout:
     Attributes:
         parts: column -> how many of its unit make one of SI, where that is not 1.
         told: columns whose unit is told by a name or an option, and not only assumed.
-        extra: name of a column that the scene needs -> its index.
+        extra: name of a column that the scene needs, or `tau_<joint>` of a measured torque -> its index.
         held: index in q -> position of what has no column and is held.
         followed: joints that have no column and follow from loops.
     """
@@ -67,7 +67,8 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
     places = _places(header, meanings)
     known = {*extra, *signals.wrenches}
     strange = [i for i, meaning in meanings.items() if meaning is None and called[i] not in known and i not in times]
-    unused = times | {i for i, meaning in meanings.items() if meaning and meaning.place is None}
+    measured = _measured(header, signals, meanings) if reading.measured else {}
+    unused = times | {i for i, meaning in meanings.items() if meaning and _idle(meaning)} - {*measured.values()}
     if strange:
         refuse_loops(header, signals, strange)
         unused |= {i for i in strange if reading.ignore_extra or is_of_message(header, i)}
@@ -84,7 +85,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
         q=tuple(places.get(("q", i), ABSENT) for i in range(len(signals.positions))),
         qd=tuple(places.get(("qd", i), ABSENT) for i in range(len(signals.velocities))),
         qdd=tuple(places.get(("qdd", i), ABSENT) for i in range(len(signals.velocities))),
-        extra={name: (called if name in called else header.names).index(name) for name in extra},
+        extra={**measured, **{name: (called if name in called else header.names).index(name) for name in extra}},
         parts={i: parts for i, (parts, _) in units.items() if parts != 1.0},
         told=frozenset(i for i, (_, told) in units.items() if told),
         held=held,
@@ -110,13 +111,45 @@ def _places(header: Header, meanings: Mapping[int, Meaning | None]) -> dict[Plac
     """Return (quantity, index) -> column."""
     places: dict[Place, int] = {}
     for i, meaning in meanings.items():
-        if meaning is None or meaning.place is None:
+        if meaning is None or meaning.place is None or _idle(meaning):
             continue
         if meaning.place in places:
             both = f"{header.names[places[meaning.place]]!r} and {header.names[i]!r}"
             raise header.error(f"columns {both} give the same quantity", "keep one of them")
         places[meaning.place] = i
     return places
+
+
+def _idle(meaning: Meaning) -> bool:
+    """Return whether no motion needs a column: it holds a torque, or is of a joint without a coordinate."""
+    return meaning.place is None or meaning.place[0] == "tau"
+
+
+def _measured(header: Header, signals: Signals, meanings: Mapping[int, Meaning | None]) -> dict[str, int]:
+    """Return `tau_<joint>` -> column, of the torques that a table gives.
+
+    Raises:
+        TrajectoryError: two columns give the same torque, or a unit is not N m (N for a slide).
+    """
+    found: dict[str, int] = {}
+    for i, meaning in meanings.items():
+        if meaning and meaning.place and meaning.place[0] == "tau":
+            name = f"tau_{signals.velocities[meaning.place[1]]}"
+            if name in found:
+                both = f"{header.names[found[name]]!r} and {header.names[i]!r}"
+                raise header.error(f"columns {both} give the same quantity", "keep one of them")
+            if meaning.unit is not None and _plain_unit(meaning.unit) not in _TORQUES:
+                what = f"column {header.names[i]!r}: {meaning.unit!r} is no unit that measured torques are read in"
+                raise header.error(what, "give N m, or N for a slide")
+            found[name] = i
+    return found
+
+
+_TORQUES = ("nm", "n")
+
+
+def _plain_unit(text: str) -> str:
+    return "".join(filter(str.isalpha, text)).lower()
 
 
 def _unit(

@@ -76,7 +76,7 @@ class Trajectory:
         time: (N,) s, increasing.
         q: (N, nq) rad, m; of a floating joint position (parent axes) and unit quaternion x y z w.
         qd, qdd: (N, n); of a floating joint w, v and wd, a: w in body axes, v the rate of the position in parent axes.
-        extra: (N,) columns that the scene named.
+        extra: (N,) columns that the scene named, and measured torques `tau_<joint>` [N m] where those were asked for.
         first_row: row of the data, from 1, of sample 0.
         derivation: how qd and qdd were derived; None if all was given.
         notes: assumptions that were made.

@@ -36,7 +36,8 @@ class TrajectoryReader:
 
     columns: the names in the table; size_bytes, position_bytes: length of the file and how much has been read;
     notes: assumptions made so far; derivation: how velocities and accelerations are derived, None if all are given;
-    doubts: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell.
+    doubts: what makes the units doubtful, by all that has been read; followed: joints without columns that loops tell;
+    missing: joints whose velocities or accelerations are not given.
     """
 
     def __init__(
@@ -47,7 +48,7 @@ class TrajectoryReader:
         reading: Reading = DEFAULT,
         block_rows: int = BLOCK_ROWS,
     ) -> None:
-        if reading.derivatives not in MODES:
+        if reading.derivatives not in (*MODES, "none"):
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
         if table.leaves_out:
@@ -60,6 +61,9 @@ class TrajectoryReader:
         layout = _begun(resolve(header, signals, extra, reading), table)
         self._assembly = Assembly(signals, layout, table.error_at)
         self._groups, assumptions = missing(signals, layout)
+        self.missing = tuple(group.name for group in self._groups)
+        if reading.derivatives == "none":
+            self._groups = ()
         if reading.derivatives == "given" and self._groups:
             lost = [group.name for group in self._groups]
             what = f"velocity or acceleration of {listing(lost)} is not given"

@@ -12,7 +12,7 @@ from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.columns import POSE, Signals
 from robodyn.trajectory.units import ANGLES, AngleUnit, TimeUnit
 
-Derivatives = Literal["auto", "given", "spline", "savgol", "central"]
+Derivatives = Literal["auto", "given", "spline", "savgol", "central", "none"]
 MODES = ("auto", "given", "spline", "savgol", "central")
 REST = "rest"
 HoldGiven = str | float | Mapping[str, str | float]
@@ -103,12 +103,14 @@ class Reading:
 
     Attributes:
         derivatives: what to do about missing velocities and accelerations: "auto" chooses by the noise of the data (see
-            `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods.
+            `choose.diagnose`), "given" refuses, "spline", "savgol" and "central" are methods; "none" leaves them 0, for
+            those who take derivatives themselves.
         ignore_extra: leave unknown columns out instead of refusing them.
         hold: where joints without columns are.
         columns: our name -> the table's, such as "q_elbow" -> "Elbow angle".
         time_unit, angle_unit: of columns whose names do not tell; None is s and rad, and that it is only assumed.
         topic: of a bag, whose messages are read; None: the only one that there is.
+        measured: read measured torques too, as extra columns `tau_<joint>`.
     """
 
     derivatives: Derivatives = "auto"
@@ -118,6 +120,7 @@ class Reading:
     time_unit: TimeUnit | None = None
     angle_unit: AngleUnit | None = None
     topic: str | None = None
+    measured: bool = False
 
 
 DEFAULT = Reading()

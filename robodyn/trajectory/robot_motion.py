@@ -77,6 +77,7 @@ def read_motion(
     time_unit: TimeUnit | None = None,
     angle_unit: AngleUnit | None = None,
     topic: str | None = None,
+    measured: bool = False,
 ) -> TrajectoryReader:
     """Return a reader of the motion of this robot in this scene, for `torques`.
 
@@ -94,12 +95,13 @@ def read_motion(
         time_unit, angle_unit: of columns whose names do not tell; None assumes s and rad, and doubts them where the
             motion could hardly be so.
         topic: of a bag; None: the only one with messages about joints.
+        measured: read the torques that a log gives too: `extra["tau_<joint>"]` of its blocks [N m].
 
     Raises:
         TrajectoryError: the file cannot be read or its columns do not fit the robot.
     """
     refuse_others(model, scene)
-    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit, topic)
+    reading = Reading(derivatives, ignore_extra, hold_of(hold), columns or {}, time_unit, angle_unit, topic, measured)
     return open_trajectory(path, signals(model, scene), extra=scene.motion_columns, reading=reading)
 
 

@@ -39,7 +39,7 @@ def place(signals: Signals, column: str) -> tuple[str, int] | None:
         ("q[3]", ("q", 2)),
         ("q4", None),
         ("q0", None),
-        ("elbow/effort", None),
+        ("elbow/effort", ("tau", 1)),
         ("Elbow", None),
         ("elbow_x", None),
     ],
