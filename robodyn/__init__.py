@@ -52,6 +52,10 @@ if TYPE_CHECKING:
     from robodyn.scene.parts import Spring as Spring
     from robodyn.scene.read import load_scene as load_scene
     from robodyn.scene.scene import Scene as Scene
+    from robodyn.scene.uncertainty import Covariance as Covariance
+    from robodyn.scene.uncertainty import Deviation as Deviation
+    from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
+    from robodyn.scene.uncertainty import Uncertainty as Uncertainty
     from robodyn.simulation.rollouts import rollouts as rollouts
     from robodyn.simulation.run import simulate as simulate
     from robodyn.solids.mesh_mass import mass_properties as mass_properties
@@ -85,6 +89,7 @@ _HOMES = {
     "scene.constraints": ("Contact", "ContactCost", "Loop"),
     "scene.parts": ("Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
     "scene.scene": ("Scene",),
+    "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),

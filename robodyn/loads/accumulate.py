@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from robodyn.loads.history import Recorder
     from robodyn.loads.momenta import MomentumPass
     from robodyn.loads.sizing import SizingPass
+    from robodyn.loads.uncertain import UncertainLoads
 
 CHECKED_PER_BLOCK = 64
 """Samples of each block at which the laws are checked, evenly spread."""
@@ -64,6 +65,7 @@ class Options(NamedTuple):
     momentum: View | None = None
     sizing: bool = False
     history: bool = False
+    samples: int = 0
 
 
 class _Checks(NamedTuple):
@@ -135,6 +137,11 @@ class TorqueAccumulator:
             from robodyn.loads.sizing import SizingPass
 
             self.sizing = SizingPass(model, scene, self.joints, self.rates)
+        self.uncertain: UncertainLoads | None = None
+        if scene.uncertainty is not None:
+            from robodyn.loads.uncertain import UncertainLoads
+
+            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options.samples)
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:
@@ -175,7 +182,10 @@ class TorqueAccumulator:
         state = {**sources, "noise": noise, "off": off}
         if self.constraints is not None:
             state["touching"] = self.constraints.touching
-        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, self.bars.over_block(state, off))
+        unsure = self.bars.over_block(state, off)
+        self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, unsure)
+        if self.uncertain is not None:
+            self.uncertain.take(block, sources, loads, unsure, self.sources, self.options, self.whole)
         if self.history is not None:
             motion, more = (qd, block.qdd[:, self.rates].T), left / samples
             touch = self.constraints.touch if self.constraints else None
@@ -217,12 +227,15 @@ class TorqueAccumulator:
         base = base_loads(gathered)
         left = np.maximum([bar for _, bar in bars], gathered.most - np.abs(gathered.torque.kept["value"])).tolist()
         constraints = self.constraints.report() if self.constraints else None
+        sizing = self.sizing.report(joints, self._inertias(self.sizing.driven)) if self.sizing else None
+        unsure = self.uncertain.report(joints, sizing) if self.uncertain else None
         looped = self.constraints is not None and self.constraints.holds_base
         doubts = (
             *last.doubts,
             *(constraint_doubts(constraints) if constraints else ()),
             *carried(self.model, self.scene, base, joints, force, moment, looped),
             *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
+            *(unsure.doubts if unsure else ()),
         )
         warnings = [*(doubt.said for doubt in doubts), *self._idle_notes(), *self.model.notes, *last.notes]
         return Result(
@@ -241,12 +254,13 @@ class TorqueAccumulator:
             warnings=tuple(warnings),
             momentum=self.momentum.report() if self.momentum else None,
             history=self.history.history(gathered.at_peak) if self.history else None,
-            sizing=self.sizing.report(joints, self._inertias(self.sizing.driven)) if self.sizing else None,
+            sizing=sizing,
             limits=coverage(self.joints),
             doubts=doubts,
             origin=last.origin,
             held=last.held,
             constraints=constraints,
+            uncertainty=unsure,
         )
 
     def _idle_notes(self) -> list[str]:

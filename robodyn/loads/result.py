@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from robodyn.loads.constraint_result import Constraints
     from robodyn.loads.history import History
     from robodyn.loads.sizing_result import Sizing
+    from robodyn.loads.uncertainty_result import Uncertain
 
 
 @dataclass(frozen=True)
@@ -165,6 +166,7 @@ class Result:
         origin: the stamp in the table [s] that all times here count from; 0 where these are the stamps.
         held: position [rad or m] of every joint (or coordinate of a floating joint) that was held for want of a column.
         constraints: what loops and contacts bear; None for a tree that stands on nothing.
+        uncertainty: how sure the figures are where parameters are not; None where the scene does not say so.
     """
 
     robot: str
@@ -189,6 +191,7 @@ class Result:
     origin: float = 0.0
     held: Mapping[str, float] = field(default_factory=dict)
     constraints: Constraints | None = None
+    uncertainty: Uncertain | None = None
 
     @property
     def exceeded(self) -> tuple[Excess, ...]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from math import isfinite
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
 from robodyn.scene.constraints import GROUND, Contact, Loop
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.uncertainty import Uncertainty
 from robodyn.support.wording import alternatives, shown
 
 
@@ -41,6 +42,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         ("[spring]", "joint", scene.spring, joints),
         ("[initial] q", "coordinate", scene.initial_q, model.coordinates),
         ("[initial] qd", "coordinate", scene.initial_qd, model.rates),
+        *(() if scene.uncertainty is None else _uncertain(scene.uncertainty, joints, model)),
         ("[[payload]]", "link", [load.link for load in scene.payloads], model.links),
         ("[[wrench]]", "link", [wrench.link for wrench in scene.wrenches], model.links),
         ("[[fluid.link]]", "link", [immersed.link for immersed in scene.immersed], model.links),
@@ -59,6 +61,14 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         raise SceneError(
             "the base moves in the scene and is fixed in the model", remedy="load it with moving_base=True", file=file
         )
+
+
+def _uncertain(
+    given: Uncertainty, joints: Collection[str], model: Model
+) -> Iterator[tuple[str, str, Collection[str], Collection[str]]]:
+    """Yield where links and joints of an uncertainty are named, what they are, which, and which there are."""
+    yield "[uncertainty.joint]", "joint", given.joint, joints
+    yield "[uncertainty.link]", "link", given.link, model.links
 
 
 def refuse_others(model: object, scene: object = DEFAULT) -> None:

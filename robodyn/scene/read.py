@@ -10,6 +10,7 @@ from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rot
 from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
 from robodyn.scene.read_simulation import simulated_of
+from robodyn.scene.read_uncertainty import uncertainty_of
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
 from robodyn.support.input_file import read_input
@@ -27,7 +28,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
         path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
             `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
             `baumgarte`, `motor`, `actuated`,
-            `passive`, `share`, `weights`, `contact`, `contact_cost`.
+            `passive`, `share`, `weights`, `contact`, `contact_cost`, `uncertainty`.
 
     Raises:
         SceneError: the file cannot be read, is not TOML, has a key that is not understood, lacks one, or has a value of
@@ -57,6 +58,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         baumgarte=table.nonnegative("baumgarte", 0.0, "it is positive, or 0 for projection after each step"),
         **simulated_of(table),
         **_fluid(table),
+        uncertainty=uncertainty_of(table),
     )
     for key in NOT_COMPUTED:
         if key in table.values:

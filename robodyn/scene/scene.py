@@ -23,6 +23,7 @@ from robodyn.support.frozen import FrozenValue
 
 if TYPE_CHECKING:
     from robodyn.scene.motor import Motor
+    from robodyn.scene.uncertainty import Uncertainty
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Scene(FrozenValue):
         weights: by joint, of tau^2 in that sum, a number or EFFORT; `weight` of the others.
         contacts: where links may stand on something.
         contact_cost: which of the contact forces that balance are taken.
+        uncertainty: how well the robot's parameters are known; None: no question is asked.
     """
 
     gravity: Vector = (0.0, 0.0, -9.81)
@@ -85,6 +87,7 @@ class Scene(FrozenValue):
     contacts: tuple[Contact, ...] = ()
     contact_cost: ContactCost = LEAST_FORCES
     motor: Mapping[str, Motor] = field(default_factory=dict)
+    uncertainty: Uncertainty | None = None
 
     def __hash__(self) -> int:
         return self._hash

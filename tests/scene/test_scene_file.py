@@ -98,7 +98,7 @@ UNKNOWN = {
     "gravty = [0, 0, 0]": (
         *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor"),
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
-        *("actuated", "passive", "share", "weights", "contact", "contact_cost"),
+        *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),

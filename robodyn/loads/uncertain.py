@@ -1,0 +1,55 @@
+"""Error bars beside the loads of a motion: derivatives, and motions run again, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from robodyn.dynamics.effects.effect import ZeroColumns
+from robodyn.loads.result import JointLoad
+from robodyn.loads.sizing_result import Sizing
+from robodyn.loads.uncertain_report import uncertain
+from robodyn.loads.uncertain_samples import SamplePass
+from robodyn.loads.uncertainty import Pass, UncertaintyPass
+from robodyn.loads.uncertainty_result import Uncertain
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+from robodyn.trajectory.motion import Trajectory
+
+if TYPE_CHECKING:
+    from robodyn.loads.accumulate import Options
+    from robodyn.loads.sizing import SizingPass
+
+
+class UncertainLoads:
+    """Gathers what `Uncertain` tells, block by block."""
+
+    def __init__(self, model: Model, scene: Scene, rates: slice, sizing: SizingPass | None, samples: int) -> None:
+        trains = list(zip(sizing.driven, sizing.motors.trains, strict=True)) if sizing else []
+        self.rates = rates
+        self.linear = UncertaintyPass(model, scene, rates, trains, sizing is not None)
+        self.samples = SamplePass(self.linear, samples) if samples else None
+
+    def take(
+        self,
+        block: Trajectory,
+        sources: Mapping[str, Floats],
+        loads: Floats,
+        off: Floats | float,
+        zero: ZeroColumns,
+        options: Options,
+        expected: int,
+    ) -> None:
+        """Take in a block; see `UncertaintyPass.take`. loads: perhaps with joints' wrenches that are not needed."""
+        qd, qdd = (np.ascontiguousarray(each[:, self.rates].T) for each in (block.qd, block.qdd))
+        how = Pass(options.executor, options.threads, expected)
+        self.linear.take(block.time, block.first_row, sources, loads, (qd, qdd), off, how, zero)
+        if self.samples is not None:
+            self.samples.take(block.time, sources, (qd, qdd), options.executor, options.threads)
+
+    def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
+        """Return everything gathered."""
+        return uncertain(self.linear, self.samples, joints, sizing)

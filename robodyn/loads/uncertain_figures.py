@@ -1,0 +1,200 @@
+"""From gathered derivatives to error bars: linear where that holds, else by draws of the parameters.
+
+The first term of a figure is its derivative. It is tried with a few draws of the parameters, for which the loads at the
+samples that were kept are exact: they are linear in theta, whose entries are polynomials of the parameters. Where the
+first term misses them, because the peak is then at another sample, or a load that is small is made by the errors
+themselves, the figure is drawn often instead.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.loads.uncertainty import UncertaintyPass
+from robodyn.loads.uncertainty_result import Bar, Interval
+from robodyn.programs.vectors import product
+from robodyn.support.floats import BEYOND, Floats
+
+DRAWS, SEED = 10_000, 19
+TRIED = 400
+"""Draws with which the first term is tried."""
+SHIFT, SCATTER = 0.03, 0.15
+"""Of the standard error: the mean and the standard deviation of what the first term may miss."""
+NEAR = 1.959963984540054
+"""Standard errors on either side that hold 95 % of a normal figure."""
+OUT_OF_REACH = 5.0
+"""Standard errors that a sample is below the peak by, which then never rises to it."""
+TINY = 1e-300
+
+
+class Drawn(NamedTuple):
+    """A figure.
+
+    Attributes:
+        value: with its sign; error: its standard error to first order; gradient: (m,) of its magnitude by theta.
+        parts: (k,) what each parameter adds to its variance, in some unit.
+        curved: (draws,) of its magnitude, where the gradient alone would mislead; else None.
+    """
+
+    value: float
+    error: float
+    gradient: Floats
+    parts: Floats
+    curved: Floats | None = None
+
+    def bar(self, sampled: Floats | None = None) -> Bar:
+        """Return the error bar; sampled: magnitudes of motions that were run again."""
+        sign = -1.0 if self.value < 0.0 else 1.0
+        other = None if sampled is None else _interval(sampled, sign)
+        if self.curved is None:
+            reach = NEAR * self.error
+            return Bar(self.value, self.error, self.value - reach, self.value + reach, "linear", other)
+        found = _interval(self.curved, sign)
+        return Bar(self.value, found.standard_error, found.low, found.high, "draws", other)
+
+    def within(self, limit: float) -> float:
+        """Return the probability that the magnitude is within a limit."""
+        if self.curved is not None:
+            return float((self.curved <= BEYOND * limit).mean())
+        if self.error <= 1e-12 * max(abs(self.value), abs(limit)):
+            return float(abs(self.value) <= BEYOND * limit)
+        return normal((limit - abs(self.value)) / self.error)
+
+
+def _interval(draws: Floats, sign: float) -> Interval:
+    """Return standard error and interval of a figure whose magnitudes were drawn."""
+    low, high = np.quantile(sign * draws, (0.025, 0.975)).tolist()
+    return Interval(float(draws.std(ddof=1)) if len(draws) > 1 else 0.0, low, high)
+
+
+def normal(u: float) -> float:
+    """Return the probability that a standard normal number is below u."""
+    return 0.5 * math.erfc(-u / math.sqrt(2.0))
+
+
+class Figures:
+    """Figures of a motion, of everything that a pass has gathered."""
+
+    def __init__(self, gathered: UncertaintyPass) -> None:
+        self.of = gathered
+        x = gathered.found.draws(DRAWS, SEED)
+        self.theta = gathered.found.theta(x)
+        self._linear = product(x, gathered.found.jacobian.T)
+        self._peaks: dict[int, Drawn] = {}
+        self._rms: dict[int, Drawn] = {}
+
+    def magnitudes(self, figure: Drawn) -> Floats:
+        """Return a figure's magnitude for all draws, the same ones for all figures."""
+        if figure.curved is not None:
+            return figure.curved
+        return np.asarray(abs(figure.value) + product(self._linear, figure.gradient))
+
+    def peak(self, k: int) -> Drawn:
+        """Return the largest magnitude of figure k."""
+        if k not in self._peaks:
+            at = self.of.at[k]
+            size = float(np.sqrt((at[:, 0] ** 2).sum()))
+            gradient = product(at[:, 0], at[:, 1:]) / size if size else np.zeros(at.shape[1] - 1)
+            value = float(at[0, 0]) if self.of.of.figures[k].b < 0 else size
+            samples, less = self._rivals(k, size, gradient)
+
+            def drawn(theta: Floats) -> Floats:
+                columns = samples[..., 0] + product(theta, samples[..., 1:].reshape(-1, theta.shape[1]).T).reshape(
+                    -1, len(samples), 2
+                )
+                return np.asarray((np.sqrt((columns * columns).sum(-1)) - less).max(axis=1))
+
+            self._peaks[k] = self._figure(value, gradient, at[:, 1:], drawn)
+        return self._peaks[k]
+
+    def _rivals(self, k: int, size: float, gradient: Floats) -> tuple[Floats, Floats]:
+        """Return the samples (n, 2, 1 + m) that may be the peak, itself first, and (n,) what is not sure of them.
+
+        A sample of the opposite sign may be one too.
+        """
+        at, more = self.of.at[k], self.of.contenders[k]
+        less = self.of.less[k] - float(self.of.peaks.kept["off"][k])
+        sizes = np.sqrt((more[:, :, 0] ** 2).sum(1))
+        slopes = np.einsum("mi,mik->mk", more[:, :, 0], more[:, :, 1:]) / (sizes + TINY)[:, None]
+        across = self.of.variance(more[:, :, 1:]).sum(1)
+        near = np.zeros(len(more), dtype=bool)
+        for sign in (1.0, -1.0):
+            spread = np.sqrt(self.of.variance(gradient - sign * slopes)) + np.sqrt(across) * (sizes < np.sqrt(across))
+            near |= size - sign * sizes + less <= OUT_OF_REACH * spread
+        return np.concatenate((at[None], more[near])), np.append(0.0, less[near])
+
+    def rms(self, k: int) -> Drawn:
+        """Return the RMS of figure k; its magnitude in a motion without duration."""
+        totals, duration = self.of.integrals.totals, self.of.integrals.duration
+        if duration <= 0.0:
+            found = self.peak(k)
+            return found._replace(value=abs(found.value))
+        if k not in self._rms:
+            figure = self.of.of.figures[k]
+            columns = [figure.a] if figure.b < 0 else [figure.a, figure.b]
+            size = math.sqrt(float(totals["square"][columns].sum()) / duration)
+            gradient = totals["product"][columns].sum(0) / (duration * size) if size else np.zeros(self.theta.shape[1])
+            rows, share = self.of.kept.columns[columns], _shares(self.of.kept.time)
+            A = np.einsum("cri,crj,r->ij", rows, rows, share)
+
+            def drawn(theta: Floats) -> Floats:
+                squares = A[0, 0] + 2.0 * product(theta, A[0, 1:])
+                squares = squares + np.einsum("ni,ni->n", product(theta, A[1:, 1:]), theta)
+                roots = np.sqrt(np.maximum(squares, 0.0))
+                return np.asarray(np.maximum(roots + (size - math.sqrt(max(float(A[0, 0]), 0.0))), 0.0))
+
+            self._rms[k] = self._figure(size, gradient, rows[..., 1:].reshape(-1, len(gradient)), drawn)
+        return self._rms[k]
+
+    def cubic(self, i: int) -> Drawn:
+        """Return the cubic mean of what gear i bears."""
+        totals, of = self.of.integrals.totals, self.of.of
+        travel, wear = float(totals["travel"][i]), float(totals["wear"][i])
+        size = (wear / travel) ** (1 / 3) if travel else 0.0
+        gradient = totals["wear change"][i] / (travel * size * size) if size else np.zeros(self.theta.shape[1])
+        column = [figure.a for figure in of.figures if figure.name == "gear"][i]
+        share = _shares(self.of.kept.time) * self.of.kept.pace[of.trains[i][0]]
+        share = share / (share.sum() + TINY)
+        rows = self.of.kept.columns[column]
+
+        def mean(load: Floats) -> Floats:
+            return np.asarray(np.cbrt(np.einsum("...r,r->...", np.abs(load * load * load), share)))
+
+        def drawn(theta: Floats) -> Floats:
+            found = mean(rows[:, 0] + product(theta, rows[:, 1:].T))
+            return np.asarray(np.maximum(found + (size - float(mean(rows[:, 0]))), 0.0))
+
+        return self._figure(size, gradient, rows[:, 1:], drawn)
+
+    def _figure(self, value: float, gradient: Floats, rows: Floats, drawn: Callable[[Floats], Floats]) -> Drawn:
+        """Return a figure, drawn where its first term is not all.
+
+        Args:
+            rows: (n, m) derivatives of all that it is made of. drawn: its magnitudes for draws of theta.
+        """
+        error = math.sqrt(float(self.of.variance(gradient)))
+        missed = drawn(self.theta[:TRIED]) - abs(value) - product(self._linear[:TRIED], gradient)
+        if abs(float(missed.mean())) <= SHIFT * error and float(missed.std()) <= SCATTER * error:
+            return Drawn(value, error, gradient, self._parts(gradient[None]))
+        if float(np.abs(missed).max()) <= 1e-12 * abs(value):
+            return Drawn(value, error, gradient, self._parts(gradient[None]))
+        return Drawn(value, error, gradient, self._parts(rows), drawn(self.theta))
+
+    def _parts(self, rows: Floats) -> Floats:
+        """Return (k,) what each parameter adds to the variance of what has these derivatives (n, m), in all."""
+        along = product(rows, self.of.found.jacobian)
+        L = self.of.found.factor
+        return np.asarray((along * (along if L is None else product(product(along, L), L.T))).sum(0))
+
+
+def _shares(time: Floats) -> Floats:
+    """Return the share of the time that each of some samples stands for."""
+    if len(time) < 2:
+        return np.ones(len(time))
+    weights = np.gradient(time)
+    weights[[0, -1]] *= 0.5
+    return np.asarray(weights / weights.sum())

@@ -1,0 +1,177 @@
+"""How peaks and mean squares change with uncertain parameters, gathered block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.effects.effect import ZeroColumns
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.variations import variations
+from robodyn.dynamics.varied_loads import derivative_runner
+from robodyn.loads.motors import Train
+from robodyn.loads.statistics import Greatest, Integrals
+from robodyn.loads.uncertain_quantities import Quantities
+from robodyn.programs.run.runner import Runner
+from robodyn.programs.vectors import product
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+ROOM = 4_000_000
+"""Numbers of derivatives that are held at a time."""
+CONTENDERS = 32
+"""Samples that are kept of each figure, among which other parameters may have its peak."""
+FAR = 3.0
+"""Standard deviations by which a sample may rise above another one."""
+ROWS = 128
+"""Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
+
+
+class Pass(NamedTuple):
+    """What is the same for all blocks."""
+
+    executor: str
+    threads: int | None
+    expected: int
+
+
+class Kept(NamedTuple):
+    """Samples of a motion: time (rows,), columns with derivatives (columns, rows, 1 + m), |qd| (joints, rows)."""
+
+    time: Floats
+    columns: Floats
+    pace: Floats
+
+
+class UncertaintyPass:
+    """Gathers derivatives by theta, which has m entries.
+
+    Attributes:
+        peaks: of the figures' magnitudes; at: (figures, 2, 1 + m) the columns then, and their derivatives.
+        contenders: (figures, samples, 2, 1 + m) likewise, of samples that may be peaks; less: (figures, samples) what
+            is not sure of them, as peaks are chosen by.
+        integrals: of "square" (columns,), "product" with derivatives (columns, m), and of gears the "wear" (gears,),
+            "wear change" (gears, m) and "travel".
+        kept: evenly spread samples.
+    """
+
+    def __init__(
+        self, model: Model, scene: Scene, rates: slice, trains: Sequence[tuple[int, Train]], bearings: bool
+    ) -> None:
+        """Args: rates: entries of tau that are joints; trains: joints with motors; bearings: whether they count."""
+        self.model, self.scene, self.bearings = model, scene, bearings
+        self.found = variations(model, scene)
+        self.of = Quantities(model, model.rates[rates], rates, trains, bearings)
+        count, self._m = len(self.of.figures), len(self.found.jacobian)
+        self.peaks, self.at = Greatest(count), np.zeros((count, 2, 1 + self._m))
+        self.contenders, self.less = np.zeros((count, 0, 2, 1 + self._m)), np.zeros((count, 0))
+        self._upper = np.zeros((count, 0))
+        self.integrals = Integrals()
+        nothing = np.zeros((self.of.columns, 0, 1 + self._m)), np.zeros((len(self.of.joints), 0))
+        self.kept, self._stride, self._seen = Kept(np.zeros(0), *nothing), 1, 0
+        self._runners: dict[ZeroColumns, Runner] = {}
+        L = self.found.factor
+        self._root = self.found.jacobian if L is None else product(self.found.jacobian, L)
+
+    def take(
+        self,
+        time: Floats,
+        first_row: int,
+        sources: Mapping[str, Floats],
+        loads: Floats,
+        motion: tuple[Floats, Floats],
+        off: Floats | float,
+        how: Pass,
+        zero: ZeroColumns,
+    ) -> None:
+        """Take in a block.
+
+        Args:
+            loads: (N, ...) tau, base wrench, and with bearings the wrenches of all other bodies.
+            motion: qd and qdd (joints, N).
+            off: (joints, N) by how much torques may be off, as peaks of joints are chosen by.
+            zero: sources that are zero throughout.
+        """
+        if zero not in self._runners:
+            self._runners[zero] = derivative_runner(plan(self.model, self.scene, zero), self.found, self.bearings)
+        runner = self._runners[zero]
+        step = max(2, ROOM // len(runner.program.outputs))
+        for start in range(0, len(time), step):
+            part = slice(start, start + step)
+            given, count = {name: values[part] for name, values in sources.items()}, len(time[part])
+            given["theta"] = np.zeros((count, self._m))
+            found = runner.run(given, count, executor=how.executor, threads=how.threads, expected=how.expected).values
+            qd, qdd = (each[:, part] for each in motion)
+            values = self.of.values(loads[part], qd, qdd)
+            changes = self.of.changes(found.reshape(count, -1, self._m), values, qd)
+            self._integrate(time[part], values, changes, qd)
+            self._keep(time[part], values, changes, qd)
+            less = off if isinstance(off, float) else off[:, part]
+            self._peaks(time[part], first_row + start, values, changes, less)
+
+    def variance(self, changes: Floats) -> Floats:
+        """Return the variance of what has these derivatives (..., m) by theta, to first order."""
+        along = product(changes.reshape(-1, self._m), self._root)
+        return np.asarray(np.einsum("nk,nk->n", along, along).reshape(changes.shape[:-1]))
+
+    def _integrate(self, time: Floats, values: Floats, changes: Floats, qd: Floats) -> None:
+        quantities = {"square": values * values, "product": np.moveaxis(values[..., None] * changes, -1, 1)}
+        if self.of.trains:
+            gears = [figure.a for figure in self.of.figures if figure.name == "gear"]
+            pace = np.abs(qd[[k for k, _ in self.of.trains]])
+            load, by = values[gears], changes[gears]
+            quantities["travel"] = pace
+            quantities["wear"] = np.abs(load * load * load) * pace
+            quantities["wear change"] = np.moveaxis((load * np.abs(load) * pace)[..., None] * by, -1, 1)
+        self.integrals.update(time, quantities)
+
+    def _keep(self, time: Floats, values: Floats, changes: Floats, qd: Floats) -> None:
+        """Keep every so many-th sample; twice as few whenever there are too many."""
+        while (self._seen + len(time)) / self._stride > ROWS:
+            self._stride *= 2
+            self.kept = Kept(self.kept.time[::2], self.kept.columns[:, ::2], self.kept.pace[:, ::2])
+        rows = np.arange(-self._seen % self._stride, len(time), self._stride)
+        columns = np.concatenate((values[:, rows, None], changes[:, rows]), -1)
+        news = Kept(time[rows], columns, np.abs(qd[:, rows]))
+        self.kept = Kept(
+            np.concatenate((self.kept.time, news.time)),
+            np.concatenate((self.kept.columns, news.columns), 1),
+            np.concatenate((self.kept.pace, news.pace), 1),
+        )
+        self._seen += len(time)
+
+    def _peaks(self, time: Floats, row: int, values: Floats, changes: Floats, off: Floats | float) -> None:
+        a, b = self.of.pairs
+        single = (b < 0)[:, None]
+        second = np.where(single, 0.0, values[b])
+        score = np.where(single, np.abs(values[a]), np.sqrt(values[a] * values[a] + second * second))
+        variance = self.variance(changes)
+        upper = score + FAR * np.sqrt(variance[a] + np.where(single, 0.0, variance[b]))
+        less = np.zeros_like(score)
+        less[: len(self.of.joints)] = off
+        for figure, at in self.peaks.update(time, row, score - less, off=less):
+            self.at[figure] = self._both(figure, np.array([at]), values, changes)[0]
+        self._contend(upper - less, less, values, changes)
+
+    def _contend(self, upper: Floats, less: Floats, values: Floats, changes: Floats) -> None:
+        """Keep the samples that may rise highest, one of each of the spans of a block."""
+        edges = np.unique(np.linspace(0, upper.shape[1], CONTENDERS + 1).astype(int))
+        chosen = np.stack([left + upper[:, left:right].argmax(1) for left, right in pairwise(edges.tolist())], 1)
+        news = np.stack([self._both(figure, at, values, changes) for figure, at in enumerate(chosen)])
+        every = np.concatenate((self.contenders, news), 1)
+        levels = np.concatenate((self._upper, np.take_along_axis(upper, chosen, 1)), 1)
+        unsure = np.concatenate((self.less, np.take_along_axis(less, chosen, 1)), 1)
+        best = np.argsort(-levels, axis=1, kind="stable")[:, :CONTENDERS]
+        self.contenders = np.take_along_axis(every, best[..., None, None], 1)
+        self._upper, self.less = (np.take_along_axis(each, best, 1) for each in (levels, unsure))
+
+    def _both(self, figure: int, at: NDArray[np.int64], values: Floats, changes: Floats) -> Floats:
+        """Return (samples, 2, 1 + m) the columns of a figure at some samples, and their derivatives."""
+        a, b = self.of.figures[figure].a, self.of.figures[figure].b
+        rows = [np.concatenate((values[c, at, None], changes[c, at]), -1) for c in ((a, b) if b >= 0 else (a,))]
+        return np.stack(rows if b >= 0 else [*rows, np.zeros_like(rows[0])], 1)

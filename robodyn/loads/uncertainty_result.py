@@ -1,0 +1,124 @@
+"""How sure the figures of a motion are where parameters are uncertain: frozen data that reports turn into text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from robodyn.support.doubts import Doubt
+
+Method = Literal["linear", "draws"]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Standard error, and an interval that holds the figure in 95 % of cases."""
+
+    standard_error: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A figure and how sure it is.
+
+    Attributes:
+        value: for the parameters as given, with its sign; a figure is compared by its magnitude.
+        standard_error, low, high: as `Interval` has them.
+        method: "linear": by the derivatives of the figure; "draws": of the linear loads at all samples that may become
+            the figure's, for the derivatives alone would mislead.
+        sampled: of motions run again with drawn parameters; None where that was not asked for.
+    """
+
+    value: float
+    standard_error: float
+    low: float
+    high: float
+    method: Method
+    sampled: Interval | None = None
+
+
+@dataclass(frozen=True)
+class UncertainLimit:
+    """A limit of a joint, and whether the motion keeps to it.
+
+    Attributes:
+        quantity: as `Exceeded.quantity`; "motor torque" as a share of what the peak curve allows then.
+        probability: that the figure's magnitude is within the limit.
+    """
+
+    quantity: str
+    figure: Bar
+    limit: float
+    unit: str
+    probability: float
+
+
+@dataclass(frozen=True)
+class UncertainLoad:
+    """Peak and RMS of a load, of a joint, of its motor, of a component of a bearing's load or of the base wrench.
+
+    Attributes:
+        name: of the joint or the component.
+        shares: by parameter, its share of the variance of the peak, largest first; they add up to 1. Correlated ones
+            share what they make together, and may be negative. rms_shares: likewise.
+    """
+
+    name: str
+    unit: str
+    peak: Bar
+    rms: Bar
+    shares: Mapping[str, float]
+    rms_shares: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class UncertainJoint:
+    """A joint with its limits.
+
+    Attributes:
+        load: at the joint; motor: at its motor's shaft, None without one.
+        limits: () where none are known.
+        suffices: the probability that all limits are kept; None without any.
+    """
+
+    load: UncertainLoad
+    motor: UncertainLoad | None
+    limits: tuple[UncertainLimit, ...]
+    suffices: float | None
+
+
+SURE = 0.95
+"""A verdict that holds with a smaller probability is in doubt."""
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """How sure the figures of a motion are.
+
+    Attributes:
+        parameters: by name the standard deviation of each that varies [SI; of factors as shares].
+        draws: of parameters, for figures that are not linear and for probabilities.
+        samples: motions that were run again; 0 if that was not asked for.
+        base: components of the base wrench.
+        bearings: by joint, components of its bearing's load and the resultants radial and tilting; {} without sizing.
+        suffices: the probability that all joints keep to all their limits; None without any.
+    """
+
+    parameters: Mapping[str, float]
+    draws: int
+    samples: int
+    joints: tuple[UncertainJoint, ...]
+    base: tuple[UncertainLoad, ...]
+    bearings: Mapping[str, tuple[UncertainLoad, ...]]
+    suffices: float | None
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """Why a verdict for the parameters as they are given may not hold for the robot."""
+        if self.suffices is None or self.suffices >= SURE:
+            return ()
+        said = f"parameters are uncertain: all limits are kept with a probability of {100.0 * self.suffices:.3g} %"
+        return (Doubt("with the parameters as they are given", said),)

@@ -1,0 +1,144 @@
+"""Loads of varied parameters: those of an edited description, and their derivatives, which the regressor knows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.oracles import random_state, robot, worst
+from helpers.small_robots import body_numbers, built, joint, link
+
+import robodyn
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.variations import variations
+from robodyn.dynamics.varied_loads import derivative_runner, varied_runner
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
+
+SAMPLES = 4
+
+
+def sources(model, state, columns=()):
+    return dict(zip(("q", "qd", "qdd"), state, strict=True)) | {
+        "columns": np.array(columns).T.reshape(len(state[0]), -1)
+    }
+
+
+def derivatives(model, scene, given, joints=False):
+    """By x, at x = 0."""
+    found = variations(model, scene)
+    runner, count = derivative_runner(plan(model, scene), found, joints), len(given["q"])
+    by_theta = runner({**given, "theta": np.zeros((count, len(found.jacobian)))}, count)
+    return by_theta.reshape(count, -1, len(found.jacobian)) @ found.jacobian
+
+
+def varied(model, scene, given, x, joints=False):
+    """Loads of parameters that are off by x (k,)."""
+    found, count = variations(model, scene), len(given["q"])
+    runner = varied_runner(plan(model, scene), found, joints)
+    return runner({**given, "theta": np.tile(found.theta(x[None]), (count, 1))}, count)
+
+
+@pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
+def test_derivatives_by_the_regressors_parameters_are_its_columns(moving_base):
+    model, rng = busy_robot(moving_base), np.random.default_rng(5)
+    scene = replace(BUSY_SCENE, slip_speed=0.2)
+    state = random_state(model, rng, SAMPLES)
+    columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
+    Y, theta, names, _ = robodyn.regressor(model, *state, scene=scene, columns=columns)
+    sizes = rng.uniform(0.1, 2.0, len(names))
+    known = Covariance(names, tuple(theta), tuple(map(tuple, np.diag(sizes**2))))
+    found = derivatives(
+        model, replace(scene, uncertainty=Uncertainty(covariance=known)), sources(model, state, list(columns.values()))
+    )
+    assert worst(found[:, : model.n], Y * sizes) <= 1e-14
+
+
+def arm(numbers):
+    """Two arms with parts fixed to them, the frames of all of which are askew."""
+    askew = {"xyz": (0.3, -0.2, 0.1), "rpy": (0.4, -0.7, 1.1)}
+    return built(
+        link("base"),
+        *(link(name, *numbers[name], rpy=(0.0, 0.0, 0.0) if name == "a" else (0.3, 0.2, -0.5)) for name in numbers),
+        joint("j1", "base", "a", axis=(0, 0.6, 0.8), **askew),
+        joint("f", "a", "b", "fixed", **askew),
+        joint("j2", "b", "c", "prismatic", axis=(0.6, 0, 0.8), **askew),
+        joint("g", "c", "d", "fixed", **askew),
+    )
+
+
+def test_loads_are_those_of_an_edited_description():
+    """Mass with the radii of gyration kept, the centre of mass with the inertia about it kept, the inertia scaled."""
+    rng = np.random.default_rng(8)
+    numbers = {name: body_numbers(rng) for name in "abcd"}
+    absolute = LinkUncertainty(Deviation(0.2, relative=False), Deviation(0.1), Deviation(0.01, relative=False))
+    given = Uncertainty(Deviation(0.1), Deviation(0.02, relative=False), Deviation(0.2), link={"a": absolute})
+    scene, model = Scene(uncertainty=given), arm(numbers)
+    names = tuple(each.name for each in variations(model, scene).each)
+    assert names == tuple(
+        f"{n}.{q}" for n in "abcd" for q in ("mass", *["com"] * 3, *["inertia"] * (3 if n == "a" else 1))
+    )
+    x, edited, at = rng.normal(size=len(names)), {}, 0
+    for name, (m, c, I) in numbers.items():
+        if name == "a":
+            mass, far = m + 0.2 * x[0], 0.1 * np.sqrt(np.square(c).sum())
+            inertia = I * mass / m + 0.01 * np.array([x[4], 0, 0, x[5], 0, x[6]])
+            edited[name], at = (mass, c + far * x[1:4], inertia), 7
+        else:
+            mass = m * (1 + 0.1 * x[at])
+            edited[name] = (mass, c + 0.02 * x[at + 1 : at + 4], I * mass / m * (1 + 0.2 * x[at + 4]))
+            at += 5
+    state = random_state(model, rng, SAMPLES)
+    found = varied(model, scene, sources(model, state), x)
+    assert worst(found[:, : model.n], robodyn.inverse_dynamics(arm(edited), *state)) <= 1e-13
+
+
+def test_derivatives_are_central_differences_of_the_loads():
+    """Loads are of second degree in every parameter, so that these are exact."""
+    model, rng = robot("puma560"), np.random.default_rng(2)
+    given = Uncertainty(Deviation(0.1), Deviation(0.02, relative=False), Deviation(0.2), Deviation(0.3))
+    scene = Scene(uncertainty=given)
+    state = sources(model, random_state(model, rng, SAMPLES))
+    found = derivatives(model, scene, state, joints=True)
+    for k, x in enumerate(np.eye(found.shape[-1])):
+        difference = 0.5 * (varied(model, scene, state, x, joints=True) - varied(model, scene, state, -x, joints=True))
+        assert worst(found[..., k], difference, np.abs(found).max()) <= 1e-13
+
+
+def test_friction_by_a_factor_and_by_a_torque():
+    model, rng = robot("scara"), np.random.default_rng(3)
+    friction = {"shoulder": Friction(0.4, 0.8, -0.5, 1.7, 0.9), "elbow": Friction(0.1, 0.3, -0.3)}
+    given = Uncertainty(
+        friction=Deviation(0.2), joint={"elbow": Deviation(0.6, relative=False), "quill": Deviation(0.0)}
+    )
+    scene = Scene(friction=friction, slip_speed=0.1, uncertainty=given)
+    names = tuple(each.name for each in variations(model, scene).each)
+    x = rng.normal(size=len(names))
+    of = dict(zip(names, x, strict=True))
+    share, more = 1 + 0.2 * of["shoulder.friction"], 0.6 * of["elbow.friction"]
+    edited = {
+        "shoulder": Friction(0.4 * share, 0.8 * share, -0.5 * share, 1.7 * share, 0.9),
+        "elbow": Friction(0.1, 0.3 + more, -0.3 - more),
+    }
+    assert "quill.friction" not in names
+    state = random_state(model, rng, SAMPLES)
+    expected = robodyn.inverse_dynamics(model, *state, scene=Scene(friction=edited, slip_speed=0.1))
+    assert worst(varied(model, scene, sources(model, state), x)[:, : model.n], expected) <= 1e-14
+
+
+def test_draws_have_the_covariance():
+    model, rng = robot("scara"), np.random.default_rng(6)
+    names = ("spindle.m", "spindle.mx", "elbow.viscous", "shoulder.rotor")
+    half = rng.normal(size=(4, 3))
+    C = half @ half.T
+    scene = Scene(uncertainty=Uncertainty(covariance=Covariance(names, (0.0,) * 4, tuple(map(tuple, C)))))
+    found = variations(model, scene)
+    sizes = [each.deviation for each in found.each]
+    assert worst(found.correlation * np.outer(sizes, sizes), C) <= 1e-12
+    x = found.draws(20_000, 1) * sizes
+    spread = np.sqrt((np.outer(np.diag(C), np.diag(C)) + C**2) / 20_000)
+    assert np.all(np.abs(x.T @ x / len(x) - C) <= 5 * spread)
+    assert np.array_equal(found.draws(5, 1), found.draws(5, 1))

@@ -1,0 +1,255 @@
+"""Error bars of loads where parameters are uncertain: closed forms, and Monte Carlo."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.example_robots import real
+from helpers.motions import Pieces
+from helpers.oracles import ROBOTS, robot
+from helpers.small_robots import built, joint, link
+
+import robodyn
+from robodyn.errors import InputError, SceneError
+from robodyn.loads.uncertain_figures import normal
+from robodyn.robot.model import Model
+from robodyn.scene.motor import Motor
+from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
+
+KNOWN = Uncertainty(Deviation(0.05), Deviation(0.003, relative=False), Deviation(0.1), Deviation(0.2))
+G = 9.81
+
+
+def pendulum(limit=1000.0, mass=2.0, length=0.5):
+    return built(
+        link("base"),
+        link("arm", mass, (length, 0, 0), (0.01, 0, 0, 0.02, 0, 0.02)),
+        joint("hinge", "base", "arm", axis=(0, -1, 0)).replace('effort="1000"', f'effort="{limit!r}"'),
+    )
+
+
+def held(model, scene, q=0.0, rows=5, **options):
+    time = np.linspace(0, 1, rows)
+    still = np.zeros((rows, model.n))
+    return robodyn.torques(model, robodyn.motion(model, time, still + q, still, still), scene, **options)
+
+
+def test_a_held_pendulum():
+    """tau = m g x, so that its variance is (g x s_m)^2 + (m g s_x)^2."""
+    result = held(pendulum(), Scene(uncertainty=Uncertainty(Deviation(0.05), Deviation(0.003, relative=False))))
+    (found,) = result.uncertainty.joints
+    mass, com = 0.05 * 2 * G * 0.5, 2 * G * 0.003
+    for bar in (found.load.peak, found.load.rms):
+        assert bar.value == pytest.approx(G, rel=1e-14)
+        assert bar.standard_error == pytest.approx(math.hypot(mass, com), rel=1e-12)
+        assert bar.high - bar.value == pytest.approx(1.959964 * math.hypot(mass, com), rel=1e-6)
+        assert bar.method == "linear"
+    for shares in (found.load.shares, found.load.rms_shares):
+        assert list(shares) == ["arm.mass", "arm.com"]
+        assert shares["arm.mass"] == pytest.approx(mass**2 / (mass**2 + com**2), rel=1e-12)
+    assert result.uncertainty.parameters == {"arm.mass": pytest.approx(0.1), "arm.com": 0.003}
+
+
+@pytest.mark.parametrize("limit", [9.0, 9.81, 10.5, 11.0])
+def test_the_probability_that_a_limit_is_kept(limit):
+    result = held(pendulum(limit), Scene(uncertainty=Uncertainty(Deviation(0.05))))
+    expected = normal((limit - G) / (0.05 * G))
+    assert result.uncertainty.suffices == pytest.approx(expected, rel=1e-9)
+    (effort, velocity) = result.uncertainty.joints[0].limits
+    assert (effort.quantity, effort.limit, velocity.probability) == ("effort", limit, 1.0)
+    doubts = [doubt.clause for doubt in result.doubts if "parameters" in doubt.clause]
+    assert bool(doubts) == (expected < 0.95)
+    assert result.within_limits is (False if limit < G else None if doubts else True)
+
+
+def test_a_balanced_pendulum_is_no_linear_matter():
+    """tau = m g s_x z: its magnitude is half-normal, and so is its RMS."""
+    model = pendulum(length=0.0)
+    result = held(model, Scene(uncertainty=Uncertainty(com=Deviation(0.003, relative=False))))
+    (found,) = result.uncertainty.joints
+    size = 2 * G * 0.003
+    for bar in (found.load.peak, found.load.rms):
+        assert (bar.value, bar.method) == (0.0, "draws")
+        assert bar.standard_error == pytest.approx(size * math.sqrt(1 - 2 / math.pi), rel=0.03)
+        assert abs(bar.high) == pytest.approx(size * 2.2414, rel=0.03)
+    assert found.load.shares == {"arm.com": pytest.approx(1.0)}
+
+
+def test_a_peak_that_may_be_at_another_sample():
+    """Two poses, the torque of each by one coordinate of the centre of mass: the larger of two normal numbers."""
+    time = np.linspace(0, 1, 2)
+    model = built(link("base"), link("arm", 2.0, (0.5, 0, 0.5)), joint("hinge", "base", "arm", axis=(0, -1, 0)))
+    q = np.array([[0.0], [-np.pi / 2]])
+    scene = Scene(uncertainty=Uncertainty(com=Deviation(0.05, relative=False)))
+    result = robodyn.torques(model, robodyn.motion(model, time, q, 0 * q, 0 * q), scene, samples=4000)
+    peak, size = result.uncertainty.joints[0].load.peak, 2 * G * 0.05
+    assert peak.method == "draws"
+    expected = size * math.sqrt(1 - 1 / math.pi)
+    assert peak.standard_error == pytest.approx(expected, rel=0.03)
+    assert peak.sampled.standard_error == pytest.approx(expected, rel=0.05)
+
+
+def test_correlated_parameters():
+    """m and m x that go together, against each other, or not at all."""
+    model = pendulum()
+    for r in (-1.0, 0.0, 1.0):
+        rows = ((0.01, 0.02 * r), (0.02 * r, 0.04))
+        known = Covariance(("arm.m", "arm.mx"), (2.0, 1.0), rows)
+        found = held(model, Scene(uncertainty=Uncertainty(covariance=known)), q=0.0).uncertainty
+        fx, load = found.base, found.joints[0].load
+        assert load.peak.standard_error == pytest.approx(0.2 * G, rel=1e-12)
+        assert load.shares == {"arm.mx": pytest.approx(1.0), "arm.m": pytest.approx(0.0, abs=1e-12)}
+        assert fx[2].peak.standard_error == pytest.approx(0.1 * G, rel=1e-12)
+        both = {each.name: each for each in found.base}["my"]
+        assert both.peak.standard_error == pytest.approx(0.2 * G, rel=1e-12)
+
+
+def waves(model, samples=300, seed=1, size=1.0):
+    """A motion of sines, to be had in every robot."""
+    rng, time = np.random.default_rng(seed), np.linspace(0, 2, samples)
+    rate, phase, far = rng.uniform(2, 5, model.n), rng.uniform(0, 6, model.n), rng.uniform(0.3, size, model.n)
+    turn = np.multiply.outer(time, rate) + phase
+    return robodyn.motion(model, time, far * np.sin(turn), far * rate * np.cos(turn), -far * rate**2 * np.sin(turn))
+
+
+def scene_of(model, **more):
+    """All that may be uncertain, with motors and gears at every joint."""
+    names = [joint.name for joint in model.independent if joint.kind != "floating"]
+    motor = Motor(0.8, continuous=1.0, peak=((0.0, 3.0), (900.0, 1.0)), gear_average=30.0, gear_peak=90.0)
+    return Scene(
+        friction={name: Friction(0.5, 1.0, -0.8) for name in names},
+        rotor=dict.fromkeys(names, Rotor(1e-4, 50.0)),
+        motor=dict.fromkeys(names, motor),
+        uncertainty=KNOWN,
+        **more,
+    )
+
+
+def bars(found):
+    """Every bar with its name."""
+    for each in found.joints:
+        for load in (each.load, each.motor):
+            yield f"{load.name} {load.unit} peak", load.peak
+            yield f"{load.name} {load.unit} rms", load.rms
+        for limit in each.limits:
+            yield f"{each.load.name} {limit.quantity}", limit.figure
+    for owner, loads in (("base", found.base), *found.bearings.items()):
+        for load in loads:
+            yield f"{owner} {load.name} peak", load.peak
+            yield f"{owner} {load.name} rms", load.rms
+
+
+def compare(result, samples, share):
+    """Assert that bars are those of sampled motions within a share of them and five sampling errors of both."""
+    found = list(bars(result.uncertainty))
+    assert len(found) > 30
+    worst = share + 5 * (1 / math.sqrt(2 * samples) + 1 / math.sqrt(2 * 10_000))
+    for name, bar in found:
+        again = bar.sampled
+        if again is None:
+            continue
+        size = max(abs(bar.value), 1e-3)
+        assert abs(bar.standard_error - again.standard_error) <= worst * again.standard_error + 1e-12 * size, name
+        width = again.high - again.low
+        assert abs(bar.low - again.low) <= worst * width + 1e-12 * size, name
+        assert abs(bar.high - again.high) <= worst * width + 1e-12 * size, name
+
+
+@pytest.mark.parametrize("name", ["scara", "puma560"])
+def test_bars_are_those_of_motions_that_are_run_again(name):
+    model = robot(name)
+    compare(robodyn.torques(model, waves(model), scene_of(model), samples=400), 400, 0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cylindrical", "two_link_spatial", "gripper", "puma", "ur5_robot", "panda"])
+def test_bars_of_more_robots(name):
+    model = robot(name) if (ROBOTS / f"{name}.urdf").exists() else real(name)
+    assert isinstance(model, Model)
+    compare(robodyn.torques(model, waves(model), scene_of(model), samples=2000), 2000, 0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["scara", "puma560", "puma", "cylindrical", "ur5_robot", "panda"])
+def test_bars_within_a_twentieth_of_a_hundred_thousand_samples(name):
+    """Peaks and RMS of torques, which are linear in the regressor's parameters, so that samples cost a product."""
+    model = robot(name) if (ROBOTS / f"{name}.urdf").exists() else real(name)
+    trajectory = waves(model, 60)
+    scene = replace(scene_of(model), motor={})
+    found = robodyn.torques(model, trajectory, scene).uncertainty
+    from robodyn.dynamics.variations import variations
+
+    of = variations(model, scene)
+    Y, theta, names, rest = robodyn.regressor(model, trajectory.q, trajectory.qd, trajectory.qdd, scene=scene)
+    rng = np.random.default_rng(7)
+    weights = np.gradient(trajectory.time)
+    weights[[0, -1]] /= 2
+    weights *= (trajectory.time[1] - trajectory.time[0]) / weights[1]
+    weights[[0, -1]] = weights[1] / 2
+    peaks, squares = [], []
+    for _ in range(20):
+        x = rng.normal(size=(5000, len(of.each)))
+        drawn, changes = np.tile(theta, (5000, 1)), of.theta(x)
+        for i, body in enumerate(of.bodies):
+            at = names.index(f"{model.bodies[body].name}.m")
+            drawn[:, at : at + 10] += changes[:, 10 * i : 10 * i + 10]
+        for k, each in enumerate(of.each):
+            if each.joint:
+                at = names.index(f"{each.joint}.viscous")
+                part = (each.friction.viscous, each.friction.forward, each.friction.backward)
+                drawn[:, at : at + 3] += x[:, k, None] * np.array(part)
+        tau = np.tensordot(drawn, Y, (1, 2)) + rest
+        peaks.append(np.abs(tau).max(axis=1))
+        squares.append(np.sqrt(np.einsum("snj,n->sj", tau**2, weights) / trajectory.time[-1]))
+    for k, each in enumerate(found.joints):
+        for bar, again in (
+            (each.load.peak, np.concatenate(peaks)[:, k]),
+            (each.load.rms, np.concatenate(squares)[:, k]),
+        ):
+            sign = -1 if bar.value < 0 else 1
+            low, high = np.quantile(sign * again, (0.025, 0.975))
+            assert bar.standard_error == pytest.approx(again.std(), rel=0.05)
+            assert abs(bar.low - low) <= 0.05 * (high - low)
+            assert abs(bar.high - high) <= 0.05 * (high - low)
+
+
+def test_blocks_threads_and_executors_agree():
+    model = robot("two_link_spatial")
+    scene, trajectory = scene_of(model), waves(model, 500)
+
+    whole = list(bars(robodyn.torques(model, trajectory, scene, samples=3, executor="numpy").uncertainty))
+    again = list(bars(robodyn.torques(model, trajectory, scene, samples=3, executor="compiled", threads=2).uncertainty))
+    parts = list(bars(robodyn.torques(model, Pieces(trajectory, [130, 1, 269, 100]), scene, samples=3).uncertainty))
+    for (name, a), (_, b), (_, c) in zip(whole, again, parts, strict=True):
+        assert a.standard_error == pytest.approx(b.standard_error, rel=1e-9, abs=1e-12), name
+        assert a.low == pytest.approx(b.low, rel=1e-9, abs=1e-9), name
+        share = 1e-9 if a.method == c.method == "linear" else 0.03
+        assert a.standard_error == pytest.approx(c.standard_error, rel=share, abs=1e-12), name
+        assert a.sampled.low == pytest.approx(c.sampled.low, rel=1e-9, abs=1e-9) if a.sampled else True, name
+
+
+def test_a_floating_base():
+    model = robot("satellite", moving_base=True)
+    scene = Scene(moving_base=True, gravity=(0.0, 0.0, 0.0), uncertainty=Uncertainty(Deviation(0.05)))
+    with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
+        found = robodyn.torques(model, reader, scene, samples=300).uncertainty
+    for each in found.joints:
+        peak = each.load.peak
+        assert peak.standard_error == pytest.approx(peak.sampled.standard_error, rel=0.25)
+
+
+def test_what_bars_do_not_cover_is_refused():
+    model = robot("puma560")
+    with pytest.raises(SceneError, match="error bars of open trees alone"):
+        held(model, Scene(passive=("waist",), uncertainty=KNOWN))
+    with pytest.raises(InputError, match="the scene has none"):
+        held(model, Scene(), samples=10)
+
+
+def test_without_uncertainty_there_is_nothing():
+    assert held(pendulum(), Scene()).uncertainty is None

@@ -1,0 +1,125 @@
+"""[uncertainty] of a scene: standard deviations with their units, and covariances; each wrong value in one line."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from helpers.oracles import robot
+
+from robodyn.dynamics.variations import variations
+from robodyn.errors import SceneError
+from robodyn.scene.fit import check_scene
+from robodyn.scene.read import load_scene, parse_scene
+from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
+
+
+def uncertainty(text):
+    return parse_scene(f"[uncertainty]\n{text}".encode()).uncertainty
+
+
+def test_every_key():
+    found = uncertainty(
+        'mass = "5 %"\ncom = "3 mm"\ninertia = "1e-3 kg m^2"\nfriction = "20%"\n'
+        '[uncertainty.link.forearm]\nmass = "100 g"\ncom = "0.2 cm"\n'
+        '[uncertainty.joint.elbow]\nfriction = "0.5 N*m"\n'
+    )
+    assert found == Uncertainty(
+        mass=Deviation(0.05),
+        com=Deviation(0.003, relative=False),
+        inertia=Deviation(1e-3, relative=False),
+        friction=Deviation(0.2),
+        link={"forearm": LinkUncertainty(Deviation(0.1, relative=False), Deviation(0.002, relative=False))},
+        joint={"elbow": Deviation(0.5, relative=False)},
+    )
+
+
+def test_what_a_link_does_not_say_all_links_say():
+    found = uncertainty('mass = "5 %"\ninertia = "10 %"\n[uncertainty.link.a]\nmass = "0 %"\n')
+    assert found.of_link("a") == LinkUncertainty(Deviation(0.0), None, Deviation(0.1))
+    assert found.of_link("b") == LinkUncertainty(Deviation(0.05), None, Deviation(0.1))
+
+
+def test_without_the_table_nothing_is_uncertain():
+    assert parse_scene(b"gravity = [0, 0, -1]").uncertainty is None
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("mass = 0.05", '"mass" is 0.05, not a standard deviation with its unit'),
+        ('mass = "5"', 'write mass = "5 %" or mass = "5 kg"'),
+        ('mass = "-5 %"', "not a standard deviation"),
+        ('com = "3 kg"', 'write com = "5 %" or com = "5 m"'),
+        ('mass = "1e999 kg"', "not a standard deviation"),
+        ('weight = "5 %"', 'unknown key "weight"'),
+        ('[uncertainty.link.a]\nfriction = "5 %"', "[uncertainty.link.a]"),
+        ('[uncertainty.joint.a]\nmass = "5 %"', "[uncertainty.joint.a]"),
+        ('mass = "5 %"\ncovariance = "a.json"', "leave one of them out"),
+        ('covariance = "missing.json"', "missing.json"),
+    ],
+)
+def test_what_is_wrong_is_said(text, said):
+    with pytest.raises(SceneError, match=re.escape(said)):
+        uncertainty(text)
+
+
+def test_links_and_joints_are_those_of_the_robot():
+    for kind, near in (("link", "forearm"), ("joint", "elbow")):
+        key = "mass" if kind == "link" else "friction"
+        scene = parse_scene(f'[uncertainty.{kind}.{near}x]\n{key} = "5 %"\n'.encode())
+        with pytest.raises(SceneError, match=f"did you mean '{near}'"):
+            check_scene(scene, robot("puma560"))
+
+
+def covariance(folder, **changed):
+    data = {
+        "parameters": ["forearm.m", "elbow.viscous"],
+        "values": [5.0, 1.0],
+        "covariance": [[0.04, 0.01], [0.01, 0.09]],
+    }
+    (folder / "found.json").write_text(json.dumps(data | changed))
+    (folder / "scene.toml").write_text('[uncertainty]\ncovariance = "found.json"\n')
+    return load_scene(folder / "scene.toml")
+
+
+def test_a_covariance_lies_beside_the_scene(tmp_path):
+    scene = covariance(tmp_path)
+    names, rows = ("forearm.m", "elbow.viscous"), ((0.04, 0.01), (0.01, 0.09))
+    found = Covariance(names, (5.0, 1.0), rows, str(tmp_path / "found.json"))
+    assert scene.uncertainty == Uncertainty(covariance=found)
+    drawn = variations(robot("puma560"), scene)
+    assert tuple(each.name for each in drawn.each) == names
+    assert drawn.correlation[0, 1] == pytest.approx(0.01 / 0.06, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"parameters": ["forearm.m"]}, "1 parameters need 1 values and a covariance of 1 x 1"),
+        ({"parameters": ["forearm.m", "forearm.m"]}, "not different names"),
+        ({"covariance": [[0.04, 0.01], [0.02, 0.09]]}, "it is symmetric"),
+        ({"covariance": [[0.04, 0.07], [0.07, 0.09]]}, "at most 0.06"),
+        ({"covariance": [[-0.04, 0.0], [0.0, 0.09]]}, "the variance of forearm.m is -0.04"),
+        ({"covariance": 3}, "has no lists"),
+        ({"values": [1.0, "a"]}, "finite numbers"),
+    ],
+)
+def test_a_covariance_that_is_none(changed, said, tmp_path):
+    with pytest.raises(SceneError, match=re.escape(said)):
+        covariance(tmp_path, **changed)
+
+
+def test_a_covariance_of_other_parameters_and_one_that_is_not_definite(tmp_path):
+    with pytest.raises(SceneError, match=r"did you mean 'forearm\.m'"):
+        variations(robot("puma560"), covariance(tmp_path, parameters=["forearm.mm", "elbow.viscous"]))
+    names, one = ["forearm.m", "forearm.mx", "forearm.my"], 0.9
+    rows = [[1, one, one], [one, 1, -one], [one, -one, 1]]
+    with pytest.raises(SceneError, match="not positive semi-definite"):
+        variations(robot("puma560"), covariance(tmp_path, parameters=names, values=[1, 1, 1], covariance=rows))
+
+
+def test_nothing_uncertain_is_an_error():
+    with pytest.raises(SceneError, match="leaves nothing uncertain"):
+        variations(robot("puma560"), parse_scene(b'[uncertainty]\nmass = "0 %"\n'))
