@@ -141,7 +141,7 @@ class TorqueAccumulator:
         if scene.uncertainty is not None:
             from robodyn.loads.uncertain import UncertainLoads
 
-            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options.samples)
+            self.uncertain = UncertainLoads(model, scene, self.rates, self.sizing, options.samples, options[1:3])
 
     @np.errstate(all="ignore")
     def take(self, block: Trajectory, left: int) -> Floats:
@@ -185,7 +185,7 @@ class TorqueAccumulator:
         unsure = self.bars.over_block(state, off)
         self.statistics.update(block.time, q, qd, tau.T[self.rates], base.T, state, unsure)
         if self.uncertain is not None:
-            self.uncertain.take(block, sources, loads, unsure, self.sources, self.options, self.whole)
+            self.uncertain.take(block, sources, loads, unsure, self.sources, self.whole)
         if self.history is not None:
             motion, more = (qd, block.qdd[:, self.rates].T), left / samples
             touch = self.constraints.touch if self.constraints else None

@@ -20,16 +20,24 @@ from robodyn.support.floats import Floats
 from robodyn.trajectory.motion import Trajectory
 
 if TYPE_CHECKING:
-    from robodyn.loads.accumulate import Options
     from robodyn.loads.sizing import SizingPass
 
 
 class UncertainLoads:
     """Gathers what `Uncertain` tells, block by block."""
 
-    def __init__(self, model: Model, scene: Scene, rates: slice, sizing: SizingPass | None, samples: int) -> None:
+    def __init__(
+        self,
+        model: Model,
+        scene: Scene,
+        rates: slice,
+        sizing: SizingPass | None,
+        samples: int,
+        by: tuple[str, int | None],
+    ) -> None:
+        """Args: samples: motions that are run again; by: executor and threads."""
         trains = list(zip(sizing.driven, sizing.motors.trains, strict=True)) if sizing else []
-        self.rates = rates
+        self.rates, self.by = rates, by
         self.linear = UncertaintyPass(model, scene, rates, trains, sizing is not None)
         self.samples = SamplePass(self.linear, samples) if samples else None
 
@@ -40,15 +48,13 @@ class UncertainLoads:
         loads: Floats,
         off: Floats | float,
         zero: ZeroColumns,
-        options: Options,
         expected: int,
     ) -> None:
         """Take in a block; see `UncertaintyPass.take`. loads: perhaps with joints' wrenches that are not needed."""
         qd, qdd = (np.ascontiguousarray(each[:, self.rates].T) for each in (block.qd, block.qdd))
-        how = Pass(options.executor, options.threads, expected)
-        self.linear.take(block.time, block.first_row, sources, loads, (qd, qdd), off, how, zero)
+        self.linear.take(block.time, block.first_row, sources, loads, (qd, qdd), off, Pass(*self.by, expected), zero)
         if self.samples is not None:
-            self.samples.take(block.time, sources, (qd, qdd), options.executor, options.threads)
+            self.samples.take(block.time, sources, (qd, qdd), *self.by)
 
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
         """Return everything gathered."""

@@ -22,7 +22,7 @@ from robodyn.support.floats import BEYOND, Floats
 DRAWS, SEED = 10_000, 19
 TRIED = 400
 """Draws with which the first term is tried."""
-SHIFT, SCATTER = 0.03, 0.15
+SHIFT, SCATTER = 0.02, 0.1
 """Of the standard error: the mean and the standard deviation of what the first term may miss."""
 NEAR = 1.959963984540054
 """Standard errors on either side that hold 95 % of a normal figure."""

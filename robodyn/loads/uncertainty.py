@@ -24,8 +24,8 @@ from robodyn.support.floats import Floats
 
 ROOM = 4_000_000
 """Numbers of derivatives that are held at a time."""
-CONTENDERS = 32
-"""Samples that are kept of each figure, among which other parameters may have its peak."""
+CONTENDERS = 48
+"""Spans of the motion at the most, and half as many at least, of each of which a sample is kept that may be a peak."""
 FAR = 3.0
 """Standard deviations by which a sample may rise above another one."""
 ROWS = 128
@@ -70,7 +70,7 @@ class UncertaintyPass:
         count, self._m = len(self.of.figures), len(self.found.jacobian)
         self.peaks, self.at = Greatest(count), np.zeros((count, 2, 1 + self._m))
         self.contenders, self.less = np.zeros((count, 0, 2, 1 + self._m)), np.zeros((count, 0))
-        self._upper = np.zeros((count, 0))
+        self._upper, self._begun, self._span = np.zeros((count, 0)), np.zeros(0, dtype=np.int64), 1
         self.integrals = Integrals()
         nothing = np.zeros((self.of.columns, 0, 1 + self._m)), np.zeros((len(self.of.joints), 0))
         self.kept, self._stride, self._seen = Kept(np.zeros(0), *nothing), 1, 0
@@ -113,6 +113,7 @@ class UncertaintyPass:
             self._keep(time[part], values, changes, qd)
             less = off if isinstance(off, float) else off[:, part]
             self._peaks(time[part], first_row + start, values, changes, less)
+            self._seen += count
 
     def variance(self, changes: Floats) -> Floats:
         """Return the variance of what has these derivatives (..., m) by theta, to first order."""
@@ -143,7 +144,6 @@ class UncertaintyPass:
             np.concatenate((self.kept.columns, news.columns), 1),
             np.concatenate((self.kept.pace, news.pace), 1),
         )
-        self._seen += len(time)
 
     def _peaks(self, time: Floats, row: int, values: Floats, changes: Floats, off: Floats | float) -> None:
         a, b = self.of.pairs
@@ -159,19 +159,30 @@ class UncertaintyPass:
         self._contend(upper - less, less, values, changes)
 
     def _contend(self, upper: Floats, less: Floats, values: Floats, changes: Floats) -> None:
-        """Keep the samples that may rise highest, one of each of the spans of a block."""
-        edges = np.unique(np.linspace(0, upper.shape[1], CONTENDERS + 1).astype(int))
-        chosen = np.stack([left + upper[:, left:right].argmax(1) for left, right in pairwise(edges.tolist())], 1)
+        """Keep of every span of samples the one that may rise highest; spans double when there are too many."""
+        count = upper.shape[1]
+        while (self._seen + count) / self._span > CONTENDERS:
+            self._span *= 2
+        begun = self._seen + np.arange(count)
+        chosen = _highest(upper, begun // self._span)
         news = np.stack([self._both(figure, at, values, changes) for figure, at in enumerate(chosen)])
         every = np.concatenate((self.contenders, news), 1)
         levels = np.concatenate((self._upper, np.take_along_axis(upper, chosen, 1)), 1)
         unsure = np.concatenate((self.less, np.take_along_axis(less, chosen, 1)), 1)
-        best = np.argsort(-levels, axis=1, kind="stable")[:, :CONTENDERS]
+        spans = np.concatenate((self._begun, np.unique(begun // self._span) * self._span))
+        best = _highest(levels, spans // self._span)
         self.contenders = np.take_along_axis(every, best[..., None, None], 1)
         self._upper, self.less = (np.take_along_axis(each, best, 1) for each in (levels, unsure))
+        self._begun = np.unique(spans // self._span) * self._span
 
     def _both(self, figure: int, at: NDArray[np.int64], values: Floats, changes: Floats) -> Floats:
         """Return (samples, 2, 1 + m) the columns of a figure at some samples, and their derivatives."""
         a, b = self.of.figures[figure].a, self.of.figures[figure].b
         rows = [np.concatenate((values[c, at, None], changes[c, at]), -1) for c in ((a, b) if b >= 0 else (a,))]
         return np.stack(rows if b >= 0 else [*rows, np.zeros_like(rows[0])], 1)
+
+
+def _highest(levels: Floats, groups: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return (rows, groups) where each row (rows, n) is highest in each group of neighbours (n,)."""
+    edges = [*np.flatnonzero(np.diff(groups, prepend=-1)).tolist(), len(groups)]
+    return np.stack([left + levels[:, left:right].argmax(1) for left, right in pairwise(edges)], 1)
