@@ -15,7 +15,7 @@ from robodyn.errors import RobodynWarning
 from robodyn.support.wording import alternatives
 
 COMMANDS = (
-    *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export"),
+    *("torques", "simulate", "inertia", "check", "fbd", "equations", "linearize", "export", "excite"),
     *("scene", "info", "accuracy", "rule", "bench", "doctor"),
 )
 

@@ -27,7 +27,16 @@ TOPICS = {
         "regressor",
     ),
     "One sample at a time": ("function",),
-    "The commands as functions": ("torques", "simulate", "rollouts", "linearize", "export", "mass_properties", "check"),
+    "The commands as functions": (
+        "torques",
+        "simulate",
+        "rollouts",
+        "linearize",
+        "export",
+        "excite",
+        "mass_properties",
+        "check",
+    ),
 }
 """Names that are in none of these are listed last, as what a scene is made of."""
 SECTION = re.compile(r"^(Args|Attributes|Returns|Raises|Accuracy|Yields):\s*", re.MULTILINE)

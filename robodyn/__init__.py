@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.equations.linearized.linearize import linearize as linearize
     from robodyn.errors import RobodynError as RobodynError
+    from robodyn.identify.excitation.excite import excite as excite
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.assemble import load as load
     from robodyn.robot.model import Model as Model
@@ -80,6 +81,7 @@ _HOMES = {
     "equations.free_body.bodies": ("free_bodies",),
     "equations.linearized.linearize": ("linearize",),
     "errors": ("RobodynError",),
+    "identify.excitation.excite": ("excite",),
     "loads.torques": ("torques",),
     "robot.assemble": ("load",),
     "robot.model": ("Model",),

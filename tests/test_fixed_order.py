@@ -32,6 +32,7 @@ NO_DIGITS = {
     "solids.mesh.integrate.kernel": "bounds, which are rounded",
     "solids.mesh.integrate.residues": "integers",
     "solids.mesh.read.scenes": "a sign",
+    "identify.excitation": "a search, whose places are rounded after each step",
     "identify.base": "a condition number, told to three digits",
     "simulation.loop_figures": "a rank",
     "dynamics.loops.necessary": "a rank",

@@ -22,6 +22,8 @@ _EARLY_ENOUGH = 1e-3
 _NOTHING = 1e-9
 """Of the longest column of the same unit: a shorter one is zero but for rounding and truncated angles."""
 
+_ROUNDING = 1e-13
+
 
 class Estimate(NamedTuple):
     """Base parameters by least squares.
@@ -80,8 +82,10 @@ class Base:
         return text
 
     def values(self, theta: Floats) -> Floats:
-        """Return beta (..., r) of parameters theta (..., p)."""
-        return np.asarray(np.einsum("rp,...p->...r", self.matrix, theta))
+        """Return beta (..., r) of parameters theta (..., p); 0 for what is rounding alone beside its terms."""
+        found = np.einsum("rp,...p->...r", self.matrix, theta)
+        size = np.einsum("rp,...p->...r", np.abs(self.matrix), np.abs(theta))
+        return np.asarray(np.where(np.abs(found) > _ROUNDING * size, found, 0.0))
 
     def estimate(self, R: Floats, z: Floats, sigma: float = 1.0) -> Estimate:
         """Return the beta that minimises |R[:, independent] beta - z|, with cov(beta) = sigma^2 (R_b^T R_b)^-1.
@@ -183,6 +187,6 @@ def _pivoted(A: Floats, tolerance: float) -> tuple[Floats, list[int], Floats]:
 
 
 def _condition(T: Floats) -> float:
-    """Return the largest singular value over the smallest; 1 of no columns."""
+    """Return the largest singular value over the smallest, to six digits; 1 of no columns."""
     values = np.linalg.svd(T, compute_uv=False)
-    return float(values[0] / values[-1]) if len(values) else 1.0
+    return float(f"{values[0] / values[-1]:.6g}") if len(values) else 1.0

@@ -43,6 +43,7 @@ equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
 equations robots/two_link_planar.urdf --form closed
 linearize robots/puma.urdf --scene robots/puma_servo.toml --equilibrium --step 0.001
 linearize robots/four_bars.urdf --scene robots/four_bars_a02.toml
+excite robots/puma.urdf
 inertia robots/meshed_arm.urdf --compare
 inertia robots/meshed_arm.urdf --at elbow=0.5
 inertia robots/meshes/bracket.stl --unit mm --rpy 0.3,0.2,0.1 --about 0.1,0.2,0.3

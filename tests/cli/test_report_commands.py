@@ -33,6 +33,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
     "check": (("check", str(ROBOTS / "puma560.urdf")), "No errors, 2 warnings", 0),
     "simulate": (("simulate", *SWING, "--duration", "0.2"), "The motion ran for its 0.2 s", 6),
     "linearize": (("linearize", SWING[0], "--equilibrium"), "2 modes are not damped within rounding", 2),
+    "excite": (("excite", str(ROBOTS / "pendulum.urdf")), "shows 6 base parameters", 1),
     "accuracy": (("accuracy", str(MESHES / "bracket.stl"), "--target", "1e-6"), "The target of 1e-06 is met", 1),
 }
 

@@ -40,6 +40,7 @@ COMMANDS = (
     ("linearize", "linearize robots/puma.urdf --scene robots/puma_servo.toml --step 0.01"),
     ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),
     ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
+    ("excite", "excite robots/two_link_planar.urdf --joints elbow"),
     ("bench", "bench robots/two_link_planar.urdf --samples 100"),
 )
 

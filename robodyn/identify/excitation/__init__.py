@@ -1,0 +1,1 @@
+"""Motions that show what a robot's parameters are."""
