@@ -33,8 +33,6 @@ REFUSED = [
     ("linearize", "copter.urdf"),
     ("equations", "copter.urdf", "--form", "dae"),
     ("export", "copter.urdf", "--to", "c"),
-    ("excite", "copter.urdf"),
-    ("excite", "copter.urdf", *FREE),
     ("bench", "copter.urdf", "--samples", "10"),
     ("accuracy", "copter.urdf", "still.csv"),
     ("accuracy", "copter.urdf", "fixed.toml"),

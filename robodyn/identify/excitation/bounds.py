@@ -57,7 +57,7 @@ def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), accelera
     """
     if model.quaternions:
         what = f'"{model.quaternions[0][0]}" floats: nothing drives it along a motion'
-        raise InputError(what, remedy="fix the base; --joints moves others")
+        raise InputError(what, remedy="fix it", file=model.file)
     _known(model, joints)
     notes: list[str] = []
     least, largest = _ranges(model, notes)
@@ -74,7 +74,7 @@ def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), accelera
             notes, model, np.array([want and s[k] for want, s in zip(wanted, stuck, strict=True)], bool), f"held: {why}"
         )
     if not moving:
-        raise InputError("no joint can move", remedy="; ".join(notes) or "the description has no joints")
+        raise InputError("no joint can move", remedy="; ".join(notes) or "none is described", file=model.file)
     middle = 0.5 * (least + largest)
     home = np.where((least <= 0.0) & (largest >= 0.0), 0.0, middle)
     most = speed / SPEEDING if acceleration is None else np.full(model.n, acceleration)
