@@ -50,6 +50,7 @@ def momentum_view(options: dict[str, Any]) -> View | None:
     return None
 
 
+_SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of parameters, to compare."
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 OPTIONS = together(
     SCENE,
@@ -64,6 +65,7 @@ OPTIONS = together(
     click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
+    click.option("--samples", type=click.IntRange(min=2), metavar="N", help=_SAMPLES),
     click.option("--example", is_flag=True, help="First write an example motion to TRAJECTORY, within all limits."),
     REPORT,
     click.option(
@@ -95,11 +97,15 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
     """
     if options["reactions"] and not options["out"]:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
-    options |= {"momentum": momentum_view(options), "sizing": options["sizing"] or None}
+    options |= {
+        "momentum": momentum_view(options),
+        "sizing": options["sizing"] or None,
+        "samples": options["samples"] or 0,
+    }
     if is_batch(trajectories, options["out"], options):
         from robodyn.cli.torques_batch import run_batch
 
-        for name in ("accuracy", "example"):
+        for name in ("accuracy", "example", "samples"):
             if options.pop(name):
                 raise click.UsageError(f"--{name} is for one trajectory", click.get_current_context())
         return run_batch(urdf, trajectories, fail_on_limits, **options)

@@ -64,7 +64,7 @@ def torques(
         InputError: the scene does not fit the robot, the trajectory is wrong, or the executor cannot run.
 
     Where the scene says how uncertain parameters are, the result's `uncertainty` has error bars by the derivatives of
-    the recursion: see `robodyn.loads.uncertain_figures`.
+    the recursion, and by draws where these mislead.
 
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """

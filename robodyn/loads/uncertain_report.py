@@ -58,6 +58,7 @@ class _Report:
             base=base,
             bearings=self._bearings(),
             suffices=_together(kept),
+            lasting=_together([limit for limit in kept if abs(limit.shown.figure.value) <= BEYOND * limit.shown.limit]),
         )
 
     def _joint(self, joint: JointLoad, motor: MotorLoad | None, limits: Sequence[_Limit]) -> UncertainJoint:

@@ -105,6 +105,7 @@ class Uncertain:
         base: components of the base wrench.
         bearings: by joint, components of its bearing's load and the resultants radial and tilting; {} without sizing.
         suffices: the probability that all joints keep to all their limits; None without any.
+        lasting: likewise, of the limits that are kept with the parameters as they are given.
     """
 
     parameters: Mapping[str, float]
@@ -114,11 +115,12 @@ class Uncertain:
     base: tuple[UncertainLoad, ...]
     bearings: Mapping[str, tuple[UncertainLoad, ...]]
     suffices: float | None
+    lasting: float | None
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
         """Why a verdict for the parameters as they are given may not hold for the robot."""
-        if self.suffices is None or self.suffices >= SURE:
+        if self.lasting is None or self.lasting >= SURE:
             return ()
-        said = f"parameters are uncertain: all limits are kept with a probability of {100.0 * self.suffices:.3g} %"
+        said = f"parameters are uncertain: limits are kept all with a probability of {100.0 * self.lasting:.3g} %"
         return (Doubt("with the parameters as they are given", said),)

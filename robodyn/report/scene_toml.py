@@ -54,6 +54,7 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
         yield _PASSIVE, [f"actuated = [{last}]", f"passive = [{last}]"]
         yield _SHARE, ['share = "weighted"', 'weights = "effort"', f"weights.{toml_key(own[-1].name)} = 2.0"]
     yield _CONTACT, [f'contact = [{{ name = "foot", link = {tip}, friction = 0.7 }}]']
+    yield _UNCERTAINTY, ['uncertainty = { mass = "5 %", com = "3 mm", inertia = "10 %", friction = "20 %" }']
     yield _COST, ["contact_cost = { forces = 1.0, torques = 1.0, within_limits = true }"]
 
 
@@ -86,6 +87,8 @@ _SHARE = """Actuators that are more than enough share a load by the least sum of
 weight is a number, or "effort" for 1 / (effort limit)^2."""
 _CONTACT = """What a link of a robot whose base moves stands on: point or polygon in the link's frame, normal in the
 ground's axes, friction; on: "always", "auto", a column, or intervals of time."""
+_UNCERTAINTY = """How well parameters are known: standard deviations of masses, centres of mass, inertias and friction, as
+a share or with a unit; torques then gives error bars."""
 _COST = "Of all contact forces that balance, those of least forces |f|^2 / W^2 + torques (tau / limit)^2 are taken."
 _BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
 

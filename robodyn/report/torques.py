@@ -49,6 +49,10 @@ def torques_sections(result: Result, explain: bool = False) -> Iterator[Section]
         from robodyn.report.sizing import sizing_sections
 
         yield from sizing_sections(result)
+    if result.uncertainty:
+        from robodyn.report.uncertainty import uncertainty_sections
+
+        yield from uncertainty_sections(result)
     if explain:
         plan = f"{result.operations} operations per sample for the torques; {result.executor}: {result.reason}"
         yield [Table(f"Effects: {plan}", *effect_table(result))]

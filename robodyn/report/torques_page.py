@@ -36,6 +36,7 @@ from robodyn.report.table import gravity_text, number, printable
 from robodyn.report.torques import input_words
 from robodyn.report.torques_parts import heaviest_load, sizing_blocks, sizing_verdict, trust
 from robodyn.report.torques_tables import base_table, load_table, momentum_table, share_table
+from robodyn.report.uncertainty import uncertainty_blocks
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import ranked
@@ -69,7 +70,7 @@ def torques_page(result: Result, model: Model, scene: Scene, pictures: bool = Tr
         blocks += _plots(result, plots)
         if result.sizing is not None:
             blocks += sizing_blocks(result, model, scene, history.joints if history else None)
-        blocks += _shares(result, plots)
+        blocks += [*uncertainty_blocks(result), *_shares(result, plots)]
     if result.constraints is not None:
         blocks.append(Heading("Loops and contacts"))
         blocks += [Paragraph(line) for line in constraint_lines(result.constraints)]

@@ -11,6 +11,7 @@ from robodyn.robot.urdf.description import load_description
 SCENES = {
     "puma560_motors": ("puma560", "puma560_sweep"),
     "puma560_sizing": ("puma560", "puma560_sweep"),
+    "puma560_uncertain": ("puma560", "puma560_sweep"),
     "puma_payload": ("puma", "puma_reach"),
     "puma_polish": ("puma", "puma_polish"),
     "satellite": ("satellite", "satellite_slew"),
@@ -50,6 +51,7 @@ KEYS = {
     "limit_spring": {"stiffness", "damping"},
     "initial": {"q", "qd"},
     "loop": {"name", "link", "point", "to", "to_point", "kind", "axis", "to_axis", "rpy", "directions"},
+    "uncertainty": {"mass", "com", "inertia", "friction", "link", "joint"},
     "contact": {"name", "link", "point", "polygon", "normal", "friction", "on"},
 }
 SINGLE = {"gravity", "base", "slip_speed", "joint_limits", "actuated"}

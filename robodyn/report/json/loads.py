@@ -36,7 +36,8 @@ def torques_json(result: Result) -> str:
     )
     sizing = result.sizing and sizing_data(result.sizing)
     constraints = result.constraints and constraint_data(result.constraints)
-    parts = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing, "constraints": constraints}
+    parts: dict[str, Any] = {"momentum": result.momentum, "accuracy": result.accuracy, "sizing": sizing}
+    parts |= {"constraints": constraints, "uncertainty": result.uncertainty}
     return written({**document, **{key: part for key, part in parts.items() if part is not None}})
 
 
