@@ -9,6 +9,7 @@ import numpy as np
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.varied_loads import varied_runner
 from robodyn.loads.statistics import Integrals
+from robodyn.loads.uncertain_figures import cube_roots
 from robodyn.loads.uncertain_quantities import Quantities
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.support.floats import Floats
@@ -76,4 +77,4 @@ class SamplePass:
         """Return (draws,) the cubic mean of what gear i bears."""
         totals = [each.totals for each in self._integrals]
         means = [float(each["wear"][i] / each["travel"][i]) if each["travel"][i] else 0.0 for each in totals]
-        return np.asarray(np.cbrt(means))
+        return cube_roots(np.array(means))

@@ -87,8 +87,8 @@ _SHARE = """Actuators that are more than enough share a load by the least sum of
 weight is a number, or "effort" for 1 / (effort limit)^2."""
 _CONTACT = """What a link of a robot whose base moves stands on: point or polygon in the link's frame, normal in the
 ground's axes, friction; on: "always", "auto", a column, or intervals of time."""
-_UNCERTAINTY = """How well parameters are known: standard deviations of masses, centres of mass, inertias and friction, as
-a share or with a unit; torques then gives error bars."""
+_UNCERTAINTY = """How well parameters are known: standard deviations of masses, centres of mass, inertias and friction,
+as a share or with a unit; torques then gives error bars."""
 _COST = "Of all contact forces that balance, those of least forces |f|^2 / W^2 + torques (tau / limit)^2 are taken."
 _BAUMGARTE = "1/s: errors of loops decay at this rate; without this line they are projected away after each step."
 

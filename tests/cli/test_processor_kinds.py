@@ -25,7 +25,6 @@ inertia robots/meshes/twisted_block.stl --density 2700
 inertia robots/meshes/worn_pad.stl --density 2700
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_motors.toml --explain
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml
-torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_uncertain.toml --samples 20
 fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
 equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
 simulate robots/crank_slider.urdf --scene robots/crank_slider_pump.toml --duration 0.2
@@ -34,6 +33,7 @@ JSON = """
 torques robots/scara.urdf robots/scara_pick_and_place.csv
 torques robots/satellite.urdf robots/satellite_slew.csv --scene robots/satellite.toml
 torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_sizing.toml --sizing --momentum
+torques robots/puma560.urdf robots/puma560_sweep.csv --scene robots/puma560_uncertain.toml --samples 20
 check robots/scara.urdf --trajectory robots/scara_pick_and_place.csv
 torques robots/crank_slider.urdf robots/crank_slider_turn.csv --scene robots/crank_slider_turn.toml
 torques robots/planar_3rrr.urdf robots/planar_3rrr_circle.csv --scene robots/planar_3rrr_circle.toml --sizing
