@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import cache, partial
 from pathlib import Path
 
@@ -26,17 +28,27 @@ _SHAPES = re.compile(rb"<!--.*?-->|<(visual|collision)\b[^>]*/>|<(visual|collisi
 _ATTRIBUTE = re.compile(r"""([\w:]+)\s*=\s*("[^"]*"|'[^']*')""")
 _WAIVER = re.compile(r"<!-- robodyn: .*? -->")
 READ = """
-import sys
-text = sys.stdin.buffer.read().decode()
+import json, os, sys
 if sys.argv[1] == "mujoco":
-    import mujoco
-    mujoco.MjModel.from_xml_string(text)
+    from mujoco import MjModel
+    read = MjModel.from_xml_string
 else:
-    import pinocchio
-    pinocchio.buildModelFromXML(text)
+    from pinocchio import buildModelFromXML as read
+for text in map(json.loads, sys.stdin):
+    child = os.fork()
+    if not child:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        try:
+            read(text)
+        except Exception:
+            os._exit(1)
+        os._exit(0)
+    print(os.waitpid(child, 0)[1], flush=True)
 """
+"""Reads descriptions, one in a line, each in a fork, which may crash, and answers with the statuses that they leave."""
 
 
+@cache
 def checked(name: str, text: bytes) -> tuple[Finding, ...]:
     return check_one(text, name=name)
 
@@ -49,8 +61,8 @@ def result(name: str, unsafe: bool) -> Fixed:
     return fixed(data, file, partial(checked, file), unsafe=unsafe)
 
 
-def offered(names: dict[str, bytes]) -> list[str]:
-    return [name for name, text in names.items() if any(one.fix for one in checked(name, text))]
+OFFERED = [name for name, text in PLANTED.items() if any(one.fix for one in checked(name, text))]
+"""Those of which something can be fixed."""
 
 
 def attributes(line: bytes) -> Counter[tuple[str, str]]:
@@ -83,21 +95,39 @@ def assert_idempotent(name: str, unsafe: bool) -> None:
     assert not again.made
 
 
-@cache
-def loads(program: str, text: bytes) -> bool:
-    """Whether a program reads a description without its shapes; in a process of its own, which may crash."""
-    done = subprocess.run(
-        [sys.executable, "-I", "-c", READ, program], input=_SHAPES.sub(b"", text), capture_output=True, check=False
-    )
-    return done.returncode == 0
+Loads = Callable[[str, bytes], bool]
 
 
-def assert_loads_as_before(one: Fixed) -> None:
+@pytest.fixture(scope="module")
+def loads(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Loads]:
+    """Whether a program reads a description without its shapes."""
+    with ExitStack() as readers:
+
+        @cache
+        def reader(program: str) -> subprocess.Popen[str]:
+            peer(program)
+            command, folder = [sys.executable, "-I", "-c", READ, program], tmp_path_factory.mktemp(program)
+            pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
+            started = subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=nothing, text=True)
+            readers.callback(started.communicate)
+            return started
+
+        @cache
+        def read(program: str, text: bytes) -> bool:
+            to, back = reader(program).stdin, reader(program).stdout
+            assert to
+            assert back
+            print(json.dumps(_SHAPES.sub(b"", text).decode()), file=to, flush=True)
+            return int(back.readline()) == 0
+
+        yield read
+
+
+def assert_loads_as_before(one: Fixed, loads: Loads) -> None:
     """What loaded loads; and what has no error left that is about more than shapes loads in any case."""
     errors = [found for found in checked(one.file, one.after) if found.severity is Severity.ERROR]
     sound = not [found for found in errors if not found.code.startswith(("RD3", "RD6", "RD7"))]
     for program in ("mujoco", "pinocchio"):
-        peer(program)
         assert loads(program, one.after) or not (sound or loads(program, one.before)), program
 
 
@@ -109,7 +139,7 @@ def test_what_has_no_fix_stays_as_it_is(name: str) -> None:
         assert bool(wanted) or result(name, unsafe).after == PLANTED[name]
 
 
-@pytest.mark.parametrize("name", offered(PLANTED))
+@pytest.mark.parametrize("name", OFFERED)
 def test_planted_defects(name: str) -> None:
     for unsafe in (False, True):
         assert_only_values_change(result(name, unsafe))
@@ -118,22 +148,22 @@ def test_planted_defects(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", offered(PLANTED))
-def test_planted_defects_load(name: str) -> None:
+@pytest.mark.parametrize("name", OFFERED)
+def test_planted_defects_load(name: str, loads: Loads) -> None:
     for unsafe in (False, True):
-        assert_loads_as_before(result(name, unsafe))
+        assert_loads_as_before(result(name, unsafe), loads)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("unsafe", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_robots(name: str, unsafe: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_robots(name: str, unsafe: bool, loads: Loads, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     one = result(name, unsafe)
     assert_only_values_change(one)
     if one.made:
         assert_idempotent(name, unsafe)
-        assert_loads_as_before(one)
+        assert_loads_as_before(one, loads)
 
 
 @pytest.mark.slow
