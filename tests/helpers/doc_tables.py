@@ -26,6 +26,7 @@ TIMED = {
     "forward": "bench_forward_dynamics",
     "gradients": "bench_derivatives",
     "contacts": "bench_contacts",
+    "excitation": "bench_excitation",
     "one-sample": "bench_one_sample",
     "precision": "bench_work_precision",
     "meshes": "bench_cold_mesh",

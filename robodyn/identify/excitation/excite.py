@@ -31,7 +31,8 @@ PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
 MOST_HARMONICS = 20
 NOISE = 0.01
 """Of the effort limit: standard deviation of a torque that is measured, where none is given."""
-_STARTS = 4
+_STARTS, _MANY = 4, 32
+"""Places where the search begins, at most; fewer where so many joints move in all of them together."""
 _FINE = 32
 """Samples of a period per harmonic of the search."""
 _ROOM = 0.99
@@ -57,7 +58,7 @@ def excite(
     """Return a motion whose torques tell the base parameters well, within all limits, at rest at both ends.
 
     Method: Fourier series (Swevers and others 1997) with the largest `log det sum Y^T W Y` of base columns Y that is
-    found (D-optimality; W = 1 / noise^2), by a barrier method with exact slopes from `_STARTS` places.
+    found (D-optimality; W = 1 / noise^2), by a barrier method with exact slopes from up to four places.
 
     Args:
         model, scene: a tree on a fixed base; Coulomb friction and springs of the scene count.
@@ -86,7 +87,8 @@ def excite(
     slip = max(scene.slip_speed, _SLIP * float(bounds.speed[list(bounds.moving)].min()))
     programs = programs_of(plan(model, replace(scene, slip_speed=slip)), base.independent, len(base.names))
     landscape = Landscape(programs, bounds, series, deviations, _FINE * harmonics, _ROOM)
-    x = on_grid(landscape.combinations(search(landscape, _STARTS, seed)))
+    starts = max(1, min(_STARTS, _MANY // len(bounds.moving)))
+    x = on_grid(landscape.combinations(search(landscape, starts, seed)))
     found = within_limits(Motion(model, scene, bounds, series, x))
     count = max(2 * harmonics + 1, round(period * rate))
     plain = sine(model, scene, bounds, series, found.centre)
