@@ -19,7 +19,7 @@ MARGIN = 1e-6
 """P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible."""
 _FLOOR = 1e-12
 """The least strength, in parts of ||z||^2."""
-_SIGNS = {"viscous": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "rotor": 1.0}
+_SIGNS = {"viscous": 1.0, "coulomb": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "rotor": 1.0}
 
 
 class ConsistentFit(NamedTuple):
@@ -47,11 +47,12 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
 
         ||R theta - z||^2 / 2 + strength (sum over bodies of D(P || P0) + sum over the others of ((x - x0) / s)^2 / 2)
 
-    over P positive definite with tr(P Q) >= 0 where a body has a bounding ellipsoid, viscous, forward, stribeck and
-    rotor >= 0, backward <= 0. D is the log-determinant divergence of what exceeds `MARGIN` P0 from what P0 has of that
-    (Lee, Wensing, Park 2020), which does not depend on units, axes or masses; s is |x0| or what alone would make ||z||,
-    whichever is larger. Without strength the least that is computed with is 1e-12 ||z||^2: of all fits as good as any
-    this is the one nearest to the prior. Parameters that the rows do not show keep the description's values.
+    over P positive definite with tr(P Q) >= 0 where a body has a bounding ellipsoid, viscous, coulomb, forward,
+    stribeck and rotor >= 0, backward <= 0. D is the log-determinant divergence of what exceeds `MARGIN` P0 from what P0
+    has of that (Lee, Wensing, Park 2020), which does not depend on units, axes or masses; s is |x0| or what alone would
+    make ||z||, whichever is larger. Without strength the least that is computed with is 1e-12 ||z||^2: of all fits as
+    good as any this is the one nearest to the prior. Parameters that the rows do not show keep the description's
+    values.
 
     Method: `robodyn.identify.cones`, in variables V with P = L V L^T, P0 = L L^T, and x / s.
 

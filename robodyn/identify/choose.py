@@ -1,0 +1,117 @@
+"""How a log is explained: which motors are coupled, how friction decays, how strongly the description draws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.identify.consistent import consistent_parameters
+from robodyn.identify.gather import Gathered
+from robodyn.identify.motors import Motor
+from robodyn.identify.prior import Prior
+from robodyn.identify.structure import Structure, fitted, left_out, squares, without_one
+from robodyn.robot.model import Model
+from robodyn.support.floats import Floats
+
+SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
+"""Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
+_COUPLED = 0.5
+"""A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
+_WORTH = 0.97
+"""Stribeck's excess counts if it makes the squares of what is left so much less."""
+STRENGTHS = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
+"""Of the prior, in units of one standard deviation, that are compared."""
+
+
+def joint_motors(model: Model, largest: Floats) -> list[Motor]:
+    """Return the motor of every joint; `largest` (n,) is its largest speed."""
+    axes = np.eye(model.n)
+    return [
+        Motor(name, axes[j], float(largest[j]), tuple(part * float(largest[j]) for part in SPEEDS if largest[j]))
+        for j, name in enumerate(model.rates)
+    ]
+
+
+def coupled_motors(model: Model, measured: Sequence[int]) -> list[Motor]:
+    """Return motors that turn with the sum or the difference of two joints, one after another in a chain."""
+    found = []
+    axes = np.eye(model.n)
+    order = [body.joint.rate for body in model.bodies[1:]]
+    parents = {body.joint.rate: model.bodies[body.parent].joint.rate for body in model.bodies[1:] if body.parent > 0}
+    for j in dict.fromkeys(order):
+        i = parents.get(j)
+        if i is not None and i != j and {i, j} <= set(measured):
+            for sign, mark in ((1.0, "+"), (-1.0, "-")):
+                name = f"{model.rates[i]}{mark}{model.rates[j]}"
+                found.append(Motor(name, axes[i] + sign * axes[j], 0.0))
+    return found
+
+
+def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[tuple[Motor, float]]:
+    """Return the motors of two joints that explain much of what is left, and what part of its squares stays.
+
+    Of motors that share a joint the one that explains most.
+    """
+    _, sigma = fitted(gathered, folds, plain)
+    before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
+    ranked = []
+    measured = plain.atoms.measured
+    for k, motor in enumerate(plain.atoms.motors):
+        if k not in plain.stribeck:
+            after = left_out(gathered, folds, plain.with_stribeck({k: None}), sigma)
+            joints = [place for place, j in enumerate(measured) if motor.direction[j]]
+            ranked.append((float((after / before)[joints].mean()), motor))
+    found: list[tuple[Motor, float]] = []
+    taken = np.zeros(plain.atoms.model.n)
+    for part, motor in sorted(ranked, key=lambda pair: pair[0]):
+        if part < _COUPLED and not (taken * motor.direction).any():
+            found.append((motor, part))
+            taken += np.abs(motor.direction)
+    return found
+
+
+def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
+    """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
+    _, sigma = fitted(gathered, folds, plain)
+    best = {k: (1.0, plain.stribeck[k]) for k in plain.stribeck}
+    before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
+    places = {j: place for place, j in enumerate(plain.atoms.measured)}
+    for step in range(len(SPEEDS)):
+        speeds = {k: motor.stribeck[step] for k in plain.stribeck if (motor := plain.atoms.motors[k]).stribeck}
+        ratio = left_out(gathered, folds, plain.with_stribeck(dict(speeds)), sigma) / before
+        for k, speed in speeds.items():
+            own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
+            if own and ratio[own[-1]] < min(_WORTH, best[k][0]):
+                best[k] = float(ratio[own[-1]]), speed
+    return plain.with_stribeck({k: speed for k, (_, speed) in best.items()})
+
+
+class Strength(NamedTuple):
+    """How strongly the description draws, and the relative error of what was left out for each strength."""
+
+    value: float
+    errors: dict[float, float]
+
+
+def strength(
+    gathered: Gathered, plain: Gathered, folds: Sequence[int], structure: Structure, prior: Prior, sigma: Floats
+) -> Strength:
+    """Return the strength whose fits of all folds but one explain that one best."""
+    errors: dict[float, float] = {}
+    rows = without_one(gathered, folds, structure, sigma)
+    total = float((plain.squares[list(folds)] / sigma**2).sum())
+    for value in STRENGTHS:
+        off = 0.0
+        for fold, (R, z) in zip(folds, rows, strict=True):
+            theta = consistent_parameters(R, z, prior, value).theta
+            off += float((squares(plain, fold, structure, theta) / sigma**2).sum())
+        errors[value] = float(np.sqrt(off / total))
+    return Strength(min(errors, key=lambda each: errors[each]), errors)
+
+
+def with_speeds(motor: Motor, largest: float) -> Motor:
+    """Return a motor whose largest speed is known."""
+    return replace(motor, scale=largest, stribeck=tuple(part * largest for part in SPEEDS if largest))

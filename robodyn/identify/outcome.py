@@ -1,0 +1,72 @@
+"""What was fitted, in the words of descriptions and scenes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.identify.calibrated_scene import calibrated
+from robodyn.identify.identified import MotorFit
+from robodyn.identify.structure import Structure
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+
+class Outcome(NamedTuple):
+    """Parameters of `robodyn.regressor` in `scene` before and after, and the scene with what was found."""
+
+    names: tuple[str, ...]
+    described: Floats
+    theta: Floats
+    scene: Scene
+
+
+def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
+    """Return what was found of every motor."""
+    found = dict(zip(structure.names, theta.tolist(), strict=True))
+    fits = {}
+    for k, speed in structure.stribeck.items():
+        motor = structure.atoms.motors[k]
+        joints = {structure.atoms.model.rates[j]: float(motor.direction[j]) for j in np.flatnonzero(motor.direction)}
+        values = {name.rpartition(".")[2]: found[name] for name in motor.parameters(speed)}
+        fits[motor.name] = MotorFit(joints, stribeck_velocity=speed, **values)
+    return fits
+
+
+def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, slip_speed: float) -> Outcome:
+    """Return what was found, as `robodyn.regressor` names it, in the scene without its payloads.
+
+    Args:
+        theta: of `structure.names`.
+    """
+    joints = {body.joint.name: body.joint for body in model.bodies}
+    motors = motor_fits(structure, theta)
+    friction = dict(scene.friction)
+    for name, fit in motors.items():
+        if name in joints:
+            old = friction_of(joints[name], scene)
+            excess = {} if fit.stribeck is None else {"stribeck_velocity": fit.stribeck_velocity or 0.0}
+            friction[name] = replace(old, stribeck=None if fit.stribeck is None else old.stribeck or old.dry, **excess)
+    bare = replace(scene, payloads=(), friction=friction)
+    zero = np.zeros(model.n)
+    found = regressor(model, zero, zero, zero, scene=bare)
+    values = dict(zip(found.names, found.theta.tolist(), strict=True))
+    values |= {
+        name: value
+        for name, value in zip(structure.names, theta.tolist(), strict=True)
+        if name.rpartition(".")[2] in INERTIAL
+    }
+    for name, fit in motors.items():
+        if name in joints:
+            values |= {f"{name}.viscous": fit.viscous, f"{name}.rotor": fit.rotor}
+            values |= {f"{name}.forward": fit.offset + fit.coulomb, f"{name}.backward": fit.offset - fit.coulomb}
+            if fit.stribeck is not None:
+                values[f"{name}.stribeck"] = fit.stribeck
+    after = np.array([values[name] for name in found.names])
+    whole = calibrated(model, found.names, after, bare)
+    return Outcome(found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads))
