@@ -24,6 +24,8 @@ GAP = 4.5
 """So many steps without a row part a log in stretches."""
 _EVEN = 1e-3
 """Stamps that are off an even grid by less than this part of a step are taken for even."""
+_LOUD = 10.0
+"""Times the noise: torques that are compared."""
 _HALO = 8
 """Rows on either side that an interpolated value sees."""
 _FEWEST = 64
@@ -248,7 +250,7 @@ def joined(first: Samples, second: Samples) -> Samples:
 def noise_cutoff(tau: Floats, step: float) -> float:
     """Return the frequency [Hz] above which torques are noise, rounded to two digits: the median of the joints.
 
-    The amplitude spectrum (Welch's, Hann window) is above three times that of the highest octave up to there, by
+    The amplitude spectrum (Welch's, Hann window) is above ten times that of the highest octave up to there, by
     medians over sixths of an octave, which see no single lines; and at least 1e-5 of the power is above. It lies
     between 8 periods of the log and a fifth of the sampling rate.
 
@@ -262,7 +264,7 @@ def noise_cutoff(tau: Floats, step: float) -> float:
         part = tau[start : start + length]
         power += np.abs(np.fft.rfft(window[: len(part)] * (part - part.mean(axis=0)), length, axis=0)) ** 2
     frequency = np.fft.rfftfreq(length, step)
-    floor = 9.0 * np.median(power[len(power) // 2 :], axis=0)
+    floor = _LOUD**2 * np.median(power[len(power) // 2 :], axis=0)
     left = np.cumsum(power[::-1], axis=0)[::-1]
     found = np.zeros(tau.shape[1])
     edges = frequency[1] * 2.0 ** np.arange(0.0, np.log2(len(power) - 1), 1.0 / 6.0)

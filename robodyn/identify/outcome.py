@@ -10,9 +10,10 @@ import numpy as np
 from robodyn.dynamics.effects.viscous_friction import friction_of
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identify.calibrated_scene import calibrated
-from robodyn.identify.identified import MotorFit
+from robodyn.identify.identified import Identified, MotorFit
 from robodyn.identify.structure import Structure
 from robodyn.robot.model import Model
+from robodyn.scene.covariance import Covariance
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
@@ -70,3 +71,30 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
     after = np.array([values[name] for name in found.names])
     whole = calibrated(model, found.names, after, bare)
     return Outcome(found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads))
+
+
+def covariance(found: Identified) -> Covariance:
+    """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups.
+
+    The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
+    """
+    base = found.base.base
+    places = {name: k for k, name in enumerate(found.names)}
+    carried = np.zeros((len(found.names), base.rank))
+    for column, k in enumerate(base.independent):
+        for name, part in _meant(base.names[k]):
+            if name in places:
+                carried[places[name], column] = part
+    own = np.flatnonzero(carried.any(axis=1))
+    names = tuple(found.names[k] for k in own)
+    carried = carried[own]
+    C = np.einsum("ar,rs,bs->ab", carried, found.base.covariance, carried)
+    return Covariance(names, found.theta[own], (C + C.T) / 2.0)
+
+
+def _meant(name: str) -> tuple[tuple[str, float], ...]:
+    """Return the parameters of `robodyn.regressor` that one of a motor stands for, and how much of each."""
+    motor, _, kind = name.rpartition(".")
+    if kind in ("coulomb", "offset"):
+        return (f"{motor}.forward", 1.0), (f"{motor}.backward", 1.0 if kind == "offset" else -1.0)
+    return ((name, 1.0),)

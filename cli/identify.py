@@ -1,0 +1,135 @@
+"""`robodyn identify`: a description that explains measured torques."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import sys
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
+from robodyn.cli.reading_options import READING, reading
+from robodyn.cli.reports import REPORT, answer
+from robodyn.errors import InputError
+from robodyn.support.files import write_whole
+
+if TYPE_CHECKING:
+    from robodyn.identify.identified import Identified
+    from robodyn.robot.model import Model
+
+SPLIT = 0.7
+
+
+@click.command("identify", short_help="Find parameters that explain measured torques.")
+@click.argument("urdf", type=PATH)
+@click.argument("logs", type=PATH, nargs=-1, required=True, metavar="LOG...")
+@click.option("--out", type=PATH, metavar="FILE", help="Write the calibrated description: URDF.")
+@click.option("--scene-out", type=PATH, metavar="FILE", help="Write friction and rotors as a scene: TOML.")
+@click.option("--covariance", type=PATH, metavar="FILE", help="Write parameters and their covariance: JSON.")
+@click.option("--validate", type=PATH, multiple=True, metavar="LOG", help="Hold this log out; repeatable.")
+@click.option(
+    "--split",
+    type=click.FloatRange(0.05, 1.0),
+    default=SPLIT,
+    metavar="PART",
+    help=f"Of each log that is fitted, from its beginning, where nothing is validated; default {SPLIT:g}.",
+)
+@click.option("--cutoff", type=POSITIVE, metavar="HZ", help="Of the filter on both sides; default by the noise.")
+@click.option("--no-shapes", is_flag=True, help="Do not keep bodies within ellipsoids around their shapes.")
+@click.option("--force", is_flag=True, help="Write even what explains held-out torques worse than the description.")
+@SCENE
+@READING
+@REPORT
+@FORMAT
+def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
+    """Find masses, inertias, friction and rotors that explain the measured torques of logs: tables with columns
+    q_JOINT and tau_JOINT, or bags of ROS. Every body found can exist. Held-out errors are told, and nothing is written
+    that explains held-out torques worse than the description does.
+
+    \b
+    Examples:
+      robodyn identify robot.urdf log.parquet --out calibrated.urdf
+      robodyn identify robot.urdf 1.mcap 2.mcap --validate 3.mcap --out calibrated.urdf --scene-out friction.toml
+    """
+    from robodyn.identify.identify import identify
+    from robodyn.identify.log import Log, read_log
+    from robodyn.report.identified import identified_page, identified_sections
+    from robodyn.report.json.identified import identified_json
+
+    outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
+    force, shapes, validate = options.pop("force"), not options.pop("no_shapes"), options.pop("validate")
+    for output in outputs.values():
+        check_names(urdf, *logs, *validate, output=output)
+    for path in (*logs, *validate):
+        expect(TABLE, path)
+    model, scene = robot_in_scene(urdf)
+
+    def read(paths: tuple[str, ...]) -> list[Log]:
+        return [read_log(path, model, scene, cutoff=options["cutoff"], **reading()) for path in paths]
+
+    found = identify(
+        read(logs),
+        scene,
+        validate=read(validate),
+        split=options["split"],
+        cutoff=options["cutoff"],
+        shapes=shapes,
+        on_progress=_progress,
+    )
+    _progress("")
+    refused = not found.better and not force
+    written = _write(found, model, outputs, scene.payloads) if not refused else ""
+    page = partial(identified_page, found)
+    answer(identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
+    if refused and any(outputs.values()):
+        what = "held-out torques are explained no better than by the description: nothing is written"
+        raise InputError(what, remedy="log a more exciting motion, or --force", file=logs[0])
+    return 0
+
+
+def _progress(stage: str) -> None:
+    """Show a stage on a terminal, in the place of the one before."""
+    if sys.stderr.isatty():
+        click.echo(f"\r\033[K{stage}", nl=False, err=True)
+
+
+def _write(found: Identified, model: Model, outputs: dict[str, str | None], payloads: Any) -> str:
+    """Write what is asked for, after all of it is made; return lines that say so."""
+    from robodyn.identify.calibrated_scene import friction_toml
+    from robodyn.identify.calibrated_urdf import calibrated_urdf, lost_meshes
+
+    comment = _comment(found)
+    files: list[tuple[str, bytes]] = []
+    notes: list[str] = []
+    if out := outputs["out"]:
+        text = calibrated_urdf(model, found.names, found.described, found.theta, comment=comment, friction=True)
+        notes += text.notes
+        if model.description is not None and (lost := lost_meshes(model.description, out)):
+            notes.append(lost)
+        files.append((out, text.data))
+    if out := outputs["scene_out"]:
+        files.append((out, friction_toml(model, found.scene, comment).encode()))
+    if out := outputs["covariance"]:
+        from robodyn.identify.outcome import covariance
+        from robodyn.scene.covariance import covariance_json
+
+        files.append((out, covariance_json(covariance(found))))
+    for path, data in files:
+        write_whole(path, data)
+    lines = [f"written: {path}, {max(1, len(data) // 1000)} kB" for path, data in files]
+    return "".join(f"\nnote: {note}" for note in notes) + "".join(f"\n{line}" for line in lines) + "\n" * bool(files)
+
+
+def _comment(found: Identified) -> list[str]:
+    """Return what a calibrated file says of itself."""
+    errors = found.held_out or found.train
+    what = "held-out" if found.held_out else "fitted"
+    return [
+        f"identified by robodyn, {datetime.date.today().isoformat()}",
+        *(f"log {os.path.basename(path)}, sha256 {sha256}" for path, sha256 in found.hashes.items()),
+        f"relative error of {what} torques {100.0 * errors.relative_error:.2f} %, filtered at {found.cutoff:g} Hz",
+    ]
