@@ -89,14 +89,3 @@ class Point(NamedTuple):
     Z: Floats
     s: Floats
     w: Floats
-
-
-def gap(problem: Problem, point: Point) -> float:
-    """F(y) - F* <= lam sum (z - 1 - log z) + sum s w, with z the eigenvalues of V Z / lam, at a point that is feasible.
-
-    F is convex: F(y') >= F(y) + <Z, V' - V> - lam log det(V' V^-1) + w (s' - s), which is least at V' = lam Z^-1, s' =
-    0, if the gradient is that of Z and w.
-    """
-    L = np.linalg.cholesky(point.V)
-    z = np.linalg.eigvalsh(np.swapaxes(L, -1, -2) @ point.Z @ L) / problem.lam
-    return float(problem.lam * np.sum(z - 1.0 - np.log(z)) + np.sum(point.s * point.w))

@@ -64,7 +64,7 @@ def consistent_parameters(R: Floats, z: Floats, prior: Prior, strength: float = 
     Raises:
         InputError: shapes do not fit, a number is not finite, or the strength is negative.
 
-    Accuracy: the objective is within 1e-12 (k + 2) ||z||^2 of its minimum, with k bounds; `gap` says it.
+    Accuracy: the objective is within 2e-12 (k + 1) ||z||^2 of its minimum, with k bounds; `gap` says it.
     """
     _check(R, z, prior, strength)
     scaled = _Scaled(R, z, prior)

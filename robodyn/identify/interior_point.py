@@ -7,11 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identify.cones import Point, Problem, gap
+from robodyn.identify.cones import Point, Problem
 from robodyn.identify.newton import Newton
 from robodyn.support.floats import Floats
 
-_MOST = 200
+_MOST = 100
+_PATIENCE = 8
+"""Steps at the end of the path after which what is left is rounding."""
 
 
 class Minimum(NamedTuple):
@@ -40,7 +42,7 @@ def minimised(problem: Problem, y: Floats) -> Minimum:
     Args:
         y: to begin with; its matrices are positive definite.
 
-    Accuracy: the objective exceeds its minimum by `gap`, (k + 2) floor at most where the steps settle.
+    Accuracy: the objective exceeds its minimum by `gap`, 2 (k + 1) floor at most where the steps settle.
     """
     error = np.einsum("ij,j->i", problem.A, y) - problem.b
     mu = max(1e-2, float(np.sum(error * error)))
@@ -48,18 +50,20 @@ def minimised(problem: Problem, y: Floats) -> Minimum:
     s = np.maximum(np.einsum("ij,j->i", problem.G, y) + problem.h, 1e-3)
     Z = np.asarray((problem.lam + mu) * np.linalg.inv(V), dtype=float)
     point = Point(y, V, Z, s, mu / s)
+    at_end = 0
     for steps in range(_MOST):
         try:
             newton = Newton(problem, point)
         except np.linalg.LinAlgError:
             break
-        if newton.settled:
-            return Minimum(point.y, point.s, point.w, gap(problem, point), steps)
+        at_end += mu <= problem.floor
+        if newton.certain and (newton.centred or at_end > _PATIENCE):
+            return Minimum(point.y, point.s, point.w, newton.gap, steps)
         mu = max(problem.floor, min(mu, newton.mu))
         foreseen = None
         if mu > problem.floor:
             foreseen = newton.direction(0.0)
-            if newton.infeasible <= 1.0:
-                mu = max(problem.floor, mu * max((1.0 - newton.reach(foreseen)) ** 3, 1e-3))
+            if newton.feasible:
+                mu = max(problem.floor, mu * max((1.0 - newton.reach(foreseen)) ** 2, 0.1))
         point = newton.stepped(newton.direction(mu, foreseen))
     return Minimum(point.y, point.s, point.w, inf, steps)

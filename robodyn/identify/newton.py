@@ -16,7 +16,6 @@ from robodyn.support.floats import Floats
 _KEEP = 0.98
 """The part of the way to the border of the cones that a step goes at most."""
 _CENTRED = 1e-4
-_FEASIBLE = 1e-3
 
 
 class Direction(NamedTuple):
@@ -32,12 +31,12 @@ class Direction(NamedTuple):
 class Newton:
     """Newton's equations at a point.
 
-    Method: normal equations in the scaled variables, where the matrices add the identity, and Cholesky's factors; what
-    rounding does to a step the next one corrects.
+    Method: normal equations in the scaled variables, where the matrices add the identity, and Cholesky's factors, or QR
+    where rounding leaves none; what it does to a step the next one corrects.
 
     Attributes:
         mu: where on the path the point is, by the mean of its products.
-        infeasible: error of the gradient's equation, in parts of the multipliers.
+        decrement: sqrt(r H^-1 r), where r is the error of the gradient's equation: half its square is what that costs.
 
     Raises:
         numpy.linalg.LinAlgError: the equations cannot be solved in floats.
@@ -54,12 +53,11 @@ class Newton:
         self.gradient = self._scaled(problem.gradient(point.y))
         self.G = self._scaled(problem.G)
         self.ratio = point.w / point.s
+        own = np.where(np.arange(len(point.y)) < problem.size, 1.0, problem.ridge)
+        rows = (self._scaled(problem.A), np.sqrt(self.ratio)[:, None] * self.G, np.diag(np.sqrt(own)))
+        self.inverse_root = np.linalg.inv(_root(np.concatenate(rows)))
         dual = self.gradient - self.G.T @ point.w - self._padded(_diagonal(self.d))
-        self.infeasible = float(np.abs(dual).max() / np.sqrt(problem.lam + max(self.mu, problem.floor)))
-        A = self._scaled(problem.A)
-        H = A.T @ A + self.G.T @ (self.ratio[:, None] * self.G)
-        H[np.diag_indices_from(H)] += np.where(np.arange(len(H)) < problem.size, 1.0, problem.ridge)
-        self.inverse_root = np.linalg.inv(np.linalg.cholesky(H))
+        self.decrement = float(np.linalg.norm(self.inverse_root @ dual, axis=0))
 
     def _scaled(self, rows: Floats) -> Floats:
         """Return rows (..., p) times what leads from the scaled variables to y."""
@@ -73,11 +71,31 @@ class Newton:
         return np.concatenate((coordinates(X).ravel(), others))
 
     @property
-    def settled(self) -> bool:
-        """Whether the point is where the path ends."""
-        problem, point = self.problem, self.point
-        centred = np.abs(self.d * self.d / problem.lam - 1.0).max(initial=0.0) <= _CENTRED
-        return bool(centred and (point.s * point.w <= 2.0 * problem.floor).all() and self.infeasible <= _FEASIBLE)
+    def gap(self) -> float:
+        """F(y) - F* <= lam sum (z - 1 - log z) + sum s w + decrement^2 / 2, with z the eigenvalues of V Z / lam.
+
+        F is convex: F(y') >= F(y) + <Z, V' - V> - lam log det(V' V^-1) + w (s' - s), which is least at V' = lam Z^-1,
+        s' = 0, where the gradient is that of Z and w; its error costs half the square of the decrement.
+        """
+        lam, off = self.problem.lam, self.d * self.d / self.problem.lam - 1.0
+        with np.errstate(divide="ignore"):
+            apart = lam * np.sum(off - np.log1p(off)) + np.sum(self.point.s * self.point.w)
+        return float(apart) + self.decrement**2 / 2.0
+
+    @property
+    def certain(self) -> bool:
+        """Whether the gap is what the floor leaves of it."""
+        return self.gap <= 2.0 * (len(self.point.s) + 1) * self.problem.floor
+
+    @property
+    def centred(self) -> bool:
+        """Whether the matrices are where the path ends, also where the rows do not hold them."""
+        return bool(np.abs(self.d * self.d / self.problem.lam - 1.0).max(initial=0.0) <= _CENTRED)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the gradient's equation holds as well as the point is centred."""
+        return self.decrement <= float(np.sqrt(self.problem.lam + max(self.mu, self.problem.floor)))
 
     def direction(self, mu: float, foreseen: Direction | None = None) -> Direction:
         """Return the step to the path at mu; with the second-order term of a step that was foreseen (Mehrotra 1992)."""
@@ -110,6 +128,15 @@ class Newton:
         Z = np.swapaxes(back, -1, -2) @ (_diagonal(self.d) + part * step.Z) @ back
         symmetric = (Z + np.swapaxes(Z, -1, -2)) / 2.0
         return Point(y, self.problem.matrices(y), symmetric, point.s + part * step.s, point.w + part * step.w)
+
+
+def _root(rows: Floats) -> Floats:
+    """Return L, lower triangular but for signs, with L L^T = rows^T rows."""
+    try:
+        return np.asarray(np.linalg.cholesky(rows.T @ rows))
+    except np.linalg.LinAlgError:
+        R = np.asarray(np.linalg.qr(rows, mode="r"))
+        return R.T
 
 
 def _diagonal(d: Floats) -> Floats:

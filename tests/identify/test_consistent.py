@@ -118,6 +118,21 @@ def test_every_answer_is_possible_and_certain(noise, strength):
     assert found.error == pytest.approx(0.5 * np.sum((R @ found.theta - z) ** 2), rel=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_descriptions_may_be_far_off(seed):
+    """Thirty times too heavy or too light, three times too long or too short, with fewer rows than parameters."""
+    rng = np.random.default_rng(seed)
+    sizes = 10.0 ** rng.uniform((-1.5, -0.5), (1.5, 0.5), (3, 2, 2))
+    prior, truth = (np.concatenate([m * random_body(rng, x) for m, x in sizes[:, k]]) for k in (0, 1))
+    names = tuple(f"b{k}.{name[2:]}" for k in range(3) for name in NAMES)
+    known = Prior(names, prior, prior, tuple(PriorBody(f"b{k}", slice(10 * k, 10 * k + 10)) for k in range(3)), ())
+    R = rng.normal(size=(20, 30)) * np.tile(np.repeat(10.0 ** rng.uniform(-2, 2, 3), (1, 3, 6)), 3)
+    z = R @ truth * (1.0 + 0.2 * rng.normal(size=20))
+    found = consistent_parameters(R, z, known)
+    assert found.gap <= 2e-12 * (z @ z)
+    assert_possible(found.theta, known)
+
+
 def test_more_strength_gives_less_divergence_and_more_error():
     R, z, prior, _ = log(0.2)
     fits = [consistent_parameters(R, z, prior, 10.0**k * (z @ z)) for k in range(-9, 4)]
