@@ -50,6 +50,18 @@ def momentum_view(options: dict[str, Any]) -> View | None:
     return None
 
 
+def refuse_beside_measured(trajectories: Sequence[str], fail_on_limits: bool, options: dict[str, Any]) -> None:
+    """Raise if what goes with computed torques alone is asked for beside --measured."""
+    asked = {"fail_on_limits": fail_on_limits, **{name: options[name] for name in _COMPUTED}}
+    for name, value in asked.items():
+        if value:
+            what = f"--{name.replace('_', '-')} does not go with --measured"
+            raise click.UsageError(what, click.get_current_context())
+    if len(trajectories) > 1:
+        raise click.UsageError("--measured compares one log", click.get_current_context())
+
+
+_COMPUTED = ("out", "reactions", "sizing", "momentum", "explain", "accuracy", "example", "samples", "jobs", "dask")
 _SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of parameters, to compare."
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 OPTIONS = together(
@@ -63,6 +75,8 @@ OPTIONS = together(
     click.option("--frame", metavar="LINK", help="Axes and origin of momenta; default the ground's."),
     READING,
     click.option("--explain", is_flag=True, help="Say why each effect is on or off, and what it costs."),
+    click.option("--measured", is_flag=True, help="Compare with the torques of the log, and say what differs."),
+    click.option("--cutoff", type=POSITIVE, metavar="HZ", help="With --measured: of the filter; default by the noise."),
     click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit of robot or motor is exceeded."),
     click.option("--accuracy", type=POSITIVE, metavar="E", help="Take the cheapest arithmetic of this relative error."),
     click.option("--samples", type=click.IntRange(min=2), metavar="N", help=_SAMPLES),
@@ -94,7 +108,17 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
       robodyn torques robots/puma560.urdf robots/puma560_sweep.csv --report puma.html
       robodyn torques robots/puma.urdf 'runs/*.parquet' --out results/
       robodyn torques robots/puma.urdf motion.csv --example --report puma.html
+      robodyn torques robots/puma560.urdf log.db3 --measured --report measured.html
     """
+    cutoff = options.pop("cutoff")
+    if options.pop("measured"):
+        refuse_beside_measured(trajectories, fail_on_limits, options)
+        from robodyn.cli.torques_measured import run_measured
+
+        run_measured(urdf, trajectories[0], cutoff)
+        return 0
+    if cutoff is not None:
+        raise click.UsageError("--cutoff goes with --measured", click.get_current_context())
     if options["reactions"] and not options["out"]:
         raise click.UsageError("--reactions goes to a file, and --out names none", click.get_current_context())
     options |= {

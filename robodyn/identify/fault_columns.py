@@ -1,0 +1,143 @@
+"""How measured torques depend on faults: residuals and their derivatives, joint by joint."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from robodyn.support.floats import Floats
+
+OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
+"""The parameters of each joint, in order: `gain` is relative, less one."""
+GAIN, OFFSET, VISCOUS, COULOMB, ROTOR, DELAY = range(len(OWN))
+MOST_DELAY = 0.25
+"""s: delays are looked for within this, and within a tenth of the log."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Torques and what may explain their difference, all through the same filter, on an even grid.
+
+    Attributes:
+        step: s, of the grid.
+        measured, computed: (k, n) N m.
+        own: (k, n, 3) torque of each joint per unit of its viscous friction, Coulomb friction and rotor inertia.
+        load: (k, n, m) torques per unit of the parameters of a payload.
+    """
+
+    step: float
+    measured: Floats
+    computed: Floats
+    own: Floats
+    load: Floats
+
+    @property
+    def joints(self) -> int:
+        return int(self.measured.shape[1])
+
+    @property
+    def parameters(self) -> int:
+        """Of the joints, `OWN` of each, and then of the payload."""
+        return int(len(OWN) * self.joints + self.load.shape[2])
+
+    @property
+    def margin(self) -> int:
+        """Samples at either end that delays may move beyond the log."""
+        k = len(self.measured)
+        return int(min(MOST_DELAY / self.step, 0.1 * k)) + 1
+
+    @property
+    def inside(self) -> slice:
+        return slice(self.margin, len(self.measured) - self.margin)
+
+    @cached_property
+    def splines(self) -> list[Any]:
+        """The measured torques at any time, in samples."""
+        from scipy.interpolate import make_interp_spline
+
+        at = np.arange(len(self.measured), dtype=float)
+        return [make_interp_spline(at, column, k=5) for column in self.measured.T]
+
+    def shifted(self, joint: int, delay: float) -> Floats:
+        """Return the measured torque a delay [s] later, inside."""
+        at = np.arange(len(self.measured), dtype=float)[self.inside] + delay / self.step
+        return np.asarray(self.splines[joint](at))
+
+    def places(self, joint: int) -> list[int]:
+        """Return the places of the parameters that a joint feels."""
+        own = len(OWN) * self.joints
+        return [*range(len(OWN) * joint, len(OWN) * (joint + 1)), *range(own, own + self.load.shape[2])]
+
+
+def rms(values: Floats) -> Floats:
+    """Return the root mean square of each column."""
+    return np.asarray(np.sqrt(np.einsum("ki,ki->i", values, values) / len(values)))
+
+
+def columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
+    """Return derivatives of the model, for each joint (N, 6 + m), and what the model leaves of the torques (N, n).
+
+    `measured(t + delay) = (1 + gain) (computed + own + load)(t) + offset`, so that friction, rotor and payload are
+    those of the robot, and the gain is the sensor's. That of the delay is `-d(measured)/dt`, by the model.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    found, left, inside = [], [], evidence.inside
+    at = np.arange(len(evidence.measured), dtype=float)
+    for j in range(evidence.joints):
+        mine = theta[evidence.places(j)]
+        gain, own, load = 1.0 + mine[GAIN], mine[VISCOUS : ROTOR + 1], mine[len(OWN) :]
+        inner = evidence.computed[:, j] + np.einsum("ki,i->k", evidence.own[:, j], own)
+        inner = inner + np.einsum("ki,i->k", evidence.load[:, j], load)
+        rate = make_interp_spline(at, inner, k=5).derivative()(at) / evidence.step
+        per = [inner, np.ones(len(at)), *(gain * evidence.own[:, j]).T, -gain * rate, *(gain * evidence.load[:, j]).T]
+        found.append(np.stack(per, axis=1)[inside])
+        left.append(evidence.shifted(j, mine[DELAY]) - gain * inner[inside] - mine[OFFSET])
+    return found, np.stack(left, axis=1)
+
+
+def additive(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
+    """Return columns of which `theta` makes exactly what is explained of measured less computed, and that difference.
+
+    As `columns`, with the secant of the delay in place of its derivative, and the gain's column with all that it
+    scales.
+    """
+    found, _ = columns(evidence, theta)
+    inside = evidence.inside
+    for j, each in enumerate(found):
+        mine = theta[evidence.places(j)]
+        gain, delay = 1.0 + mine[GAIN], mine[DELAY]
+        each[:, VISCOUS : ROTOR + 1] /= gain
+        each[:, len(OWN) :] /= gain
+        if delay:
+            each[:, DELAY] = (evidence.measured[inside, j] - evidence.shifted(j, delay)) / delay
+    return found, (evidence.measured - evidence.computed)[inside]
+
+
+def first_delays(evidence: Evidence) -> Floats:
+    """Return the delay of each joint [s] at which all other effects leave least, to a sample; 0 unless it is clear.
+
+    It is clear if it leaves `_CLEAR` less than no delay does.
+    """
+    zero, left = columns(evidence, np.zeros(evidence.parameters))
+    found = np.zeros(evidence.joints)
+    margin = evidence.margin
+    shifts = np.arange(1 - margin, margin)
+    for j, each in enumerate(zero):
+        own = np.delete(each, DELAY, axis=1)
+        size = np.sqrt(np.einsum("ki,ki->i", own, own))
+        basis = np.linalg.svd(own[:, size > 0] / size[size > 0], full_matrices=False)
+        Q = basis[0][:, basis[1] > 1e-6 * basis[1][0]]
+        windows = np.lib.stride_tricks.sliding_window_view(evidence.measured[:, j], len(left))[1:-1]
+        whole = np.einsum("sk,sk->s", windows, windows)
+        rest = whole - (np.square(np.einsum("sk,kq->sq", windows, Q))).sum(axis=1)
+        best = int(np.argmin(rest))
+        if rest[best] < (1.0 - _CLEAR) * rest[margin - 1]:
+            found[j] = shifts[best] * evidence.step
+    return found
+
+
+_CLEAR = 0.05

@@ -1,0 +1,88 @@
+"""Gross faults of logs: torques of joints exchanged, and torques with the wrong sign."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.identify.fault_columns import Evidence
+from robodyn.support.floats import Floats
+
+_CLEAR = 0.25
+"""Of the residual's sum of squares with channels as they are, what those of the right ones leave at most."""
+
+
+class Channels(NamedTuple):
+    """Which measured torque is that of which joint.
+
+    Attributes:
+        source: for each joint the channel that has its torque; sign: 1 or -1 of each.
+    """
+
+    source: tuple[int, ...]
+    sign: tuple[int, ...]
+
+    @property
+    def exchanged(self) -> list[tuple[int, ...]]:
+        """Return the joints that have each other's torques: in each group each of the next, the last of the first."""
+        left, found = [j for j, source in enumerate(self.source) if source != j], []
+        while left:
+            group = [left[0]]
+            while self.source[group[-1]] != group[0]:
+                group.append(self.source[group[-1]])
+            found.append(tuple(group))
+            left = [j for j in left if j not in group]
+        return found
+
+    @property
+    def reversed(self) -> list[int]:
+        return [j for j, sign in enumerate(self.sign) if sign < 0]
+
+
+def channels(evidence: Evidence) -> Channels:
+    """Return which measured torque is that of which joint, and with which sign.
+
+    With friction and rotor inertia, which cannot be negative, and an offset for each joint, each measured torque is
+    fitted to each computed one with either sign. Channels are those for which the product of what is left is least
+    (assignment problem). They differ from those of the log only where each leaves less than `_CLEAR` of what the
+    joint's own channel leaves with its better sign, and a sign only where it does so beside the other one.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    cost = _costs(evidence)
+    best = cost.min(axis=2)
+    own = np.arange(evidence.joints)
+    source = linear_sum_assignment(np.log(best))[1]
+    found = own.copy()
+    for group in Channels(tuple(map(int, source)), ()).exchanged:
+        if all(best[j, source[j]] < _CLEAR * best[j, j] for j in group):
+            found[list(group)] = source[list(group)]
+    plus, minus = cost[own, found].T
+    sign = np.where(minus < _CLEAR * plus, -1, 1)
+    return Channels(tuple(map(int, found)), tuple(map(int, sign)))
+
+
+def _costs(evidence: Evidence) -> Floats:
+    """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
+    from scipy.optimize import nnls
+
+    measured = evidence.measured - evidence.measured.mean(axis=0)
+    n, found = evidence.joints, np.empty((evidence.joints, evidence.joints, 2))
+    for i in range(n):
+        own = np.column_stack((evidence.own[:, i], evidence.computed[:, i]))
+        own = own - own.mean(axis=0)
+        factor = np.asarray(np.linalg.qr(np.column_stack((own, measured)), mode="r"))
+        size = np.sqrt(np.einsum("ij,ij->j", factor, factor))
+        scale = np.where(size[:3] > 0.0, size[:3], 1.0)
+        for j in range(n):
+            least = 1e-12 * (size[3] ** 2 + size[4 + j] ** 2) + 1e-300
+            for k, sign in enumerate((1.0, -1.0)):
+                found[i, j, k] = nnls(factor[:, :3] / scale, sign * factor[:, 4 + j] - factor[:, 3])[1] ** 2 + least
+    return found
+
+
+def rerouted(evidence: Evidence, right: Channels) -> Evidence:
+    """Return evidence whose measured torques are those of the right channels."""
+    measured = evidence.measured[:, list(right.source)] * np.array(right.sign, dtype=float)
+    return Evidence(evidence.step, measured, evidence.computed, evidence.own, evidence.load)

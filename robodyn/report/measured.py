@@ -1,0 +1,206 @@
+"""Measured against computed torques: a ranked diagnosis in words, each joint in numbers, plots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from robodyn.identify.compare import Comparison, JointComparison
+from robodyn.identify.fault_columns import DELAY, GAIN, OWN
+from robodyn.identify.faults import Fault
+from robodyn.report.document import (
+    Block,
+    Document,
+    Gallery,
+    Heading,
+    Level,
+    Paragraph,
+    Section,
+    Table,
+    Verdict,
+    data_blocks,
+    on_page,
+    paragraphs,
+    remarks,
+)
+from robodyn.report.json.measured import measured_json
+from robodyn.report.table import number, printable
+from robodyn.support.wording import count
+
+_TOLD = 0.01
+"""Of a joint's residual: a share that is named."""
+_GOOD = 0.05
+_MUCH = 0.5
+
+
+def measured_sections(found: Comparison) -> Iterator[Section]:
+    """Yield the diagnosis, what is told of each joint, its effects with their standard errors, and notes."""
+    verdict = verdict_on(found)
+    yield paragraphs([_head(found), f"{verdict.headline}.", *verdict.reasons])
+    lines = [*_gross(found), *(fault_words(found, fault) for fault in found.faults)]
+    numbered = [f"{k}. {line}" for k, line in enumerate(lines, start=1)]
+    yield paragraphs(
+        ["What explains the difference", *(numbered or ["nothing that is more than noise"]), *_left(found)]
+    )
+    yield [Table("Measured against computed", *_joints(found))]
+    yield [Table("Effects, each beside all others", *_effects(found))]
+    yield remarks("note", found.notes)
+
+
+def measured_page(found: Comparison, pictures: bool = True) -> Document:
+    """Return the same as a page, with plots of torques, residuals and friction."""
+    blocks: list[Block] = [verdict_on(found), *(_pictures(found) if pictures else [])]
+    blocks += [Heading("In numbers"), *on_page(measured_sections(found), "Joint")]
+    blocks += data_blocks(
+        [("measured.json", measured_json(found))], "robodyn torques --measured --format json prints it"
+    )
+    return Document(found.robot, f"Measured against computed torques of {printable(found.file)}", tuple(blocks))
+
+
+def _pictures(found: Comparison) -> list[Block]:
+    from robodyn.report.pictures.measured import friction_figure, torque_figure
+
+    places = range(len(found.joints))
+    return [
+        Heading("Measured over computed"),
+        Gallery(tuple(torque_figure(found, j) for j in places)),
+        Heading("Friction"),
+        Paragraph("What is measured beyond the computed torque and all told effects but friction, over speed."),
+        Gallery(tuple(friction_figure(found, j) for j in places)),
+    ]
+
+
+def _head(found: Comparison) -> str:
+    what = f"{count(len(found.joints), 'joint')} with measured torques, {count(found.samples, 'sample')}"
+    return (
+        f"{found.robot}: {what}, {found.duration:.6g} s, compared below {found.cutoff:g} Hz over {found.compared:.4g} s"
+    )
+
+
+def verdict_on(found: Comparison) -> Verdict:
+    """Return how far the model explains the log, and what that rests on."""
+    before, after = f"{100 * found.relative_error:.3g} %", f"{100 * found.left:.3g} %"
+    if not any(joint.moves for joint in found.joints):
+        return Verdict("neutral", f"No joint moves: of the difference of {before} only offsets and weight can be told")
+    reasons = [*_gross(found)]
+    if not found.faults and not reasons:
+        return Verdict(
+            "good" if found.relative_error <= _GOOD else "neutral",
+            f"The model differs from the log by {before} of the measured torques; no effect stands out of the noise",
+        )
+    level: Level = "bad" if reasons else "doubtful" if found.relative_error > _GOOD else "good"
+    return Verdict(
+        level,
+        f"The model differs from the log by {before} of the measured torques, {after} with what is told below",
+        tuple(reasons),
+    )
+
+
+def _left(found: Comparison) -> Iterator[str]:
+    """Yield which joints' residuals none of the effects explains."""
+    dark = [
+        f"{printable(joint.name)} ({100 * (joint.left / joint.residual) ** 2:.0f} %)"
+        for joint in found.joints
+        if joint.left > np.sqrt(_MUCH) * joint.residual and joint.relative_error > _GOOD
+    ]
+    if dark and found.faults:
+        yield f"None of these explains most of the residual of {', '.join(dark)}: noise, or inertias of links."
+
+
+def _gross(found: Comparison) -> Iterator[str]:
+    names = [printable(joint.name) for joint in found.joints]
+    for group in found.channels.exchanged:
+        who, part = [names[j] for j in group], min(found.gross[j] for j in group)
+        words = f"{who[0]} and {who[1]}" if len(who) == 2 else f"{', '.join(who)} in a circle"
+        yield f"The measured torques of {words} are exchanged: that explains {_percent(part)} of their residuals"
+    for j in found.channels.reversed:
+        part = _percent(found.gross[j])
+        yield f"The measured torque of {names[j]} has the wrong sign: that explains {part} of its residual"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share > 0.1 else f"{100 * share:.1f} %"
+
+
+def fault_words(found: Comparison, fault: Fault) -> str:
+    """Return what a fault is, with its standard error, and how much it explains of which residuals."""
+    ranked = sorted(range(len(found.joints)), key=lambda j: -fault.shares[j])
+    shares = [
+        f"{_percent(fault.shares[j])} at {printable(found.joints[j].name)}" for j in ranked if fault.shares[j] >= _TOLD
+    ]
+    sure = "explains" if fault.certain else "would explain"
+    doubt = "" if fault.certain else " (not told apart from other effects)"
+    j = fault.effect.joint
+    if j is None:
+        of = f"of residuals: {', '.join(shares)}" if shares else "less than 1 % of any residual"
+        return f"{_payload(found, fault)} {sure} {of}{doubt}"
+    what = effect_words(
+        found.joints[j], fault.effect.kind, float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
+    )
+    return f"{what} {sure} {_percent(fault.shares[j])} of its residual{doubt}"
+
+
+def effect_words(joint: JointComparison, kind: str, value: float, error: float) -> str:
+    name, unit, per = printable(joint.name), joint.unit, "rad" if joint.unit == "N m" else "m"
+    if kind == "gain":
+        return f"A gain of {_bar(1 + value, error)} at {name} (torque constant or gear)"
+    if kind == "delay":
+        return f"A delay of the measured torque of {_bar(1e3 * value, 1e3 * error)} ms at {name}"
+    words = {
+        "offset": ("An offset", unit),
+        "viscous": ("Viscous friction", f"{unit} s/{per}"),
+        "coulomb": ("Coulomb friction", unit),
+        "rotor": ("Rotor inertia", "kg m^2" if unit == "N m" else "kg"),
+    }
+    title, of = words[kind]
+    return f"{title} of {_bar(value, error)} {of} at {name}"
+
+
+def _bar(value: float, error: float) -> str:
+    """Return a value with its standard error, to two digits of the error."""
+    if not error > 0.0:
+        return number(value)
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f} +- {error:.{digits}f}"
+
+
+def _payload(found: Comparison, fault: Fault) -> str:
+    m, error = float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
+    if not 0.0 < 3.0 * error < abs(m):
+        return f"A load at {printable(found.load_link)} whose mass cannot be told"
+    centre = fault.values[1:4] / m
+    rate = np.column_stack((-centre / m, np.eye(3) / m))
+    errors = np.sqrt(np.einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
+    where = ", ".join(_bar(float(x), float(e)) for x, e in zip(centre, errors, strict=True))
+    return f"A payload of {_bar(m, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"
+
+
+def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
+    head = ["joint", "measured RMS", "computed", "residual", "with effects", "relative error", "correlation"]
+    rows = [
+        [
+            joint.name,
+            f"{number(joint.measured)} {joint.unit}",
+            number(joint.computed, joint.measured),
+            number(joint.residual, joint.measured),
+            number(joint.left, joint.measured),
+            f"{100 * joint.relative_error:.3g} %",
+            "-" if joint.correlation is None else f"{joint.correlation:.3f}",
+        ]
+        for joint in found.joints
+    ]
+    return head, rows
+
+
+def _effects(found: Comparison) -> tuple[list[str], list[list[str]]]:
+    head = ["joint", "gain", "offset", "viscous", "Coulomb", "rotor", "delay [ms]"]
+    rows = []
+    for joint in found.joints:
+        row = [joint.name]
+        for kind in OWN:
+            value, error = joint.effects.get(kind, (0.0, 0.0))
+            scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
+            row.append(_bar(scale * value + shift, scale * error) if kind in joint.effects else "cannot be told")
+        rows.append(row)
+    return head, rows
