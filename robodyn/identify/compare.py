@@ -157,11 +157,13 @@ def _joint(model: Model, name: str, raw: Evidence, found: Explained, j: int) -> 
 
 
 def _friction(evidence: Evidence, faults: tuple[Fault, ...]) -> Floats:
-    """Return the friction that was told (k, n)."""
+    """Return the friction that was told (k, n), as a sensor measures it."""
+    gains = {fault.effect.joint: 1.0 + fault.values[0] for fault in faults if fault.effect.kind == "gain"}
     found = np.zeros_like(evidence.computed)
     for effect, values in ((fault.effect, fault.values) for fault in faults):
         if effect.joint is not None and effect.kind in ("viscous", "coulomb"):
-            found[:, effect.joint] += values[0] * evidence.own[:, effect.joint, OWN.index(effect.kind) - VISCOUS]
+            size = gains.get(effect.joint, 1.0) * values[0]
+            found[:, effect.joint] += size * evidence.own[:, effect.joint, OWN.index(effect.kind) - VISCOUS]
     return found
 
 

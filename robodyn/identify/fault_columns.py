@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -80,8 +81,8 @@ def rms(values: Floats) -> Floats:
 def columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     """Return derivatives of the model, for each joint (N, 6 + m), and what the model leaves of the torques (N, n).
 
-    `measured(t + delay) = (1 + gain) (computed + own + load)(t) + offset`, so that friction, rotor and payload are
-    those of the robot, and the gain is the sensor's. That of the delay is `-d(measured)/dt`, by the model.
+    `measured(t + delay) = (1 + gain) (computed + load)(t) + own(t) + offset`; the derivative for the delay is
+    `-d(measured)/dt`, by the model.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -90,12 +91,12 @@ def columns(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     for j in range(evidence.joints):
         mine = theta[evidence.places(j)]
         gain, own, load = 1.0 + mine[GAIN], mine[VISCOUS : ROTOR + 1], mine[len(OWN) :]
-        inner = evidence.computed[:, j] + np.einsum("ki,i->k", evidence.own[:, j], own)
-        inner = inner + np.einsum("ki,i->k", evidence.load[:, j], load)
-        rate = make_interp_spline(at, inner, k=5).derivative()(at) / evidence.step
-        per = [inner, np.ones(len(at)), *(gain * evidence.own[:, j]).T, -gain * rate, *(gain * evidence.load[:, j]).T]
+        inner = evidence.computed[:, j] + np.einsum("ki,i->k", evidence.load[:, j], load)
+        whole = gain * inner + np.einsum("ki,i->k", evidence.own[:, j], own)
+        rate = make_interp_spline(at, whole, k=5).derivative()(at) / evidence.step
+        per = [inner, np.ones(len(at)), *evidence.own[:, j].T, -rate, *(gain * evidence.load[:, j]).T]
         found.append(np.stack(per, axis=1)[inside])
-        left.append(evidence.shifted(j, mine[DELAY]) - gain * inner[inside] - mine[OFFSET])
+        left.append(evidence.shifted(j, mine[DELAY]) - whole[inside] - mine[OFFSET])
     return found, np.stack(left, axis=1)
 
 
@@ -110,11 +111,26 @@ def additive(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     for j, each in enumerate(found):
         mine = theta[evidence.places(j)]
         gain, delay = 1.0 + mine[GAIN], mine[DELAY]
-        each[:, VISCOUS : ROTOR + 1] /= gain
         each[:, len(OWN) :] /= gain
         if delay:
             each[:, DELAY] = (evidence.measured[inside, j] - evidence.shifted(j, delay)) / delay
     return found, (evidence.measured - evidence.computed)[inside]
+
+
+def of_robot(theta: Floats, covariance: Floats, gains: Collection[int]) -> tuple[Floats, Floats]:
+    """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor.
+
+    Args:
+        gains: the joints whose gain was told; that of the others is taken for 1.
+    """
+    rate, found = np.eye(len(theta)), theta.copy()
+    for j in gains:
+        gain = len(OWN) * j + GAIN
+        own = [len(OWN) * j + kind for kind in (VISCOUS, COULOMB, ROTOR)]
+        found[own] /= 1.0 + theta[gain]
+        rate[own, own] = 1.0 / (1.0 + theta[gain])
+        rate[own, gain] = -found[own] / (1.0 + theta[gain])
+    return found, np.einsum("ia,ab,jb->ij", rate, covariance, rate, optimize=True)
 
 
 def first_delays(evidence: Evidence) -> Floats:

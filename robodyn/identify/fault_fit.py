@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identify.fault_columns import DELAY, GAIN, OWN, Evidence, columns, rms
+from robodyn.identify.fault_columns import DELAY, GAIN, OFFSET, OWN, Evidence, columns, rms
 from robodyn.identify.long_run import score_covariance
 from robodyn.support.floats import Floats
 
 TOGETHER = 0.1
 """The probability with which noise must explain all effects that are taken for zero."""
-BLURRED = 0.1
+BLURRED = 0.03
 """Standard error of a gain, were it the only effect, beyond which neither it nor a delay is looked for."""
 CLEAR = 0.05
 """Of a step, the standard error of a delay up to which it is looked for all the same."""
@@ -42,6 +42,11 @@ class Effect(NamedTuple):
     places: tuple[int, ...]
 
 
+def _precedence(effect: Effect) -> bool:
+    """Return False for what is told where effects cannot be told apart: the offset of a joint with a constant load."""
+    return effect.kind != OWN[OFFSET]
+
+
 class Fit:
     """The parameters of some faults, fitted.
 
@@ -52,7 +57,7 @@ class Fit:
     """
 
     def __init__(self, evidence: Evidence, start: Floats, faults: Sequence[Effect], rounds: int = _ROUNDS) -> None:
-        wanted = sorted(place for effect in faults for place in effect.places)
+        wanted = [place for effect in sorted(faults, key=_precedence) for place in effect.places]
         self._places = [evidence.places(j) for j in range(evidence.joints)]
         self.heights = np.cumsum([0, *(len(each) + 1 for each in self._places)])
         self.theta = np.where(np.isin(np.arange(len(start)), wanted), start, 0.0)
@@ -157,11 +162,6 @@ class Fit:
                 break
             dropped.append(kept.pop(best))
         return kept
-
-    def estimate(self, effect: Effect) -> tuple[Floats, Floats]:
-        """Return the parameters of an effect, and their covariance."""
-        places = [*effect.places]
-        return self.theta[places], self.covariance[np.ix_(places, places)]
 
     def sure(self, faults: Sequence[Effect], level: float) -> bool:
         """Return whether noise makes some faults with less than this probability."""

@@ -10,7 +10,9 @@ from robodyn.identify.fault_columns import Evidence
 from robodyn.support.floats import Floats
 
 _CLEAR = 0.25
-"""Of the residual's sum of squares with channels as they are, what those of the right ones leave at most."""
+"""Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
+_LESS = 0.7
+"""What each of them leaves at most."""
 
 
 class Channels(NamedTuple):
@@ -43,10 +45,10 @@ class Channels(NamedTuple):
 def channels(evidence: Evidence) -> Channels:
     """Return which measured torque is that of which joint, and with which sign.
 
-    With friction and rotor inertia, which cannot be negative, and an offset for each joint, each measured torque is
-    fitted to each computed one with either sign. Channels are those for which the product of what is left is least
-    (assignment problem). They differ from those of the log only where each leaves less than `_CLEAR` of what the
-    joint's own channel leaves with its better sign, and a sign only where it does so beside the other one.
+    With friction and rotor inertia, which cannot be negative, each measured torque is fitted to each computed one with
+    either sign. Channels are those for which the product of what is left is least
+    (assignment problem). They differ from those of the log only where they leave less than `_CLEAR` of what the
+    joints' own channels leave with their better signs, and a sign only where it does so beside the other one.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -56,7 +58,8 @@ def channels(evidence: Evidence) -> Channels:
     source = linear_sum_assignment(np.log(best))[1]
     found = own.copy()
     for group in Channels(tuple(map(int, source)), ()).exchanged:
-        if all(best[j, source[j]] < _CLEAR * best[j, j] for j in group):
+        ratio = np.array([best[j, source[j]] / best[j, j] for j in group])
+        if np.log(ratio).mean() < np.log(_CLEAR) and (ratio < _LESS).all():
             found[list(group)] = source[list(group)]
     plus, minus = cost[own, found].T
     sign = np.where(minus < _CLEAR * plus, -1, 1)
@@ -67,12 +70,10 @@ def _costs(evidence: Evidence) -> Floats:
     """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
     from scipy.optimize import nnls
 
-    measured = evidence.measured - evidence.measured.mean(axis=0)
     n, found = evidence.joints, np.empty((evidence.joints, evidence.joints, 2))
     for i in range(n):
         own = np.column_stack((evidence.own[:, i], evidence.computed[:, i]))
-        own = own - own.mean(axis=0)
-        factor = np.asarray(np.linalg.qr(np.column_stack((own, measured)), mode="r"))
+        factor = np.asarray(np.linalg.qr(np.column_stack((own, evidence.measured)), mode="r"))
         size = np.sqrt(np.einsum("ij,ij->j", factor, factor))
         scale = np.where(size[:3] > 0.0, size[:3], 1.0)
         for j in range(n):

@@ -185,7 +185,7 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         noise,
         bool(missing),
         noise_cutoff(tau, step) if cutoff is None else cutoff,
-        (*notes, *held),
+        (*notes, *held, *(doubt.said for doubt in last.doubts)),
     )
 
 

@@ -32,6 +32,8 @@ _TOLD = 0.01
 """Of a joint's residual: a share that is named."""
 _GOOD = 0.05
 _MUCH = 0.5
+_DIGITS = 4
+_ROUNDED = 1e-9
 
 
 def measured_sections(found: Comparison) -> Iterator[Section]:
@@ -80,7 +82,9 @@ def _head(found: Comparison) -> str:
 
 def verdict_on(found: Comparison) -> Verdict:
     """Return how far the model explains the log, and what that rests on."""
-    before, after = f"{100 * found.relative_error:.3g} %", f"{100 * found.left:.3g} %"
+    before, after = (
+        f"{100 * share:.3g} %" if share > _ROUNDED else "0" for share in (found.relative_error, found.left)
+    )
     if not any(joint.moves for joint in found.joints):
         return Verdict("neutral", f"No joint moves: of the difference of {before} only offsets and weight can be told")
     reasons = [*_gross(found)]
@@ -158,11 +162,13 @@ def effect_words(joint: JointComparison, kind: str, value: float, error: float) 
 
 
 def _bar(value: float, error: float) -> str:
-    """Return a value with its standard error, to two digits of the error."""
-    if not error > 0.0:
-        return number(value)
-    digits = max(0, 1 - int(np.floor(np.log10(error))))
-    return f"{value:.{digits}f} +- {error:.{digits}f}"
+    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it."""
+    if abs(value) < 0.05 * error:
+        value = 0.0
+    if max(abs(value), error) < 1e-3:
+        return f"{value:.2g} +- {error:.1e}"
+    digits = min(max(0, 1 - int(np.floor(np.log10(max(error, 1e-9))))), _DIGITS)
+    return f"{value:.{digits}f} +- " + (f"{error:.{digits}f}" if error >= 10.0**-digits else f"{error:.0e}")
 
 
 def _payload(found: Comparison, fault: Fault) -> str:
@@ -183,8 +189,8 @@ def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
             joint.name,
             f"{number(joint.measured)} {joint.unit}",
             number(joint.computed, joint.measured),
-            number(joint.residual, joint.measured),
-            number(joint.left, joint.measured),
+            number(joint.residual) if joint.residual > _ROUNDED * joint.measured else "0",
+            number(joint.left) if joint.left > _ROUNDED * joint.measured else "0",
             f"{100 * joint.relative_error:.3g} %",
             "-" if joint.correlation is None else f"{joint.correlation:.3f}",
         ]

@@ -1,0 +1,168 @@
+"""Injected faults are found, alone and in pairs, within their stated errors; gross ones, and nothing in noise."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS
+from helpers.faulty_logs import Bench
+
+from robodyn.identify.faults import explain
+from robodyn.identify.gross_faults import channels, rerouted
+from robodyn.identify.long_run import score_covariance, window_length
+
+JOINTS = {"gain": 1, "offset": 0, "viscous": 2, "coulomb": 1, "rotor": 0, "delay": 2, "payload": None}
+SIGMAS = 4.5
+"""All estimates of a test lie within so many standard errors: of 3000 normal ones one in 50 such tests would not."""
+
+
+@pytest.fixture(scope="module")
+def bench():
+    return Bench(ROBOTS / "puma560.urdf")
+
+
+@pytest.fixture(scope="module")
+def arm():
+    """Return one of three joints, which tell no payload apart from their rotors and gains."""
+    return Bench(ROBOTS / "puma.urdf")
+
+
+def of(bench, *kinds):
+    return [(kind, JOINTS[kind], 0.0 if kind == "payload" else bench.size(kind, JOINTS[kind])) for kind in kinds]
+
+
+def check_found(bench, faults, tau):
+    found = explain(bench.evidence(tau))
+    told = {(fault.effect.kind, fault.effect.joint): fault for fault in found.faults}
+    truth = bench.truth(faults)
+    for kind, j, _ in faults:
+        fault = told[kind, j]
+        errors = np.sqrt(np.diag(fault.covariance))
+        assert (np.abs(fault.values - truth[list(fault.effect.places)]) <= SIGMAS * errors).all(), fault
+    assert {key for key, fault in told.items() if fault.certain} <= {(kind, j) for kind, j, _ in faults}
+    return found
+
+
+@pytest.mark.parametrize("kind", JOINTS)
+def test_each_fault_alone(bench, kind):
+    rng = np.random.default_rng([*JOINTS].index(kind))
+    faults = of(bench, kind)
+    found = check_found(bench, faults, bench.injected(faults) + bench.noise(rng, "white", 0.02))
+    fault, j = found.faults[0], JOINTS[kind]
+    assert fault.effect.kind == kind
+    assert fault.shares[1 if j is None else j] > 0.8
+
+
+PAIRS = [*combinations(JOINTS, 2)]
+QUICK = [("gain", "payload"), ("rotor", "delay")]
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [pytest.param(pair, marks=() if pair in QUICK else pytest.mark.slow, id="-".join(pair)) for pair in PAIRS],
+)
+def test_faults_in_pairs(bench, pair):
+    rng = np.random.default_rng(PAIRS.index(pair))
+    faults = of(bench, *pair)
+    check_found(bench, faults, bench.injected(faults) + bench.noise(rng, "band", 0.02))
+
+
+def test_without_noise_faults_are_exact(bench):
+    """But a delay, which is found by splines through the filtered samples."""
+    faults = of(bench, "gain", "offset", "viscous", "coulomb", "rotor", "payload")
+    found = explain(bench.evidence(bench.injected(faults)))
+    truth = bench.truth(faults)
+    told = sorted(found.told)
+    scale = np.maximum(np.abs(truth), 1.0)
+    np.testing.assert_allclose((found.theta / scale)[told], (truth / scale)[told], atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["white", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("band", "red"))])
+def test_noise_alone_tells_nothing(bench, kind):
+    tau = bench.tau + bench.noise(np.random.default_rng(3), kind)
+    assert explain(bench.evidence(tau)).faults == ()
+
+
+def test_shares_add_up_to_what_is_explained(arm):
+    faults = of(arm, "coulomb", "viscous", "offset")
+    tau = arm.injected(faults) + arm.noise(np.random.default_rng(1), "white", 0.02)
+    found = explain(arm.evidence(tau))
+    total = sum(fault.shares for fault in found.faults)
+    left = (found.residual**2).sum(axis=0) / (found.difference**2).sum(axis=0)
+    np.testing.assert_allclose(total + left, 1.0, atol=2e-3)
+
+
+@pytest.mark.parametrize("faults", [(), ("coulomb",), ("gain", "payload")])
+def test_exchanged_torques_are_found(arm, faults):
+    tau = arm.injected(of(arm, *faults)) + arm.noise(np.random.default_rng(2), "white")
+    right = channels(arm.evidence(tau[:, [0, 2, 1]]))
+    assert right.source == (0, 2, 1)
+    assert right.sign == (1, 1, 1)
+    assert right.exchanged == [(1, 2)]
+    np.testing.assert_array_equal(rerouted(arm.evidence(tau[:, [0, 2, 1]]), right).measured, arm.evidence(tau).measured)
+
+
+@pytest.mark.parametrize("j", range(3))
+@pytest.mark.parametrize("faults", [(), ("coulomb", "viscous")])
+def test_a_wrong_sign_is_found(arm, faults, j):
+    tau = arm.injected(of(arm, *faults)) + arm.noise(np.random.default_rng(2), "white")
+    tau[:, j] *= -1.0
+    right = channels(arm.evidence(tau))
+    assert right.reversed == [j]
+    assert right.exchanged == []
+
+
+def test_a_sign_is_told_by_friction_alone(bench):
+    """The wrist hardly carries anything; friction that drives would be one with the wrong sign."""
+    tau = bench.tau.copy()
+    tau[:, 5] -= 0.5 * np.sign(bench.qd[:, 5])
+    assert channels(bench.evidence(tau)).reversed == [5]
+
+
+@pytest.mark.parametrize("kinds", [*[(kind,) for kind in JOINTS], ("coulomb", "rotor"), ("gain", "offset")])
+def test_nothing_gross_is_found_where_nothing_is(arm, kinds):
+    tau = arm.injected(of(arm, *kinds)) + arm.noise(np.random.default_rng(2), "red")
+    right = channels(arm.evidence(tau))
+    assert right.exchanged == []
+    assert right.reversed == []
+
+
+def test_covariance_of_scores_in_closed_form():
+    """Of a column of ones and noise e(t) = w(t) + w(t - 1) it is 4 N var(w), of a column of alternating signs 0."""
+    rng = np.random.default_rng(0)
+    N = 20_000
+    white = rng.normal(size=N + 1)
+    noise = (white[1:] + white[:-1])[:, None]
+    columns = np.column_stack((np.ones(N), np.where(np.arange(N) % 2, 1.0, -1.0)))
+    found = score_covariance([columns], noise, [(0, 1)], 2) / N
+    np.testing.assert_allclose(found, [[4.0, 0.0], [0.0, 0.0]], atol=0.15)
+    assert window_length(noise) <= 6
+
+
+def test_covariance_between_joints_has_its_direction():
+    """Noise of the second joint is that of the first a sample later."""
+    rng = np.random.default_rng(0)
+    N = 20_000
+    white = rng.normal(size=N + 1)
+    noise = np.column_stack((white[1:], white[:-1]))
+    wave = np.cos(0.5 * np.pi * np.arange(N))
+    later = np.roll(wave, 1)
+    found = score_covariance([wave[:, None], later[:, None]], noise, [(0,), (1,)], 2) / N
+    np.testing.assert_allclose(found, [[0.5, 0.5], [0.5, 0.5]], atol=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["white", "band", "red"])
+def test_intervals_hold_the_truth(arm, kind):
+    """Of 95 % intervals of all parameters, with a payload and a gain, 93 to 97 % hold the truth."""
+    faults = of(arm, "payload", "coulomb", "gain")
+    truth, tau = arm.truth(faults), arm.injected(faults)
+    rng, inside = np.random.default_rng(8), []
+    for _ in range(60):
+        found = explain(arm.evidence(tau + arm.noise(rng, kind)))
+        told = sorted(found.told)
+        errors = np.sqrt(np.diag(found.covariance))[told]
+        inside.append(np.abs(found.theta - truth)[told] <= 1.96 * errors)
+    assert 0.93 <= np.mean(np.concatenate(inside)) <= 0.97
