@@ -120,6 +120,23 @@ class Variations:
                 found[at, k], at = 1.0, at + 1
         return found
 
+    def along(self, changes: Floats) -> Floats:
+        """Return derivatives by x (..., k) of what has these by theta (..., m)."""
+        flat = changes.reshape(-1, len(self.jacobian))
+        found = np.empty((len(flat), len(self.each)))
+        for body in (*self.bodies, -1):
+            columns = [k for k, variation in enumerate(self.each) if variation.body == body]
+            rows = self._place(body)
+            found[:, columns] = product(flat[:, rows], self.jacobian[rows][:, columns])
+        return found.reshape(*changes.shape[:-1], len(self.each))
+
+    def variance(self, changes: Floats) -> Floats:
+        """Return the variance of what has these derivatives by theta (..., m), to first order."""
+        along = self.along(changes)
+        if self.factor is not None:
+            along = product(along.reshape(-1, len(self.each)), self.factor).reshape(along.shape)
+        return np.asarray(np.einsum("...k,...k->...", along, along))
+
     def theta(self, x: Floats) -> Floats:
         """Return (draws, m) by how much theta changes with x (draws, k), to all orders."""
         found = product(x, self.jacobian.T)
@@ -131,7 +148,9 @@ class Variations:
         return np.asarray(found)
 
     def _place(self, body: int) -> slice:
-        """Return where the moments of a body are in theta."""
+        """Return where the moments of a body are in theta; of -1 what is at joints."""
+        if body < 0:
+            return slice(len(self.bodies) * len(INERTIAL), None)
         at = self.bodies.index(body) * len(INERTIAL)
         return slice(at, at + len(INERTIAL))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 from robodyn.dynamics.effects import coulomb_friction
 from robodyn.dynamics.effects.effect import Sample, Terms
@@ -15,15 +16,21 @@ from robodyn.programs.derivative import jacobian
 from robodyn.programs.program import trace
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape, Traced
-from robodyn.programs.vectors import Scalar, vector
+from robodyn.programs.vectors import Scalar, total, vector
 from robodyn.scene.fit import refuse_constraints
 from robodyn.solids.inertia.laws import Inertia, combined, symmetric
 
+Row = Sequence[tuple[int, float]]
+"""A sum of loads, each by its number and its weight; loads are numbered as `Plan.wrenches` has them, with joints."""
 
-def derivative_runner(plan: Plan, found: Variations, joints: bool) -> Runner:
-    """Return d loads / d theta at a given `theta`: for each load in turn its derivatives by all of theta.
 
-    Loads are tau, the base wrench, and with `joints` the wrench of every joint's body, as `Plan.wrenches` has them.
+def summed(rows: Iterable[Row], loads: Sequence[Any]) -> list[Any]:
+    """Return the sums of some loads, scalars or arrays."""
+    return [total(loads[k] if weight == 1.0 else weight * loads[k] for k, weight in row) for row in rows]
+
+
+def derivative_runner(plan: Plan, found: Variations, rows: Sequence[Row]) -> Runner:
+    """Return the derivatives of sums of loads by theta, at a given `theta`: for each sum in turn those by all of theta.
 
     Accuracy: as that of the loads.
     """
@@ -31,16 +38,16 @@ def derivative_runner(plan: Plan, found: Variations, joints: bool) -> Runner:
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
         theta = _theta(tape, found)
-        rows = jacobian(_loads(plan, tape, theta, found, joints), [{each: 1.0} for each in theta])
-        return [entry for row in rows for entry in row]
+        sums = summed(rows, _loads(plan, tape, theta, found))
+        return [entry for row in jacobian(sums, [{each: 1.0} for each in theta]) for entry in row]
 
     return runner_of(trace(outputs), plan, {"theta": len(found.jacobian)})
 
 
-def varied_runner(plan: Plan, found: Variations, joints: bool) -> Runner:
-    """Return the loads of a given `theta`, by which parameters are off."""
+def varied_runner(plan: Plan, found: Variations, rows: Sequence[Row]) -> Runner:
+    """Return sums of loads for a given `theta`, by which parameters are off."""
     refuse_constraints(plan.scene)
-    program = trace(lambda tape: _loads(plan, tape, _theta(tape, found), found, joints))
+    program = trace(lambda tape: summed(rows, _loads(plan, tape, _theta(tape, found), found)))
     return runner_of(program, plan, {"theta": len(found.jacobian)})
 
 
@@ -48,7 +55,7 @@ def _theta(tape: Tape, found: Variations) -> list[Traced]:
     return [tape.input("theta", k) for k, _ in enumerate(found.jacobian)]
 
 
-def _loads(plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations, joints: bool) -> list[Scalar]:
+def _loads(plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations) -> list[Scalar]:
     """Return the loads of a robot with more moments, friction and rotors."""
     sample, terms = plan.terms(tape)
     inertias, width = list(terms.inertias), len(INERTIAL)
@@ -58,8 +65,7 @@ def _loads(plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations, j
     at_joints = [each for each in found.each if not each.moments]
     terms = replace(terms, inertias=tuple(inertias))
     result = loads(sample, _with_joints(terms, sample, plan, theta[width * len(found.bodies) :], at_joints))
-    wrenches = result.reactions if joints else result.reactions[:1]
-    return [*result.tau, *(scalar for wrench in wrenches for part in wrench for scalar in part)]
+    return [*result.tau, *(scalar for wrench in result.reactions for part in wrench for scalar in part)]
 
 
 def _with_joints(terms: Terms, sample: Sample, plan: Plan, x: Sequence[Scalar], each: Sequence[Variation]) -> Terms:

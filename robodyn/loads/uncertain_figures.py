@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.loads.uncertainty_result import Bar, Interval
@@ -102,10 +103,10 @@ class Figures:
             value = float(at[0, 0]) if self.of.of.figures[k].b < 0 else size
             samples, less = self._rivals(k, size, gradient)
 
+            flat, used = _used(samples.reshape(-1, samples.shape[-1]))
+
             def drawn(theta: Floats) -> Floats:
-                columns = samples[..., 0] + product(theta, samples[..., 1:].reshape(-1, theta.shape[1]).T).reshape(
-                    -1, len(samples), 2
-                )
+                columns = (flat[:, 0] + product(theta[:, used], flat[:, 1:].T)).reshape(-1, len(samples), 2)
                 return np.asarray((np.sqrt((columns * columns).sum(-1)) - less).max(axis=1))
 
             self._peaks[k] = self._figure(value, gradient, at[:, 1:], drawn)
@@ -120,10 +121,12 @@ class Figures:
         less = self.of.less[k] - float(self.of.peaks.kept["off"][k])
         sizes = np.sqrt((more[:, :, 0] ** 2).sum(1))
         slopes = np.einsum("mi,mik->mk", more[:, :, 0], more[:, :, 1:]) / (sizes + TINY)[:, None]
-        across = self.of.variance(more[:, :, 1:]).sum(1)
+        across = self.of.found.variance(more[:, :, 1:]).sum(1)
         near = np.zeros(len(more), dtype=bool)
         for sign in (1.0, -1.0):
-            spread = np.sqrt(self.of.variance(gradient - sign * slopes)) + np.sqrt(across) * (sizes < np.sqrt(across))
+            spread = np.sqrt(self.of.found.variance(gradient - sign * slopes)) + np.sqrt(across) * (
+                sizes < np.sqrt(across)
+            )
             near |= size - sign * sizes + less <= OUT_OF_REACH * spread
         return np.concatenate((at[None], more[near])), np.append(0.0, less[near])
 
@@ -138,16 +141,18 @@ class Figures:
             columns = [figure.a] if figure.b < 0 else [figure.a, figure.b]
             size = math.sqrt(float(totals["square"][columns].sum()) / duration)
             gradient = totals["product"][columns].sum(0) / (duration * size) if size else np.zeros(self.theta.shape[1])
-            rows, share = self.of.kept.columns[columns], _shares(self.of.kept.time)
-            A = np.einsum("cri,crj,r->ij", rows, rows, share)
+            kept, share = self.of.kept.columns[columns], _shares(self.of.kept.time)
+            rows, used = _used(kept.reshape(-1, kept.shape[-1]))
+            A = product((rows * np.tile(share, len(columns))[:, None]).T, rows)
 
             def drawn(theta: Floats) -> Floats:
-                squares = A[0, 0] + 2.0 * product(theta, A[0, 1:])
-                squares = squares + np.einsum("ni,ni->n", product(theta, A[1:, 1:]), theta)
+                some = theta[:, used]
+                squares = A[0, 0] + 2.0 * product(some, A[0, 1:])
+                squares = squares + np.einsum("ni,ni->n", product(some, A[1:, 1:]), some)
                 roots = np.sqrt(np.maximum(squares, 0.0))
                 return np.asarray(np.maximum(roots + (size - math.sqrt(max(float(A[0, 0]), 0.0))), 0.0))
 
-            self._rms[k] = self._figure(size, gradient, rows[..., 1:].reshape(-1, len(gradient)), drawn)
+            self._rms[k] = self._figure(size, gradient, kept[..., 1:].reshape(-1, len(gradient)), drawn)
         return self._rms[k]
 
     def cubic(self, i: int) -> Drawn:
@@ -159,16 +164,16 @@ class Figures:
         column = [figure.a for figure in of.figures if figure.name == "gear"][i]
         share = _shares(self.of.kept.time) * self.of.kept.pace[of.trains[i][0]]
         share = share / (share.sum() + TINY)
-        rows = self.of.kept.columns[column]
+        rows, used = _used(self.of.kept.columns[column])
 
         def mean(load: Floats) -> Floats:
             return cube_roots(np.einsum("...r,r->...", np.abs(load * load * load), share))
 
         def drawn(theta: Floats) -> Floats:
-            found = mean(rows[:, 0] + product(theta, rows[:, 1:].T))
+            found = mean(rows[:, 0] + product(theta[:, used], rows[:, 1:].T))
             return np.asarray(np.maximum(found + (size - float(mean(rows[:, 0]))), 0.0))
 
-        return self._figure(size, gradient, rows[:, 1:], drawn)
+        return self._figure(size, gradient, self.of.kept.columns[column][:, 1:], drawn)
 
     def _figure(self, value: float, gradient: Floats, rows: Floats, drawn: Callable[[Floats], Floats]) -> Drawn:
         """Return a figure, drawn where its first term is not all.
@@ -176,7 +181,7 @@ class Figures:
         Args:
             rows: (n, m) derivatives of all that it is made of. drawn: its magnitudes for draws of theta.
         """
-        error = math.sqrt(float(self.of.variance(gradient)))
+        error = math.sqrt(float(self.of.found.variance(gradient)))
         missed = drawn(self.theta[:TRIED]) - abs(value) - product(self._linear[:TRIED], gradient)
         if abs(float(missed.mean())) <= SHIFT * error and float(missed.std()) <= SCATTER * error:
             return Drawn(value, error, gradient, self._parts(gradient[None]))
@@ -186,9 +191,15 @@ class Figures:
 
     def _parts(self, rows: Floats) -> Floats:
         """Return (k,) what each parameter adds to the variance of what has these derivatives (n, m), in all."""
-        along = product(rows, self.of.found.jacobian)
+        along = self.of.found.along(rows)
         L = self.of.found.factor
         return np.asarray((along * (along if L is None else product(product(along, L), L.T))).sum(0))
+
+
+def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of theta are left."""
+    used = np.flatnonzero(rows[:, 1:].any(axis=0))
+    return np.concatenate((rows[:, :1], rows[:, 1:][:, used]), 1), used
 
 
 def cube_roots(x: Floats) -> Floats:

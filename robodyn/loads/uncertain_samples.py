@@ -29,7 +29,7 @@ class SamplePass:
     def __init__(self, beside: UncertaintyPass, count: int) -> None:
         """Args: beside: whose parameters and quantities are taken; count: draws."""
         self.of: Quantities = beside.of
-        self.runner = varied_runner(plan(beside.model, beside.scene), beside.found, beside.bearings)
+        self.runner = varied_runner(plan(beside.model, beside.scene), beside.found, beside.of.rows)
         self.theta = beside.found.theta(beside.found.draws(count, SEED))
         self.peaks = np.zeros((len(self.of.figures), count))
         self._integrals = [Integrals() for _ in self.theta]
@@ -52,8 +52,8 @@ class SamplePass:
             for k, theta in enumerate(self.theta):
                 given["theta"] = np.broadcast_to(theta, (len(of), len(theta)))
                 expected = len(self.theta) * len(of)
-                loads = self.runner.run(given, len(of), executor=executor, threads=threads, expected=expected).values
-                self._gather(k, of, self.of.values(loads, qd, qdd), qd)
+                sums = self.runner.run(given, len(of), executor=executor, threads=threads, expected=expected).values
+                self._gather(k, of, self.of.with_motors(np.ascontiguousarray(sums.T), qd, qdd), qd)
 
     def _gather(self, k: int, time: Floats, values: Floats, qd: Floats) -> None:
         """Take in the columns of a block for draw k."""

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.variations import variations
-from robodyn.dynamics.varied_loads import derivative_runner
+from robodyn.dynamics.varied_loads import derivative_runner, summed
 from robodyn.loads.motors import Train
 from robodyn.loads.statistics import Greatest, Integrals
 from robodyn.loads.uncertain_quantities import Quantities
 from robodyn.programs.run.runner import Runner
-from robodyn.programs.vectors import product
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
@@ -64,7 +63,7 @@ class UncertaintyPass:
         self, model: Model, scene: Scene, rates: slice, trains: Sequence[tuple[int, Train]], bearings: bool
     ) -> None:
         """Args: rates: entries of tau that are joints; trains: joints with motors; bearings: whether they count."""
-        self.model, self.scene, self.bearings = model, scene, bearings
+        self.model, self.scene = model, scene
         self.found = variations(model, scene)
         self.of = Quantities(model, model.rates[rates], rates, trains, bearings)
         count, self._m = len(self.of.figures), len(self.found.jacobian)
@@ -75,8 +74,6 @@ class UncertaintyPass:
         nothing = np.zeros((self.of.columns, 0, 1 + self._m)), np.zeros((len(self.of.joints), 0))
         self.kept, self._stride, self._seen = Kept(np.zeros(0), *nothing), 1, 0
         self._runners: dict[ZeroColumns, Runner] = {}
-        L = self.found.factor
-        self._root = self.found.jacobian if L is None else product(self.found.jacobian, L)
 
     def take(
         self,
@@ -98,7 +95,7 @@ class UncertaintyPass:
             zero: sources that are zero throughout.
         """
         if zero not in self._runners:
-            self._runners[zero] = derivative_runner(plan(self.model, self.scene, zero), self.found, self.bearings)
+            self._runners[zero] = derivative_runner(plan(self.model, self.scene, zero), self.found, self.of.rows)
         runner = self._runners[zero]
         step = max(2, ROOM // len(runner.program.outputs))
         for start in range(0, len(time), step):
@@ -107,18 +104,15 @@ class UncertaintyPass:
             given["theta"] = np.zeros((count, self._m))
             found = runner.run(given, count, executor=how.executor, threads=how.threads, expected=how.expected).values
             qd, qdd = (each[:, part] for each in motion)
-            values = self.of.values(loads[part], qd, qdd)
-            changes = self.of.changes(found.reshape(count, -1, self._m), values, qd)
+            sums = np.array(summed(self.of.rows, list(loads[part].T)))
+            values = self.of.with_motors(sums, qd, qdd)
+            by_theta = np.moveaxis(found.reshape(count, len(sums), self._m), 1, 0)
+            changes = self.of.changes(np.ascontiguousarray(by_theta), values, qd)
             self._integrate(time[part], values, changes, qd)
             self._keep(time[part], values, changes, qd)
             less = off if isinstance(off, float) else off[:, part]
             self._peaks(time[part], first_row + start, values, changes, less)
             self._seen += count
-
-    def variance(self, changes: Floats) -> Floats:
-        """Return the variance of what has these derivatives (..., m) by theta, to first order."""
-        along = product(changes.reshape(-1, self._m), self._root)
-        return np.asarray(np.einsum("nk,nk->n", along, along).reshape(changes.shape[:-1]))
 
     def _integrate(self, time: Floats, values: Floats, changes: Floats, qd: Floats) -> None:
         quantities = {"square": values * values, "product": np.moveaxis(values[..., None] * changes, -1, 1)}
@@ -150,7 +144,7 @@ class UncertaintyPass:
         single = (b < 0)[:, None]
         second = np.where(single, 0.0, values[b])
         score = np.where(single, np.abs(values[a]), np.sqrt(values[a] * values[a] + second * second))
-        variance = self.variance(changes)
+        variance = self.found.variance(changes)
         upper = score + FAR * np.sqrt(variance[a] + np.where(single, 0.0, variance[b]))
         less = np.zeros_like(score)
         less[: len(self.of.joints)] = off

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from math import isfinite
+from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError, SceneError
 from robodyn.robot.model import Model
 from robodyn.scene.constraints import GROUND, Contact, Loop
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.scene.uncertainty import Uncertainty
 from robodyn.support.wording import alternatives, shown
+
+if TYPE_CHECKING:
+    from robodyn.scene.uncertainty import Uncertainty
 
 
 def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:

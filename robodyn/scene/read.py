@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import unreadable
 from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
 from robodyn.scene.read_simulation import simulated_of
-from robodyn.scene.read_uncertainty import uncertainty_of
 from robodyn.scene.scene import Scene
 from robodyn.scene.toml_table import WHOLE, SceneTable, read_toml
 from robodyn.support.input_file import read_input
+
+if TYPE_CHECKING:
+    from robodyn.scene.uncertainty import Uncertainty
 
 FRAMES = ("link", "base", "world")
 MOTIONS = ("fixed", "moving")
@@ -58,7 +60,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         baumgarte=table.nonnegative("baumgarte", 0.0, "it is positive, or 0 for projection after each step"),
         **simulated_of(table),
         **_fluid(table),
-        uncertainty=uncertainty_of(table),
+        uncertainty=_uncertainty(table),
     )
     for key in NOT_COMPUTED:
         if key in table.values:
@@ -66,6 +68,15 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
             raise table.error(what, remedy="give [[contact]] name, link and point or polygon")
     table.finish()
     return scene
+
+
+def _uncertainty(table: SceneTable) -> Uncertainty | None:
+    if "uncertainty" not in table.values:
+        table.known.append("uncertainty")
+        return None
+    from robodyn.scene.read_uncertainty import uncertainty_of
+
+    return uncertainty_of(table)
 
 
 def _wrench(table: SceneTable) -> ExternalWrench:

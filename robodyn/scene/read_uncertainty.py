@@ -25,16 +25,13 @@ _AMOUNT = re.compile(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*")
 _OF_LINKS = ("mass", "com", "inertia")
 
 
-def uncertainty_of(scene: SceneTable) -> Uncertainty | None:
-    """Return what a scene says of how well its robot is known; None if it says nothing.
+def uncertainty_of(scene: SceneTable) -> Uncertainty:
+    """Return what a scene says of how well its robot is known.
 
     Raises:
         SceneError: a key or a value is wrong, the covariance cannot be read, or stands beside deviations.
     """
-    given = scene.take("uncertainty", None)
-    if given is None:
-        return None
-    table = SceneTable(given, "[uncertainty]", scene.file)
+    table = SceneTable(scene.take("uncertainty", ...), "[uncertainty]", scene.file)
     if "covariance" in table.values:
         name = table.text("covariance")
         if table.values:

@@ -27,10 +27,15 @@ def sources(model, state, columns=()):
     }
 
 
+def every(model, joints):
+    """Each load alone: tau, base wrench, and those of the joints."""
+    return [[(k, 1.0)] for k in range(model.n + 6 * (len(model.bodies) if joints else 1))]
+
+
 def derivatives(model, scene, given, joints=False):
     """By x, at x = 0."""
     found = variations(model, scene)
-    runner, count = derivative_runner(plan(model, scene), found, joints), len(given["q"])
+    runner, count = derivative_runner(plan(model, scene), found, every(model, joints)), len(given["q"])
     by_theta = runner({**given, "theta": np.zeros((count, len(found.jacobian)))}, count)
     return by_theta.reshape(count, -1, len(found.jacobian)) @ found.jacobian
 
@@ -38,7 +43,7 @@ def derivatives(model, scene, given, joints=False):
 def varied(model, scene, given, x, joints=False):
     """Loads of parameters that are off by x (k,)."""
     found, count = variations(model, scene), len(given["q"])
-    runner = varied_runner(plan(model, scene), found, joints)
+    runner = varied_runner(plan(model, scene), found, every(model, joints))
     return runner({**given, "theta": np.tile(found.theta(x[None]), (count, 1))}, count)
 
 
