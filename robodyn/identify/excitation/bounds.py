@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.viscous_friction import friction_of
 from robodyn.errors import InputError
 from robodyn.robot.limits import MOST_EFFORT, MOST_VELOCITY, binding, coordinate_ranges
-from robodyn.robot.model import Joint, Model
+from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, count
@@ -19,10 +20,16 @@ MARGIN = 0.05
 """Of a joint's range that the motion keeps from each limit of position."""
 SPEEDING = 0.25
 """In so many seconds a joint may reach its limit of speed, where no limit of acceleration is given [s]."""
+_FAR, _NEAR = 1e4, 1e-6
+"""Limits of position from which on they stand for "none", and room or speed that is none [rad, m, rad/s, m/s]."""
 _RANGE = {"revolute": pi, "prismatic": 0.25}
 """To each side of 0 [rad, m] where there is no limit."""
 _SPEED = {"revolute": pi, "prismatic": 0.5}
 """Where there is no limit [rad/s, m/s]."""
+
+_UNIT = {"revolute": "rad", "prismatic": "m"}
+
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,18 +68,16 @@ def bounds_of(model: Model, scene: Scene, joints: tuple[str, ...] = (), accelera
     _known(model, joints)
     notes: list[str] = []
     least, largest = _ranges(model, notes)
-    speed = _speeds(model, notes)
-    effort = np.array([min(binding(joint.effort) or np.inf, np.inf) for joint in model.independent])
+    speed, half = _speeds(model, notes), (0.5 - MARGIN) * (largest - least)
+    effort = np.array([binding(joint.effort) or np.inf for joint in model.independent])
     effort[effort >= MOST_EFFORT] = np.inf
     _say(notes, model, effort == np.inf, "no effort limit: any torque is allowed")
-    half = (0.5 - MARGIN) * (largest - least)
-    wanted = [not joints or joint.name in joints for joint in model.independent]
-    stuck = [(half[k] <= 0.0, _dry(joint, scene) >= effort[k]) for k, joint in enumerate(model.independent)]
-    moving = tuple(k for k, each in enumerate(wanted) if each and not any(stuck[k]))
-    for why, k in (("its limits leave no room", 0), ("friction alone takes its effort limit", 1)):
-        _say(
-            notes, model, np.array([want and s[k] for want, s in zip(wanted, stuck, strict=True)], bool), f"held: {why}"
-        )
+    wanted = np.array([not joints or joint.name in joints for joint in model.independent], dtype=bool)
+    narrow = wanted & (np.minimum(half, speed) < _NEAR)
+    weak = wanted & (np.array([friction_of(joint, scene).dry for joint in model.independent]) >= effort)
+    _say(notes, model, narrow, "held: its limits leave no room")
+    _say(notes, model, weak, "held: friction alone takes its effort limit")
+    moving = tuple(np.flatnonzero(wanted & ~narrow & ~weak).tolist())
     if not moving:
         raise InputError("no joint can move", remedy="; ".join(notes) or "none is described", file=model.file)
     middle = 0.5 * (least + largest)
@@ -89,14 +94,12 @@ def _known(model: Model, joints: tuple[str, ...]) -> None:
 
 
 def _ranges(model: Model, notes: list[str]) -> tuple[Floats, Floats]:
-    least, largest = coordinate_ranges(model)
-    most = np.array([_RANGE[joint.kind] for joint in model.independent])
-    endless = ~np.isfinite(least) | ~np.isfinite(largest)
+    least, largest = (np.where(np.abs(end) < _FAR, end, np.nan) for end in coordinate_ranges(model))
+    endless = np.isnan(least) | np.isnan(largest)
     for kind, width in _RANGE.items():
-        these = endless & np.array([joint.kind == kind for joint in model.independent], bool)
-        _say(
-            notes, model, these, f"no position limits: {width:.4g} {'rad' if kind == 'revolute' else 'm'} to each side"
-        )
+        what = f"no position limits: {width:.4g} {_UNIT[kind]} to each side"
+        _say(notes, model, endless & _are(model, kind), what)
+    most = np.array([_RANGE[joint.kind] for joint in model.independent])
     least = np.where(np.isfinite(least), least, np.where(np.isfinite(largest), largest - 2.0 * most, -most))
     return least, np.where(np.isfinite(largest), largest, least + 2.0 * most)
 
@@ -109,17 +112,17 @@ def _speeds(model: Model, notes: list[str]) -> Floats:
         if limit is not None and limit < MOST_VELOCITY and joint.kind != "fixed" and joint.multiplier:
             speeds[joint.rate] = min(speeds[joint.rate], limit / abs(joint.multiplier))
     for kind, speed in _SPEED.items():
-        these = np.isinf(speeds) & np.array([joint.kind == kind for joint in model.independent], bool)
-        _say(notes, model, these, f"no speed limit: {speed:.4g} {'rad' if kind == 'revolute' else 'm'}/s assumed")
+        these = np.isinf(speeds) & _are(model, kind)
+        _say(notes, model, these, f"no speed limit: {speed:.4g} {_UNIT[kind]}/s assumed")
         speeds[these] = speed
     return speeds
 
 
-def _dry(joint: Joint, scene: Scene) -> float:
-    return friction_of(joint, scene).dry
+def _are(model: Model, kind: str) -> Flags:
+    return np.array([joint.kind == kind for joint in model.independent], dtype=bool)
 
 
-def _say(notes: list[str], model: Model, these: Floats, what: str) -> None:
+def _say(notes: list[str], model: Model, these: Flags, what: str) -> None:
     names = [joint.name for joint, each in zip(model.independent, these, strict=True) if each]
     if names:
         notes.append(f"{count(len(names), 'joint')} ({', '.join(names)}): {what}")

@@ -24,7 +24,7 @@ from robodyn.identify.structural import structural_base
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints
 from robodyn.scene.scene import DEFAULT, Scene
-from robodyn.support.floats import Floats
+from robodyn.support.floats import LARGEST, Floats
 
 PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
 """[s], of the series, and rows per second."""
@@ -82,6 +82,8 @@ def excite(
     bounds = bounds_of(model, scene, tuple(joints), max_acceleration)
     rows, rms = _random_rows(model, scene, bounds)
     base = structural_base(model, scene).within(rows, _APART)
+    if not base.rank:
+        raise InputError("no parameter shows in the torques of such motions", remedy="move other joints: --joints")
     deviations = _deviations(model, bounds, noise, rms)
     series = Fourier(period, harmonics)
     slip = max(scene.slip_speed, _SLIP * float(bounds.speed[list(bounds.moving)].min()))
@@ -136,6 +138,8 @@ def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Fl
     motion[0][:, k] += bounds.middle[k]
     found = regressor(model, *motion, scene=scene, executor="numpy")
     tau = np.einsum("tip,p->ti", found.Y, found.theta) + found.rest
+    if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
+        raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
     return triangular(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
 
 
