@@ -35,6 +35,7 @@ NO_DIGITS = {
     "identify.excitation": "a search, whose places are rounded after each step",
     "identify.fault_columns": "which of a joint's effects can be told apart",
     "identify.fault_fit": "estimates, told to two digits of their standard errors",
+    "identify.long_run": "standard errors, told to two digits",
     "identify.gross_faults": "which channel is whose, and signs",
     "identify.base": "a condition number, told to three digits",
     "simulation.loop_figures": "a rank",

@@ -14,6 +14,8 @@ from robodyn.support.floats import Floats
 OWN = ("gain", "offset", "viscous", "coulomb", "rotor", "delay")
 """The parameters of each joint, in order: `gain` is relative, less one."""
 GAIN, OFFSET, VISCOUS, COULOMB, ROTOR, DELAY = range(len(OWN))
+LOST = 0.01
+"""A gain below this tells nothing of the robot."""
 MOST_DELAY = 0.25
 """s: delays are looked for within this, and within a tenth of the log."""
 
@@ -110,8 +112,8 @@ def additive(evidence: Evidence, theta: Floats) -> tuple[list[Floats], Floats]:
     inside = evidence.inside
     for j, each in enumerate(found):
         mine = theta[evidence.places(j)]
-        gain, delay = 1.0 + mine[GAIN], mine[DELAY]
-        each[:, len(OWN) :] /= gain
+        delay = mine[DELAY]
+        each[:, len(OWN) :] = evidence.load[inside, j]
         if delay:
             each[:, DELAY] = (evidence.measured[inside, j] - evidence.shifted(j, delay)) / delay
     return found, (evidence.measured - evidence.computed)[inside]
@@ -121,11 +123,13 @@ def of_robot(theta: Floats, covariance: Floats, gains: Collection[int]) -> tuple
     """Return parameters and their covariance with friction and rotors of the robot, before the gain of its sensor.
 
     Args:
-        gains: the joints whose gain was told; that of the others is taken for 1.
+        gains: the joints whose gain was told; that of the others is taken for 1, as is a gain of next to nothing.
     """
     rate, found = np.eye(len(theta)), theta.copy()
     for j in gains:
         gain = len(OWN) * j + GAIN
+        if abs(1.0 + theta[gain]) < LOST:
+            continue
         own = [len(OWN) * j + kind for kind in (VISCOUS, COULOMB, ROTOR)]
         found[own] /= 1.0 + theta[gain]
         rate[own, own] = 1.0 / (1.0 + theta[gain])

@@ -150,6 +150,7 @@ class Fit:
             inverse = _pinv(self._triangles[:, places])
             bread = np.einsum("ia,ja->ij", inverse, inverse)
             found[np.ix_(places, places)] = bread @ self._scores[np.ix_(places, places)] @ bread
+            found[places, places] = np.abs(found[places, places])  # tapers may leave what is next to 0 negative
         return found
 
     def needed(self, faults: Sequence[Effect]) -> list[Effect]:

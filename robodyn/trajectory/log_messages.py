@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -43,6 +43,21 @@ class LogTable(ArrayTable):
     def __init__(self, file: str, states: Sequence[State]) -> None:
         columns, self.notes = columns_of(states, file)
         super().__init__(file, columns)
+
+
+def whole_joints(columns: Mapping[str, str], there: Collection[str]) -> dict[str, str]:
+    """Return our names -> those of a log, with the other quantities of joints whose positions are among them.
+
+    Args:
+        there: the columns of the log.
+    """
+    found = dict(columns)
+    for ours, theirs in columns.items():
+        if ours.startswith("q_") and theirs.startswith("q_"):
+            for letter in QUANTITIES.values():
+                if f"{letter}{theirs[1:]}" in there:
+                    found.setdefault(f"{letter}{ours[1:]}", f"{letter}{theirs[1:]}")
+    return found
 
 
 def columns_of(states: Sequence[State], file: str) -> tuple[dict[str, NDArray[Any]], tuple[str, ...]]:

@@ -19,6 +19,7 @@ from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
+from robodyn.trajectory.log_messages import whole_joints
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
@@ -52,7 +53,7 @@ class TrajectoryReader:
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
         if table.leaves_out:
-            reading = replace(reading, ignore_extra=True)
+            reading = replace(reading, ignore_extra=True, columns=whole_joints(reading.columns, table.names))
         self._table, self._mode, self._rows = table, reading.derivatives, block_rows
         self.columns = table.names
         header = Header(table.names, table.file, table.header_line)

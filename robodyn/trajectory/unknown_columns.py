@@ -74,6 +74,8 @@ def loops_in(columns: Sequence[str], joints: Collection[str]) -> list[str]:
 
 
 _ALIKE = 0.7
+_LETTERS = 3
+"""Letters at least of a name that another may have in it."""
 _OPTIONS = 8
 """So many options are written out."""
 
@@ -81,7 +83,8 @@ _OPTIONS = 8
 def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
     """Return our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
 
-    Case, blanks and marks do not count. A column whose words tell a velocity is proposed for a velocity only.
+    Case, blanks and marks do not count; a name that has all of ours in it is like it, too. A column whose words tell a
+    velocity is proposed for a velocity only.
     """
     from difflib import SequenceMatcher, get_close_matches
 
@@ -92,10 +95,18 @@ def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
             ours = {_plain(name): name for name in (signals.positions if quantity == "q" else signals.velocities)}
             for close in get_close_matches(stem, ours, n=1, cutoff=_ALIKE):
                 best = max(best, (SequenceMatcher(None, close, stem).ratio(), f"{quantity}_{ours[close]}"))
+            if within := max((each for each in ours if _within(each, stem)), key=len, default=""):
+                best = max(best, (_ALIKE, f"{quantity}_{ours[within]}"))
         likeness, name = best
         if name and likeness > found.get(name, (0.0,))[0]:
             found[name] = likeness, column
     return {name: column for name, (_, column) in found.items()}
+
+
+def _within(name: str, stem: str) -> bool:
+    """Return whether a name is part of another, and its number, if it ends with one, is not part of a longer one."""
+    _, found, rest = stem.rpartition(name)
+    return len(found) >= _LETTERS and not (name[-1].isdigit() and rest[:1].isdigit())
 
 
 def asked(matches: Mapping[str, str]) -> str:

@@ -231,3 +231,37 @@ def test_a_real_log_has_the_torques_that_were_measured():
     (tau,) = table.blocks([table.names.index("tau_shoulder_lift_joint")], 1000)
     assert len(tau) == 120
     assert -120.0 < tau.min() < -10.0
+
+
+def renamed(tmp_path, scale=1.0):
+    """A log whose driver has names of its own, and angles times a scale."""
+    names, found = ("robot1_shoulder_joint", "Elbow"), []
+    for recorded, message in states(ROS2):
+        values = {"position": scale * message.position, "velocity": message.velocity, "effort": message.effort}
+        stamp = message.header.stamp.sec * NANO + message.header.stamp.nanosec
+        found.append((recorded, joint_state(ROS2, stamp, names, values)))
+    return write_bag(tmp_path / "log", {"/joint_states": found})
+
+
+def test_names_that_do_not_fit_are_proposed(tmp_path):
+    path = renamed(tmp_path)
+    outcome = run("torques", URDF, str(path))
+    assert "--map q_shoulder=q_robot1_shoulder_joint --map q_elbow=q_Elbow" in outcome.err
+    check(read(path, columns={"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}))
+
+
+def test_a_position_that_is_mapped_brings_its_speed_and_effort(tmp_path):
+    """Without --map for each of them."""
+    columns = {"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}
+    block = read(renamed(tmp_path), columns=columns, measured=True)
+    np.testing.assert_array_equal(block.extra["tau_elbow"], samples()[3][:, 1])
+
+
+def test_degrees_in_a_bag_are_doubted_and_understood(tmp_path):
+    path = renamed(tmp_path, scale=57.29577951308232)
+    columns = {"q_shoulder": "q_robot1_shoulder_joint", "q_elbow": "q_Elbow"}
+    assert any("--angle-unit deg" in doubt.said for doubt in read(path, columns=columns).doubts)
+    block = read(path, columns=columns, angle_unit="deg")
+    assert not any("--angle-unit" in doubt.said for doubt in block.doubts)
+    order = [robodyn.load(URDF).rates.index(name) for name in NAMES]
+    np.testing.assert_allclose(block.q[:, order], samples()[1], atol=1e-13)
