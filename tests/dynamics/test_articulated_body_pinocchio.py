@@ -1,10 +1,10 @@
-"""Forward dynamics of every robot of example-robot-data against Pinocchio's `aba`, with a fixed base and a free one."""
+"""Forward dynamics of the robots of example-robot-data against Pinocchio's `aba`, with a fixed base and a free one."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers.example_robots import PATHS, cases
+from helpers.example_robots import PATHS, VARIANTS, cases
 from helpers.factorised import forward_by_factorisation
 from helpers.oracles import frictionless, random_state, worst
 from helpers.peers import pin
@@ -34,7 +34,7 @@ def _expected(other, model, q, qd, tau):
 
 
 @pytest.mark.parametrize("moving_base", [False, True], ids=["fixed", "free"])
-@pytest.mark.parametrize("path", sampled(cases(MASSLESS)))
+@pytest.mark.parametrize("path", sampled(cases({*MASSLESS, *VARIANTS})))
 def test_accelerations(path, moving_base):
     model = load(path, moving_base=moving_base)
     scene = frictionless(model)

@@ -12,6 +12,9 @@ from robodyn.robot.assemble import load
 
 LARGE = ("tiago", "talos", "icub", "g1_29dof", "centauro", "alex", "romeo", "pr2")
 """Beginnings of the names of robots with 30 joints and more, which take seconds each; one of them stands for them."""
+VARIANTS = ("alex_sake_hands", "g1_29dof_rev_1_0", "icub_reduced", "romeo_small", "romeo_laas_small", "tiago_dual")
+VARIANTS += ("tiago_no_hand", "tiago_pro", "talos_full_v2_box", "talos_reduced_box", "talos_reduced_corrected")
+"""Large robots that differ little from another; where one takes seconds the other stands for it."""
 REFUSED = {
     "alex_psyonic_hands.urdf": "a mimic joint follows a joint that does not exist",
     "ur3.urdf": "an empty <robot>",
