@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from functools import partial
 from itertools import zip_longest
 from pathlib import Path
+from unittest import mock
 
 from helpers.command_line import run
 
@@ -28,6 +29,8 @@ FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 GENERATED = ("reference/commands.md", "reference/python.md", "reference/json_keys.md", "reference/rules/")
 """Pages in docs/ that are written when Sphinx starts; see `docs/generated_pages.py`."""
+PLAIN = re.compile(r"robodyn ([^|;&<>$*?`\n]*)(?:\| (.*))?")
+"""A call of robodyn, and the filters that read what it prints."""
 ELSEWHERE = re.compile(r"pip install|pytest|python -m pytest|sphinx-build|ruff |mypy |git |cd |\.ci/run|pre-commit")
 """How commands begin that install, test or build; `.ci/run` does that instead."""
 
@@ -61,23 +64,37 @@ def regenerated(text: str, folder: Path) -> str:
     return FENCE.sub(block, text)
 
 
-def ran(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run a shell command where nothing is a terminal, its errors among what it prints."""
+def ran(command: str, folder: Path) -> str:
+    """Return what a shell command prints where nothing is a terminal, its errors among it.
+
+    What begins with `robodyn` and has nothing more for the shell than filters behind it runs in this process, which
+    saves Python's start; but where it has errors to print, among which order counts, in one of its own like all others.
+    """
+    command = command.replace("\n> ", "\n").replace("\\\n", "")
+    if plain := PLAIN.fullmatch(command):
+        with working_in(folder), mock.patch.dict(os.environ, COLUMNS="80"):
+            done = run(*shlex.split(plain[1]))
+        if not done.err:
+            return _shell(plain[2], folder, done.out) if plain[2] else done.out
+    return _shell(command, folder)
+
+
+def _shell(command: str, folder: Path, stdin: str = "") -> str:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     return subprocess.run(
-        ["sh", "-c", command.replace("\n> ", "\n")],
+        ["sh", "-c", command],
         cwd=folder,
         env={**os.environ, "PATH": path, "COLUMNS": "80", "LC_ALL": "C.UTF-8"},
-        stdin=subprocess.DEVNULL,
+        input=stdin,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         encoding="utf-8",
         check=False,
-    )
+    ).stdout
 
 
 def _console(block: str, folder: Path) -> str:
-    return "".join(f"$ {command}\n{ran(command, folder).stdout}" for command in commands(block))
+    return "".join(f"$ {command}\n{ran(command, folder)}" for command in commands(block))
 
 
 def _quiet(block: str, folder: Path) -> str:
