@@ -17,20 +17,18 @@ def exact_rates(
 ) -> NDArray[np.object_]:
     """Return how fast the outputs change along each direction, which says how fast inputs (source, column) change.
 
-    By central differences of a step of 1e-30, right to about 60 digits where the program is smooth that far around.
+    By differences over a step of 1e-40, right to about 40 digits where the program is smooth that far ahead.
 
     Returns:
         (samples, outputs, directions)
     """
     run, samples = Multiprecision(program, digits=100), len(next(iter(sources.values())))
     number = run.context.mpf
-    step = number(10) ** -30
+    step = number(10) ** -40
     exact = {name: np.vectorize(number, otypes=[object])(values) for name, values in sources.items() if values.size}
-    columns = []
-    for direction in directions:
-        ahead, behind = (run(_moved(exact, direction, each), samples) for each in (step, -step))
-        columns.append((ahead - behind) / (2 * step))
-    return np.stack(columns, axis=2)
+    here = run(exact, samples)
+    rates = [(run(_moved(exact, direction, step), samples) - here) / step for direction in directions]
+    return np.stack(rates, axis=2)
 
 
 def _moved(sources: Mapping[str, Any], direction: Mapping[tuple[str, int], Any], step: Any) -> dict[str, Any]:
