@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from robodyn.scene.constraints import Contact as Contact
     from robodyn.scene.constraints import ContactCost as ContactCost
     from robodyn.scene.constraints import Loop as Loop
+    from robodyn.scene.covariance import Covariance as Covariance
     from robodyn.scene.described_loops import scene_of as scene_of
     from robodyn.scene.motor import Motor as Motor
     from robodyn.scene.parts import Drive as Drive
@@ -53,7 +54,6 @@ if TYPE_CHECKING:
     from robodyn.scene.parts import Spring as Spring
     from robodyn.scene.read import load_scene as load_scene
     from robodyn.scene.scene import Scene as Scene
-    from robodyn.scene.uncertainty import Covariance as Covariance
     from robodyn.scene.uncertainty import Deviation as Deviation
     from robodyn.scene.uncertainty import LinkUncertainty as LinkUncertainty
     from robodyn.scene.uncertainty import Uncertainty as Uncertainty
@@ -91,7 +91,8 @@ _HOMES = {
     "scene.constraints": ("Contact", "ContactCost", "Loop"),
     "scene.parts": ("Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
     "scene.scene": ("Scene",),
-    "scene.uncertainty": ("Covariance", "Deviation", "LinkUncertainty", "Uncertainty"),
+    "scene.covariance": ("Covariance",),
+    "scene.uncertainty": ("Deviation", "LinkUncertainty", "Uncertainty"),
     "simulation.rollouts": ("rollouts",),
     "simulation.run": ("simulate",),
     "solids.mesh_mass": ("mass_properties",),

@@ -15,9 +15,10 @@ from robodyn.programs.vectors import product
 from robodyn.robot.joints import placement
 from robodyn.robot.model import Frame, Model
 from robodyn.robot.urdf.parts import Inertial, Link
+from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Covariance, LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import LinkUncertainty, Uncertainty
 from robodyn.solids.inertia.laws import symmetric
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
@@ -169,7 +170,7 @@ def variations(model: Model, scene: Scene) -> Variations:
     """Return what is uncertain of a robot in a scene that says so.
 
     Raises:
-        SceneError: nothing varies; or a covariance names a parameter that is none, or is not positive semi-definite.
+        SceneError: nothing varies; or a covariance names a parameter that is none.
     """
     given = scene.uncertainty or Uncertainty()
     if given.covariance is not None:
@@ -230,21 +231,21 @@ def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Var
 
 
 def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
-    deviations = np.sqrt(np.diag(np.array(given.covariance)))
+    deviations = np.sqrt(np.diag(given.covariance))
     known = {f"{body.name}.{name}" for body in model.bodies for name in INERTIAL}
     hinges = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
     known |= {f"{joint.name}.{name}" for joint in hinges for name in OF_JOINTS}
     for name in given.parameters:
         if name not in known:
             remedy = alternatives(name, sorted(known), "parameters")
-            raise SceneError(f"the robot has no parameter {shown(name)}", remedy=remedy, file=given.file)
+            raise SceneError(f"[uncertainty] covariance: the robot has no parameter {shown(name)}", remedy=remedy)
     kept = np.flatnonzero(deviations)
     each = tuple(_named(given.parameters[k], float(deviations[k]), model, scene) for k in kept)
     if not each:
-        raise SceneError("leaves nothing uncertain: all variances are 0", file=given.file)
+        raise SceneError("[uncertainty] covariance leaves nothing uncertain: all variances are 0")
     sizes = deviations[kept]
-    correlation = np.array(given.covariance)[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
-    factor = None if np.array_equal(correlation, np.eye(len(each))) else _factor(correlation, given.file)
+    correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
+    factor = None if np.array_equal(correlation, np.eye(len(each))) else _factor(correlation)
     return Variations(each, (), factor)
 
 
@@ -263,11 +264,10 @@ def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation
     return Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation}))
 
 
-def _factor(C: Floats, file: str | None) -> Floats:
-    """Return L (k, k) with L L^T = C, by Cholesky's method with pivots, which ends where nothing is left.
+def _factor(C: Floats) -> Floats:
+    """Return L (k, k) with L L^T = C, positive semi-definite, by Cholesky's method with pivots.
 
-    Raises:
-        SceneError: C is not positive semi-definite.
+    It ends where nothing is left.
     """
     left, L = C.copy(), np.zeros_like(C)
     for column in range(len(C)):
@@ -276,7 +276,4 @@ def _factor(C: Floats, file: str | None) -> Floats:
             break
         L[:, column] = left[:, k] / np.sqrt(left[k, k])
         left = left - np.outer(L[:, column], L[:, column])
-    if np.abs(left).max() > 1e-6:
-        what = "the covariance is not positive semi-definite: no parameters vary in this way"
-        raise SceneError(what, remedy="give it to all its digits", file=file)
     return L

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,17 @@ class Covariance(Frozen):
     parameters: tuple[str, ...]
     values: Floats
     covariance: Floats
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Covariance) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @cached_property
+    def _content(self) -> tuple[tuple[str, ...], bytes, bytes]:
+        """The same for covariances of the same content."""
+        return self.parameters, self.values.tobytes(), self.covariance.tobytes()
 
 
 def covariance_json(known: Covariance) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from robodyn.scene.covariance import Covariance
 from robodyn.support.frozen import FrozenValue
 
 
@@ -38,22 +39,6 @@ class LinkUncertainty(FrozenValue):
 
 
 @dataclass(frozen=True)
-class Covariance(FrozenValue):
-    """What an identification knows of parameters of `robodyn.regressor`, in SI units.
-
-    Attributes:
-        parameters: names, "forearm.Ixx" or "elbow.viscous"; the others are taken as sure.
-        values: that were found; covariance: of their errors, row by row.
-        file: where it stands, for messages.
-    """
-
-    parameters: tuple[str, ...]
-    values: tuple[float, ...]
-    covariance: tuple[tuple[float, ...], ...]
-    file: str | None = None
-
-
-@dataclass(frozen=True)
 class Uncertainty(FrozenValue):
     """Independent normal errors of links and joints, or a covariance.
 
@@ -62,7 +47,7 @@ class Uncertainty(FrozenValue):
         friction: of every joint; relative: of a factor of all its friction; else of Coulomb's, alike in both directions
             [N m or N].
         link, joint: by name, what holds there instead.
-        covariance: stands alone.
+        covariance: of parameters of `robodyn.regressor`, the others of which are sure; stands alone.
     """
 
     mass: Deviation | None = None

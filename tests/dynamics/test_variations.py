@@ -14,9 +14,10 @@ import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.variations import variations
 from robodyn.dynamics.varied_loads import derivative_runner, varied_runner
+from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Covariance, Deviation, LinkUncertainty, Uncertainty
+from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
 
 SAMPLES = 4
 
@@ -55,7 +56,7 @@ def test_derivatives_by_the_regressors_parameters_are_its_columns(moving_base):
     columns = {name: rng.uniform(-1, 1, SAMPLES) for name in scene.columns}
     Y, theta, names, _ = robodyn.regressor(model, *state, scene=scene, columns=columns)
     sizes = rng.uniform(0.1, 2.0, len(names))
-    known = Covariance(names, tuple(theta), tuple(map(tuple, np.diag(sizes**2))))
+    known = Covariance(names, theta, np.diag(sizes**2))
     found = derivatives(
         model, replace(scene, uncertainty=Uncertainty(covariance=known)), sources(model, state, list(columns.values()))
     )
@@ -139,7 +140,7 @@ def test_draws_have_the_covariance():
     names = ("spindle.m", "spindle.mx", "elbow.viscous", "shoulder.rotor")
     half = rng.normal(size=(4, 3))
     C = half @ half.T
-    scene = Scene(uncertainty=Uncertainty(covariance=Covariance(names, (0.0,) * 4, tuple(map(tuple, C)))))
+    scene = Scene(uncertainty=Uncertainty(covariance=Covariance(names, np.zeros(4), C)))
     found = variations(model, scene)
     sizes = [each.deviation for each in found.each]
     assert worst(found.correlation * np.outer(sizes, sizes), C) <= 1e-12

@@ -16,10 +16,11 @@ import robodyn
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.uncertain_figures import normal
 from robodyn.robot.model import Model
+from robodyn.scene.covariance import Covariance
 from robodyn.scene.motor import Motor
 from robodyn.scene.parts import Friction, Rotor
 from robodyn.scene.scene import Scene
-from robodyn.scene.uncertainty import Covariance, Deviation, Uncertainty
+from robodyn.scene.uncertainty import Deviation, Uncertainty
 
 KNOWN = Uncertainty(Deviation(0.05), Deviation(0.003, relative=False), Deviation(0.1), Deviation(0.2))
 G = 9.81
@@ -98,8 +99,8 @@ def test_correlated_parameters():
     """m and m x that go together, against each other, or not at all."""
     model = pendulum()
     for r in (-1.0, 0.0, 1.0):
-        rows = ((0.01, 0.02 * r), (0.02 * r, 0.04))
-        known = Covariance(("arm.m", "arm.mx"), (2.0, 1.0), rows)
+        rows = np.array(((0.01, 0.02 * r), (0.02 * r, 0.04)))
+        known = Covariance(("arm.m", "arm.mx"), np.array((2.0, 1.0)), rows)
         found = held(model, Scene(uncertainty=Uncertainty(covariance=known)), q=0.0).uncertainty
         fx, load = found.base, found.joints[0].load
         assert load.peak.standard_error == pytest.approx(0.2 * G, rel=1e-12)
