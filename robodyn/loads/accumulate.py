@@ -237,7 +237,8 @@ class TorqueAccumulator:
             *self.bars.openness.doubts(joints, left, balance, total.samples, total.duration),
             *(unsure.doubts if unsure else ()),
         )
-        warnings = [*(doubt.said for doubt in doubts), *self._idle_notes(), *self.model.notes, *last.notes]
+        about = self.uncertain.notes if self.uncertain else ()
+        warnings = [*(doubt.said for doubt in doubts), *about, *self._idle_notes(), *self.model.notes, *last.notes]
         return Result(
             robot=self.model.name,
             samples=total.samples,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robodyn.dynamics.effects.effect import ZeroColumns
+from robodyn.dynamics.uncertain_parameters import misfits
 from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import Sizing
 from robodyn.loads.uncertain_report import uncertain
@@ -24,7 +25,11 @@ if TYPE_CHECKING:
 
 
 class UncertainLoads:
-    """Gathers what `Uncertain` tells, block by block."""
+    """Gathers what `Uncertain` tells, block by block.
+
+    Attributes:
+        notes: warnings.
+    """
 
     def __init__(
         self,
@@ -37,7 +42,7 @@ class UncertainLoads:
     ) -> None:
         """Args: samples: motions that are run again; by: executor and threads."""
         trains = list(zip(sizing.driven, sizing.motors.trains, strict=True)) if sizing else []
-        self.rates, self.by = rates, by
+        self.rates, self.by, self.notes = rates, by, misfits(model, scene)
         self.linear = UncertaintyPass(model, scene, rates, trains, sizing is not None)
         self.samples = SamplePass(self.linear, samples) if samples else None
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.variations import variations
+from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner, summed
 from robodyn.loads.motors import Train
 from robodyn.loads.statistics import Greatest, Integrals

@@ -12,7 +12,7 @@ from helpers.small_robots import body_numbers, built, joint, link
 
 import robodyn
 from robodyn.dynamics.plan import plan
-from robodyn.dynamics.variations import variations
+from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner, varied_runner
 from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction

@@ -110,6 +110,15 @@ def test_correlated_parameters():
         assert both.peak.standard_error == pytest.approx(0.2 * G, rel=1e-12)
 
 
+def test_a_covariance_of_another_robot_is_told():
+    for value, told in ((2.0, False), (2.4, False), (2.6, True)):
+        known = Covariance(("arm.m",), np.array((value,)), np.array(((0.01,),)))
+        warnings = held(pendulum(), Scene(uncertainty=Uncertainty(covariance=known))).warnings
+        assert (
+            any("was found for other parameters: 'arm.m' 2.6, here 2, 6 standard" in each for each in warnings) == told
+        )
+
+
 def waves(model, samples=300, seed=1, size=1.0):
     """A motion of sines, to be had in every robot."""
     rng, time = np.random.default_rng(seed), np.linspace(0, 2, samples)
@@ -183,7 +192,7 @@ def test_bars_within_a_twentieth_of_a_hundred_thousand_samples(name):
     trajectory = waves(model, 60)
     scene = replace(scene_of(model), motor={})
     found = robodyn.torques(model, trajectory, scene).uncertainty
-    from robodyn.dynamics.variations import variations
+    from robodyn.dynamics.uncertain_parameters import variations
 
     of = variations(model, scene)
     Y, theta, names, rest = robodyn.regressor(model, trajectory.q, trajectory.qd, trajectory.qdd, scene=scene)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers.oracles import robot
 
-from robodyn.dynamics.variations import variations
+from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import SceneError
 from robodyn.scene.covariance import Covariance
 from robodyn.scene.fit import check_scene

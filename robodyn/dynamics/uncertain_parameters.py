@@ -1,0 +1,159 @@
+"""Which parameters of a robot its scene calls uncertain, and how far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.regressor import INERTIAL, parameters
+from robodyn.dynamics.variations import OF_LINKS, UncertainLink, Variation, Variations
+from robodyn.errors import SceneError
+from robodyn.robot.model import Model
+from robodyn.robot.urdf.parts import Link
+from robodyn.scene.covariance import Covariance
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import LinkUncertainty, Uncertainty
+from robodyn.support.floats import Floats
+from robodyn.support.wording import alternatives, shown
+
+OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "rotor")
+"""Parameters of the regressor of each hinge and slide."""
+
+
+def variations(model: Model, scene: Scene) -> Variations:
+    """Return what is uncertain of a robot in a scene that says so.
+
+    Raises:
+        SceneError: nothing varies; or a covariance names a parameter that is none.
+    """
+    given = scene.uncertainty or Uncertainty()
+    if given.covariance is not None:
+        return _of_covariance(given.covariance, model, scene)
+    each: list[Variation] = []
+    links = []
+    for link in model.description.links if model.description else ():
+        found = _uncertain(link, given.of_link(link.name), model, len(each))
+        if found is not None:
+            links.append(found)
+            each += _of_link(link.name, found)
+    each += _of_friction(given, model, scene)
+    if not each:
+        what = "[uncertainty] leaves nothing uncertain"
+        raise SceneError(what, remedy='give mass = "5 %" to links with mass, or friction = "20 %" to joints with it')
+    return Variations(tuple(each), tuple(links))
+
+
+def _uncertain(link: Link, given: LinkUncertainty, model: Model, first: int) -> UncertainLink | None:
+    inertial = link.inertial
+    if inertial is None or link.name not in model.links:
+        return None
+    deviations = np.zeros(len(OF_LINKS))
+    if given.mass is not None:
+        deviations[0] = given.mass.of(inertial.mass)
+    if given.com is not None and inertial.mass:
+        deviations[1:4] = given.com.of(float(np.sqrt(np.square(inertial.origin.xyz).sum())))
+    if given.inertia is not None:
+        deviations[4 if given.inertia.relative else slice(5, 8)] = given.inertia.value
+    return UncertainLink(inertial, model.links[link.name], deviations, first) if deviations.any() else None
+
+
+def _of_link(name: str, link: UncertainLink) -> Iterator[Variation]:
+    """Yield what varies of a link. Moments are polynomials of second degree, whose central differences are exact."""
+    one = np.eye(len(link.varied))
+    changes = 0.5 * (link.added(one) - link.added(-one))
+    for k, change in zip(link.varied, changes.tolist(), strict=True):
+        yield Variation(f"{name}.{OF_LINKS[k]}", float(link.deviations[k]), link.frame.body, tuple(change))
+
+
+def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Variation]:
+    for body in model.bodies:
+        joint = body.joint
+        own = given.of_joint(joint.name) if joint.kind in ("revolute", "prismatic") else None
+        if own is None or not own.value:
+            continue
+        has = friction_of(joint, scene)
+        share = own.value
+        added = Friction(0.0, share, -share)
+        if own.relative:
+            stribeck = None if has.stribeck is None else share * has.stribeck
+            added = replace(
+                has, viscous=share * has.viscous, forward=share * has.forward, backward=share * has.backward
+            )
+            added = replace(added, stribeck=stribeck)
+        if added.viscous or added.dry:
+            yield Variation(f"{joint.name}.friction", share, joint=joint.name, friction=added)
+
+
+def misfits(model: Model, scene: Scene) -> tuple[str, ...]:
+    """Return a warning if the covariance was found for a robot with other parameters, further off than its errors."""
+    known = scene.uncertainty.covariance if scene.uncertainty else None
+    if known is None:
+        return ()
+    here = dict(parameters(plan(model, scene)))
+    errors = np.sqrt(np.diag(known.covariance))
+    rows = zip(known.parameters, known.values.tolist(), errors.tolist(), strict=True)
+    off = {name: abs(here[name] - value) / error for name, value, error in rows if name in here and error > 0.0}
+    worst = max(off, key=lambda name: off[name], default="")
+    if not worst or off[worst] <= _MISFIT:
+        return ()
+    there = known.values[known.parameters.index(worst)]
+    what = f"the covariance of [uncertainty] was found for other parameters: {shown(worst)} {there:.4g}, here"
+    return (f"{what} {here[worst]:.4g}, {off[worst]:.3g} standard errors apart",)
+
+
+_MISFIT = 5.0
+"""Standard errors from a parameter's value in a covariance file, beyond which that is another robot's."""
+
+
+def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
+    deviations = np.sqrt(np.diag(given.covariance))
+    known = {f"{body.name}.{name}" for body in model.bodies for name in INERTIAL}
+    hinges = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
+    known |= {f"{joint.name}.{name}" for joint in hinges for name in OF_JOINTS}
+    for name in given.parameters:
+        if name not in known:
+            remedy = alternatives(name, sorted(known), "parameters")
+            raise SceneError(f"[uncertainty] covariance: the robot has no parameter {shown(name)}", remedy=remedy)
+    kept = np.flatnonzero(deviations)
+    each = tuple(_named(given.parameters[k], float(deviations[k]), model, scene) for k in kept)
+    if not each:
+        raise SceneError("[uncertainty] covariance leaves nothing uncertain: all variances are 0")
+    sizes = deviations[kept]
+    correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
+    factor = None if np.array_equal(correlation, np.eye(len(each))) else _factor(correlation)
+    return Variations(each, (), factor)
+
+
+def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation:
+    """Return what a parameter of the regressor adds."""
+    owner, _, quantity = name.rpartition(".")
+    if quantity in INERTIAL:
+        body = next(k for k, body in enumerate(model.bodies) if body.name == owner)
+        moments = tuple(deviation if each == quantity else 0.0 for each in INERTIAL)
+        return Variation(name, deviation, body, moments)
+    if quantity == "rotor":
+        return Variation(name, deviation, joint=owner, rotor=deviation)
+    joint = next(body.joint for body in model.bodies if body.joint.name == owner)
+    has = friction_of(joint, scene)
+    none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=None if has.stribeck is None else 0.0)
+    return Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation}))
+
+
+def _factor(C: Floats) -> Floats:
+    """Return L (k, k) with L L^T = C, positive semi-definite, by Cholesky's method with pivots.
+
+    It ends where nothing is left.
+    """
+    left, L = C.copy(), np.zeros_like(C)
+    for column in range(len(C)):
+        k = int(np.diag(left).argmax())
+        if left[k, k] <= 1e-12:
+            break
+        L[:, column] = left[:, k] / np.sqrt(left[k, k])
+        left = left - np.outer(L[:, column], L[:, column])
+    return L
