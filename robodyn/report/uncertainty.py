@@ -28,7 +28,7 @@ def uncertainty_sections(result: Result) -> Iterator[Section]:
     shares = [each.load for each in found.joints]
     if shares:
         yield [Table("Which parameters matter most, by their share of the variance", *_ranks(shares))]
-    notes = [*_drawn(found), *_again(found)]
+    notes = [*_drawn(found), *_again(found), *_unnamed(found)]
     if notes:
         yield [Paragraph(line) for line in notes]
     limited = [joint for joint in found.joints if joint.suffices is not None]
@@ -123,6 +123,15 @@ def _drawn(found: Uncertain) -> Iterator[str]:
 def _again(found: Uncertain) -> Iterator[str]:
     if found.samples:
         yield f"Run again: standard errors of {count(found.samples, 'motion')} with drawn parameters."
+
+
+def _unnamed(found: Uncertain) -> Iterator[str]:
+    """Yield what a covariance of an identification leaves out."""
+    if any(name.rpartition(".")[2] not in _OF_LINKS for name in found.parameters):
+        yield (
+            "Parameters that the covariance does not name count as sure: what a log did not show, such as most of what "
+            "bearings and the base bear, is less sure than this."
+        )
 
 
 def _named(found: Uncertain) -> Iterator[tuple[str, Bar]]:
