@@ -21,6 +21,7 @@ import time
 import warnings
 from collections.abc import Callable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -102,8 +103,10 @@ class Search:
             return self.known[x.tobytes()]
         robot, samples = lwr4(), np.arange(SAMPLES) * (2 * np.pi / x[0] / SAMPLES)
         q, qd, qdd = motion(x, samples)
-        Y, tau = programs().values(np.array([q, qd, qdd]))
-        rows = Y.reshape(-1, Y.shape[2]) * np.sqrt(2 * np.pi / x[0] * RATE / SAMPLES)
+        parts, tau = programs().values(np.array([q, qd, qdd]))
+        rows = np.zeros((7 * SAMPLES, programs().r))
+        for j, (columns, part) in enumerate(zip(programs().shown, parts, strict=True)):
+            rows[j * SAMPLES : (j + 1) * SAMPLES, columns] = part * np.sqrt(2 * np.pi / x[0] * RATE / SAMPLES)
         eigenvalues = np.linalg.eigvalsh(rows.T @ rows)
         telling = -np.log(eigenvalues + (0.0 if self.alone else 1e-4 * eigenvalues[-1])).sum()
         self.scale = self.scale or 10.0 / max(abs(telling), 1.0)
@@ -248,7 +251,7 @@ def report(iterations: int) -> str:
         seconds, period = time.perf_counter() - begun, 2 * np.pi / x[0]
         rows += [row(name, period, seconds, lambda at, x=x: motion(x, at), "no"), ours(period, 1e3)]
     rows.append(ours(period, None))
-    return table(HEAD, rows) + "\n" + machine("scipy", "optuna")
+    return table(HEAD, rows) + "\n" + machine("scipy", *(["optuna"] if find_spec("optuna") else []))
 
 
 if __name__ == "__main__":

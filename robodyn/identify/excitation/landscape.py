@@ -71,19 +71,20 @@ class Landscape:
         if np.abs(used).max() >= 1.0:
             return np.inf, y
         motion = self._motion(used)
-        Y, tau = self.programs.values(motion)
+        rows, tau = self.programs.values(motion)
         torques = tau / self._efforts
         if np.abs(torques).max() >= 1.0:
             return np.inf, y
         try:
-            telling, of_rows = self._telling(Y)
+            telling, of_rows = self._telling(rows)
         except np.linalg.LinAlgError:
             return np.inf, y
         share = self._share(pressure)
         barrier = -share * float(np.log1p(-used * used).sum() / _THIN + np.log1p(-torques * torques).sum())
         of_torques = 2.0 * share * torques / (1.0 - torques * torques) / self._efforts
+        further = self.programs.slope(motion, [-part for part in of_rows], of_torques)
         slope = 2.0 * share / _THIN * used / (1.0 - used * used)
-        slope[:, ::_THIN] += self.programs.slope(motion, -of_rows, of_torques)[:, :, self._moving] * self._limits
+        slope[:, ::_THIN] += further[:, :, self._moving] * self._limits
         return barrier - telling, np.einsum("ktn,ktna->na", slope, self._parts)
 
     def _used(self, y: Floats) -> Floats:
@@ -106,19 +107,23 @@ class Landscape:
         kinds, samples, m, _ = self._parts.shape
         return float(pressure * self.programs.r / (kinds * m + len(self._efforts)) / (samples // _THIN))
 
-    def _telling(self, Y: Floats) -> tuple[float, Floats]:
-        """Return log det (sum Y^T W Y / N) and its derivative by Y (N, n, r).
+    def _telling(self, rows: list[Floats]) -> tuple[float, list[Floats]]:
+        """Return log det (sum Y^T W Y / N) and its derivative by the rows of each torque.
 
         Raises:
             numpy.linalg.LinAlgError: it is singular.
         """
-        rows = (Y * self._scales[:, None]).reshape(-1, self.programs.r)
-        sizes = np.sqrt((rows * rows).mean(axis=0))
+        A = np.zeros((self.programs.r, self.programs.r))
+        for columns, part, scale in zip(self.programs.shown, rows, self._scales, strict=True):
+            A[np.ix_(columns, columns)] += scale * scale / len(part) * product(part.T, part)
+        sizes = np.sqrt(np.einsum("ii->i", A))
         if not sizes.all():
             raise np.linalg.LinAlgError
-        unit = rows / sizes
-        factor = np.linalg.cholesky(product(unit.T, unit) / len(rows))
-        inverse = np.linalg.inv(factor)
-        of_rows = product(unit, product(inverse.T, inverse)) / sizes
-        slope = (2.0 / len(rows)) * of_rows.reshape(Y.shape) * self._scales[:, None]
-        return 2.0 * float(np.log(np.diag(factor)).sum() + np.log(sizes).sum()), slope
+        factor = np.linalg.cholesky(A / sizes / sizes[:, None])
+        half = np.linalg.inv(factor) / sizes
+        inverse = product(half.T, half)
+        slopes = [
+            2.0 * scale * scale / len(part) * product(part, inverse[np.ix_(columns, columns)])
+            for columns, part, scale in zip(self.programs.shown, rows, self._scales, strict=True)
+        ]
+        return 2.0 * float(np.log(np.einsum("ii->i", factor)).sum() + np.log(sizes).sum()), slopes
