@@ -20,8 +20,8 @@ CLEAR = 0.05
 """Of a step, the standard error of a delay up to which it is looked for all the same."""
 _ROUNDS, _SETTLED = 12, 1e-4
 _DEPENDENT = 1e-6
-ROUNDING = 1e-7
-"""Of the measured torques, as files of single precision have them."""
+ROUNDING = 1e-5
+"""Of the measured torques: none is known better, nor are accelerations from positions."""
 _LEAST = 0.2
 """Of the variance of noise that is taken to be left by a fit, at least."""
 _FAR = 2.0
@@ -189,7 +189,7 @@ def _wald(estimate: Floats, covariance: Floats, places: Sequence[int]) -> tuple[
 
 
 def weights_of(left: Floats, measured: Floats) -> Floats:
-    """Return the RMS of each joint's residual, at least what rounding leaves of its measured torque."""
+    """Return the RMS of each joint's residual, at least `ROUNDING` of its measured torque."""
     size, floor = rms(left), ROUNDING * rms(measured)
     return np.where(size > floor, size, np.where(floor > 0.0, floor, 1.0))
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robodyn.identify.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot
+from robodyn.identify.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
 from robodyn.identify.fault_fit import Effect, Fit, solved, weights_of
 from robodyn.support.floats import Floats
 
 LEVEL = 0.01
 """The probability that noise alone makes any fault be told."""
+LEAST = 1e-4
+"""Of the measured torque: what explains less of its residual is of no use, and may be of derivatives from positions."""
 
 
 @dataclass(frozen=True)
@@ -87,12 +89,13 @@ def explain(evidence: Evidence) -> Explained:
     final = Fit(evidence, whole.theta, [*sure, *needed])
     told = [*sure, *(effect for effect in needed if final.sure([effect], level))]
     gains = {effect.joint for effect in told if effect.joint is not None and effect.kind == OWN[GAIN]}
+    difference = (evidence.measured - evidence.computed)[evidence.inside]
     physical = {fit: of_robot(fit.theta, fit.covariance, gains) for fit in (whole, final)}
     faults = [
         Fault(effect, *_part(effect, *physical[whole if effect in sure else final]), effect in sure, shares)
         for effect, shares in _ranked(evidence, final, told)
+        if (shares * rms(difference) ** 2 >= (LEAST * rms(evidence.measured)) ** 2).any()
     ]
-    difference = (evidence.measured - evidence.computed)[evidence.inside]
     return Explained(tuple(faults), *physical[whole], frozenset(whole.told), difference, final.residual)
 
 

@@ -30,6 +30,8 @@ from robodyn.support.wording import count
 
 _TOLD = 0.01
 """Of a joint's residual: a share that is named."""
+_LEAST = 0.001
+"""One that has a line."""
 _GOOD = 0.05
 _MUCH = 0.5
 _DIGITS = 4
@@ -40,11 +42,13 @@ def measured_sections(found: Comparison) -> Iterator[Section]:
     """Yield the diagnosis, what is told of each joint, its effects with their standard errors, and notes."""
     verdict = verdict_on(found)
     yield paragraphs([_head(found), f"{verdict.headline}.", *verdict.reasons])
-    lines = [*_gross(found), *(fault_words(found, fault) for fault in found.faults)]
+    told = [fault for fault in found.faults if fault.shares.max() >= _LEAST]
+    lines = [*_gross(found), *(fault_words(found, fault) for fault in told)]
+    few = count(len(found.faults) - len(told), "effect")
+    rest = [f"{few} that hardly explain anything left out"] if len(told) < len(found.faults) else []
     numbered = [f"{k}. {line}" for k, line in enumerate(lines, start=1)]
-    yield paragraphs(
-        ["What explains the difference", *(numbered or ["nothing that is more than noise"]), *_left(found)]
-    )
+    said = numbered or ["nothing that is more than noise"]
+    yield paragraphs(["What explains the difference", *said, *rest, *_left(found)])
     yield [Table("Measured against computed", *_joints(found))]
     yield [Table("Effects, each beside all others", *_effects(found))]
     yield remarks("note", found.notes)
