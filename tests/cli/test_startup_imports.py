@@ -51,6 +51,10 @@ def test_number_of_imports(modules: set[str]) -> None:
     assert len(modules - before - ours) <= BEYOND, sorted(modules - before - ours)
 
 
+def test_nothing_of_error_bars_where_nothing_is_uncertain(modules: set[str]) -> None:
+    assert [name for name in modules if "uncertain" in name or "varia" in name or "covariance" in name] == []
+
+
 @pytest.mark.parametrize("call", [("--help",), ("--version",)])
 def test_group_imports_commands_only_when_it_lists_them(call: tuple[str, ...]) -> None:
     loaded = imported("from robodyn.cli.main import main; main()", *call)
