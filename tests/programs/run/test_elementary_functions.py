@@ -207,7 +207,7 @@ def largest_errors(errors, work):
 
 @pytest.mark.slow
 @extended
-def test_a_hundred_million_arguments():
+def test_twenty_five_million_arguments():
     ready(sin, cos)
     ready(exp)
 
@@ -215,7 +215,7 @@ def test_a_hundred_million_arguments():
         rng = np.random.default_rng(seed)
         return [*worst((sin, cos), angles(rng, 250_000)), *worst((exp,), rng.uniform(-745.0, 709.7, 250_000))]
 
-    found = largest_errors(errors, range(400))
+    found = largest_errors(errors, range(100))
     assert max(found) <= ULPS, found
 
 

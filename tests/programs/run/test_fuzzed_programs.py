@@ -53,7 +53,7 @@ def drawn(seed, operations, tame, dtype=np.float64, ulps=1):
     return program, widths, sources, bounds(program, sources, ROWS, dtype, ulps, values)
 
 
-MANY = pytest.param(range(SEEDS, 120), marks=pytest.mark.slow)
+MANY = pytest.param(range(SEEDS, 60), marks=pytest.mark.slow)
 
 
 @each_executor
