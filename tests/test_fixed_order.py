@@ -48,6 +48,9 @@ NO_DIGITS = {
     "identify.newton": "the same",
     "identify.cones": "the same",
     "identify.consistent": "the same",
+    "identify.structure": "least squares of torques that are measured to four digits",
+    "identify.triangle": "the same",
+    "identify.identify": "whether bodies can exist, and sums of filters",
     "identify.link_inertias": "a sign, and a share of three digits",
     "scene.covariance": "a sign",
 }

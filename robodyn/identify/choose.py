@@ -12,7 +12,7 @@ from robodyn.identify.consistent import consistent_parameters
 from robodyn.identify.gather import Gathered
 from robodyn.identify.motors import Motor
 from robodyn.identify.prior import Prior
-from robodyn.identify.structure import Structure, fitted, left_out, squares, without_one
+from robodyn.identify.structure import Structure, fitted, least_squares, left_out, squares, system, without_one
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 
@@ -61,16 +61,24 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     measured = plain.atoms.measured
     for k, motor in enumerate(plain.atoms.motors):
         if k not in plain.stribeck:
-            after = left_out(gathered, folds, plain.with_stribeck({k: None}), sigma)
+            other = plain.with_stribeck({k: None})
             joints = [place for place, j in enumerate(measured) if motor.direction[j]]
-            ranked.append((float((after / before)[joints].mean()), motor))
+            part = float((left_out(gathered, folds, other, sigma) / before)[joints].mean())
+            if part < _COUPLED and _resists(gathered, folds, other, motor, sigma):
+                ranked.append((part, motor))
     found: list[tuple[Motor, float]] = []
     taken = np.zeros(plain.atoms.model.n)
     for part, motor in sorted(ranked, key=lambda pair: pair[0]):
-        if part < _COUPLED and not (taken * motor.direction).any():
+        if not (taken * motor.direction).any():
             found.append((motor, part))
             taken += np.abs(motor.direction)
     return found
+
+
+def _resists(gathered: Gathered, folds: Sequence[int], structure: Structure, motor: Motor, sigma: Floats) -> bool:
+    """Return whether a motor's friction, as least squares find it, slows it down."""
+    theta = dict(zip(structure.names, least_squares(*system(gathered, folds, structure, sigma)).tolist(), strict=True))
+    return bool(theta[f"{motor.name}.viscous"] > 0.0 and theta[f"{motor.name}.coulomb"] > 0.0)
 
 
 def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:

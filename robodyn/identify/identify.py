@@ -29,6 +29,7 @@ from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
 FOLDS = 5
+_COSTLY, _ROUNDING = 1.5, 1e-6
 _NOISE = 4.0
 _SLOW = 1e-3
 """Of the largest speed: below it, derived speeds do not tell the sign of friction."""
@@ -74,7 +75,10 @@ def identify(
     prior = _prior(run, structure, shapes)
     chosen = strength(weighted, plain, folds, structure, prior, sigma).value
     R, z = system(weighted, folds, structure, sigma)
-    theta = consistent_parameters(R, z, prior, chosen).theta
+    fit = consistent_parameters(R, z, prior, chosen)
+    theta = fit.theta
+    if not np.isfinite(fit.gap):
+        raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
     base = _base(structure, *system(weighted, folds, structure, sigma * np.sqrt(inflation)), theta)
     return _result(run, structure, plain, (theta, loose), base, prior, chosen, ratios)
 
@@ -245,7 +249,7 @@ def _result(
         sum(log.samples for log in run.logs),
         sum(log.stop - log.start for log in run.logs),
         {log.path: log.sha256 for log in run.logs},
-        _warnings(run, prior, ratios, held[0] is not None),
+        _warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
     )
 
 
@@ -254,7 +258,9 @@ def _possible(prior: Prior, theta: Floats) -> bool:
     return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in prior.bodies)
 
 
-def _warnings(run: _Run, prior: Prior, ratios: dict[str, float], held: bool) -> tuple[str, ...]:
+def _warnings(
+    run: _Run, prior: Prior, ratios: dict[str, float], off: tuple[Errors, Errors], held: bool
+) -> tuple[str, ...]:
     """Return what was assumed and what cannot be told, a line each."""
     lines = [f"{log.path}: {note}" for log in run.logs for note in log.notes]
     names = run.model.rates
@@ -264,6 +270,11 @@ def _warnings(run: _Run, prior: Prior, ratios: dict[str, float], held: bool) -> 
     for name, part in ratios.items():
         lines.append(
             f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"
+        )
+    if off[0].relative_error > _COSTLY * off[1].relative_error + _ROUNDING:
+        lines.append(
+            f"least squares fit {100.0 * off[1].relative_error:.2f}%, bodies and motors that can exist no better than "
+            f"{100.0 * off[0].relative_error:.2f}%: an effect is missing, or a torque has the wrong sign or joint"
         )
     if not held:
         lines.append("nothing is held out: the errors are of what was fitted")
