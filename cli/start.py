@@ -16,9 +16,10 @@ def start() -> NoReturn:
     """Run the command line and end the process with its exit status.
 
     Searching for garbage while modules are imported, and taking all of them apart at the end, would take a third of the
-    time of a small job.
+    time of a small job. Matrices are small: threads of BLAS would wait for each other longer than they compute.
     """
     gc.set_threshold(ALLOCATIONS, 20, 20)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from robodyn.cli.main import main
 
     status = 0

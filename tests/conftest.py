@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does, before NumPy is imported
 YOUNG = 200_000
 """Objects that are made before those among them that nothing uses are looked for; Python's own is 700."""
 

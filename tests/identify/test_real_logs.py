@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.command_line import run
-from helpers.example_robots import ROBOTS
+from helpers.example_robots import path_of
 
 import robodyn
 
@@ -17,7 +17,7 @@ TX40 = (str(DATA / "tx40_log" / "tx40.urdf"), str(DATA / "tx40_log" / "log.parqu
 
 
 def identified(*arguments):
-    return json.loads(run("identify", *arguments, "--format", "json").stdout)
+    return json.loads(run("identify", *arguments, "--format", "json").out)
 
 
 def test_tx40_second_half(tmp_path):
@@ -27,7 +27,8 @@ def test_tx40_second_half(tmp_path):
     assert found["held_out"]["relative_error"] < 0.12
     assert found["train"]["relative_error"] < 0.083
     assert found["original"]["relative_error"] > 0.7
-    assert found["consistent"] and found["better"]
+    assert found["consistent"]
+    assert found["better"]
     assert [each["name"] for each in found["coupled"]] == ["joint_5+joint_6"]
     friction = {each["name"]: each for each in found["friction"]}
     published = {"joint_1": 8.05, "joint_2": 5.53, "joint_3": 1.97, "joint_5+joint_6": 0.616}
@@ -37,7 +38,8 @@ def test_tx40_second_half(tmp_path):
     for body in model.bodies[1:]:
         assert body.inertia.m > 0.0
         moments = np.linalg.eigvalsh(body.inertia.about_centre)
-        assert moments[0] > 0.0 and moments[0] + moments[1] >= moments[2]
+        assert moments[0] > 0.0
+        assert moments[0] + moments[1] >= moments[2]
 
 
 @pytest.mark.slow
@@ -49,7 +51,7 @@ def test_tx40_whole():
 
 def test_ur10_last_forty_percent():
     """Plain least squares have 7.79 %; the stock description, without friction, 45 %."""
-    urdf = ROBOTS / "ur_description" / "urdf" / "ur10_robot.urdf"
+    urdf = path_of("ur10_robot")
     found = identified(str(urdf), str(DATA / "ur10_log" / "log.parquet"), "--split", "0.6", "--cutoff", "8")
     assert found["held_out"]["relative_error"] < 0.075
     assert found["original"]["relative_error"] > 0.4
