@@ -49,8 +49,8 @@ def _head(found: Identified) -> list[str]:
         f"fitted within {_percent(found.train.relative_error)}; least squares without physical bounds reach "
         f"{_percent(found.bound_train.relative_error)}"
         + (f", held out {_percent(found.bound_held_out.relative_error)}" if found.bound_held_out else ""),
-        f"{count(found.samples, 'sample')} in {found.duration:.6g} s; positions, computed and measured torques through "
-        f"a zero-phase filter of {found.cutoff:g} Hz, in which errors are told; {found.rows} rows left",
+        f"{count(found.samples, 'sample')} in {found.duration:.6g} s; computed and measured torques through a "
+        f"zero-phase filter of {found.cutoff:g} Hz, in which errors are told; {found.rows} rows left",
         f"{base.rank} base parameters, condition {figure(base.condition)}; strength of the prior {found.strength:g}",
     ]
     lines.append("every body can exist" if found.consistent else "a body cannot exist as found")

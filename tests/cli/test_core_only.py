@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
 from helpers.command_line import ROBOTS, Outcome
 from helpers.processes import python
 
+import robodyn
 from robodyn.cli.main import COMMANDS
 from robodyn.support.extras import OPTIONAL
 
@@ -36,6 +38,7 @@ WORKS = (
     "export scara.urdf --to jax --what forward,regressor --out {out}/scara_jax.py",
     "export scara.urdf --to torch --what forward_derivatives --out {out}/scara_torch.py",
     "excite pendulum.urdf --out {out}/excite.csv --report {out}/excite.md",
+    "identify pendulum.urdf {out}/log.csv --out {out}/calibrated.urdf",
     "scene init scara.urdf --out {out}/scene.toml",
     "info scara.urdf",
     "accuracy meshes/hub.stl",
@@ -92,6 +95,9 @@ sys.__stdout__.write(json.dumps(found))
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("core")
     (made / "arm.xacro").write_text("<robot/>")
+    rows = "".join(f"{t / 100},{math.sin(t / 20)},{9.0 * math.sin(math.sin(t / 20))}\n" for t in range(600))
+    joint = robodyn.load(ROBOTS / "pendulum.urdf").rates[0]
+    (made / "log.csv").write_text(f"time,q_{joint},tau_{joint}\n{rows}")
     return made
 
 

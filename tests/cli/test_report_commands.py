@@ -17,6 +17,7 @@ from robodyn.report.renderers.html import html
 
 MESHES = ROBOTS / "meshes"
 ARM = str(ROBOTS / "meshed_arm.urdf")
+TX40 = tuple(str(Path(__file__).parents[1] / "data" / "tx40_log" / name) for name in ("tx40.urdf", "log.parquet"))
 SWING = (str(ROBOTS / "two_link_planar.urdf"), "--scene", str(ROBOTS / "two_link_planar_swing_down.toml"))
 CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
     "mesh": (("inertia", str(MESHES / "bracket.stl"), "--unit", "mm", "--density", "2700"), "0.03848 kg", 1),
@@ -34,6 +35,7 @@ CALLS: dict[str, tuple[tuple[str, ...], str, int]] = {
     "simulate": (("simulate", *SWING, "--duration", "0.2"), "The motion ran for its 0.2 s", 6),
     "linearize": (("linearize", SWING[0], "--equilibrium"), "2 modes are not damped within rounding", 2),
     "excite": (("excite", str(ROBOTS / "pendulum.urdf")), "shows 6 base parameters", 1),
+    "identify": (("identify", *TX40, "--cutoff", "40"), "held-out torques within", 1),
     "accuracy": (("accuracy", str(MESHES / "bracket.stl"), "--target", "1e-6"), "The target of 1e-06 is met", 1),
 }
 

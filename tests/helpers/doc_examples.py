@@ -2,7 +2,7 @@
 
 `console` blocks are commands after `$ `, continued after `> `, with their output; `pycon` blocks are Python after
 `>>> `; in `sh` blocks there are commands without their output. The blocks of a page share one folder, in which robots/
-is that of the repository, and the names that they define in Python.
+and tests/ are those of the repository, and the names that they define in Python.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ def commands(block: str) -> list[str]:
 
 def regenerated(text: str, folder: Path) -> str:
     """Return the text with the output of every example as it is now."""
-    (folder / "robots").symlink_to(ROOT / "robots", target_is_directory=True)
+    for shared in ("robots", "tests"):
+        (folder / shared).symlink_to(ROOT / shared, target_is_directory=True)
     names: dict[str, object] = {}
     shown = {"console": _console, "pycon": partial(_session, names), "sh": _quiet}
 
