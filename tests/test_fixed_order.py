@@ -38,6 +38,8 @@ NO_DIGITS = {
     "identify.long_run": "standard errors, told to two digits",
     "identify.gross_faults": "which channel is whose, and signs",
     "identify.base": "a condition number, told to three digits",
+    "identify.correlated": "standard errors, told to two digits",
+    "identify.moments": "the same",
     "simulation.loop_figures": "a rank",
     "dynamics.loops.necessary": "a rank",
     "simulation.singular": "ranks, and times to four digits",

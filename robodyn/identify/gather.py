@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.identify.atoms import Atoms
 from robodyn.identify.log import Log
+from robodyn.identify.moments import Moments
 from robodyn.identify.rows import filtered
 from robodyn.identify.triangle import Triangle
 from robodyn.support.floats import Floats
@@ -16,7 +18,6 @@ _WAITING = 1024
 """Rows that are added to a factor at a time."""
 _OUTLIER = 3.0
 """Standard deviations above which a residual counts as if it were there (Huber)."""
-_LAGS = 16
 
 
 class Guess:
@@ -24,33 +25,19 @@ class Guess:
 
     Attributes:
         values: (a,) by atom; sigma: of each measured joint [N m].
+        moments: of the rows that are fitted, and of their residuals as far as they are no outliers.
     """
 
-    def __init__(self, values: Floats, sigma: Floats) -> None:
+    def __init__(self, atoms: Atoms, values: Floats, sigma: Floats) -> None:
         self.values, self.sigma = values, sigma
-        self.products = np.zeros((_LAGS + 1, len(sigma)))
-        self._last = np.zeros((0, len(sigma)))
+        self.moments = Moments(atoms)
 
-    def weights(self, residuals: Floats) -> Floats:
-        """Return (k, joints) the square roots of Huber's weights; count products of residuals for `inflation`."""
+    def weights(self, columns: Sequence[Floats], residuals: Floats, fit: NDArray[np.bool_]) -> Floats:
+        """Return (k, joints) the square roots of Huber's weights; add the rows that are fitted to the moments."""
         size = np.abs(residuals) / self.sigma
         weights = np.sqrt(np.minimum(1.0, _OUTLIER / np.maximum(size, 1e-300)))
-        bounded = residuals * weights * weights
-        whole = np.concatenate([self._last, bounded])
-        new = len(self._last)
-        for lag in range(min(_LAGS + 1, len(whole))):
-            first = max(new - lag, 0)
-            self.products[lag] += np.einsum("kj,kj->j", whole[first + lag :], whole[first : len(whole) - lag])
-        self._last = whole[-_LAGS:]
-        return weights
-
-    @property
-    def inflation(self) -> Floats:
-        """(joints,) by how much the variance of sums of residuals exceeds that of independent ones (Newey, West)."""
-        kept = self.products[0] > 0.0
-        ratio = np.divide(self.products, self.products[0], out=np.zeros_like(self.products), where=kept)
-        taper = 1.0 - np.arange(_LAGS + 1) / (_LAGS + 1.0)
-        return np.asarray(np.maximum(1.0, 2.0 * np.einsum("l,lj->j", taper, ratio) - 1.0))
+        self.moments.add([each[fit] for each in columns], (residuals * weights * weights)[fit])
+        return np.asarray(weights)
 
 
 class Gathered:
@@ -98,6 +85,8 @@ def gather(
         edges: times [s] at which a fold ends and the next begins, ascending.
     """
     splits = np.cumsum(atoms.widths)[:-1]
+    if guess is not None:
+        guess.moments.restart()
     for rows in filtered(log, cutoff, atoms.compute):
         folds = np.searchsorted(np.asarray(edges), rows.time, side="right")
         parts, described = [], []
@@ -108,7 +97,7 @@ def gather(
         if guess is not None:
             pairs = zip(parts, atoms.used, strict=True)
             off = [np.einsum("ka,a->k", part[:, :-1], guess.values[used]) - part[:, -1] for part, used in pairs]
-            weights = guess.weights(np.stack(off, axis=1))
+            weights = guess.weights([part[:, :-1] for part in parts], np.stack(off, axis=1), folds < len(edges))
         for fold in np.unique(folds).tolist():
             own = folds == fold
             plain.squares[fold] += (rows.tau[own][:, atoms.measured] ** 2).sum(axis=0)

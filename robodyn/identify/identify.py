@@ -14,10 +14,12 @@ from robodyn.identify.atoms import Atoms
 from robodyn.identify.base import base_of
 from robodyn.identify.choose import coupled, coupled_motors, joint_motors, strength, with_speeds, with_stribeck
 from robodyn.identify.consistent import consistent_parameters
+from robodyn.identify.correlated import covariance
 from robodyn.identify.filters import kernel, rates
 from robodyn.identify.gather import Gathered, Guess, gather
 from robodyn.identify.identified import BaseFit, Errors, Identified
 from robodyn.identify.log import Log
+from robodyn.identify.moments import Moments
 from robodyn.identify.motors import PARAMETERS, Motor
 from robodyn.identify.outcome import motor_fits, outcome
 from robodyn.identify.prior import Prior, prior_of
@@ -67,7 +69,7 @@ def identify(
     on_progress("comparing motors")
     motors, ratios, guess = _motors(run)
     on_progress("fitting")
-    plain, weighted, inflation = _weighted(run, motors, guess)
+    plain, weighted, moments = _weighted(run, motors, guess)
     atoms, folds = plain.atoms, range(FOLDS)
     structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(motors)))))
     loose, sigma = fitted(weighted, folds, structure)
@@ -79,7 +81,7 @@ def identify(
     theta = fit.theta
     if not np.isfinite(fit.gap):
         raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
-    base = _base(structure, *system(weighted, folds, structure, sigma * np.sqrt(inflation)), theta)
+    base = _base(structure, R, z, moments, sigma, theta)
     return _result(run, structure, plain, (theta, loose), base, prior, chosen, ratios)
 
 
@@ -166,12 +168,12 @@ def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, f
 
 def _weighted(
     run: _Run, motors: list[Motor], first: tuple[dict[str, float], Floats]
-) -> tuple[Gathered, Gathered, Floats]:
-    """Return factors of all columns, plain and with outliers weighing less, and the inflation of variances."""
+) -> tuple[Gathered, Gathered, Moments]:
+    """Return factors of all columns, plain and with outliers weighing less, and what tells how rows are correlated."""
     values, sigma = first
     atoms = Atoms(run.model, run.scene, run.measured, motors, run.slip_speed)
-    guess = Guess(np.array([values.get(name, 0.0) for name in atoms.names]), sigma)
-    return *run.gathered(atoms, guess), guess.inflation
+    guess = Guess(atoms, np.array([values.get(name, 0.0) for name in atoms.names]), sigma)
+    return *run.gathered(atoms, guess), guess.moments
 
 
 def _prior(run: _Run, structure: Structure, shapes: bool) -> Prior:
@@ -186,10 +188,10 @@ def _prior(run: _Run, structure: Structure, shapes: bool) -> Prior:
     return prior_of(run.model, structure.names, theta, shapes=shapes)
 
 
-def _base(structure: Structure, R: Floats, z: Floats, theta: Floats) -> BaseFit:
+def _base(structure: Structure, R: Floats, z: Floats, moments: Moments, sigma: Floats, theta: Floats) -> BaseFit:
     base = base_of(R, structure.names)
-    found = base.estimate(R, z)
-    return BaseFit(base, found.values, found.standard_errors, base.values(theta), found.covariance)
+    C = covariance(moments, structure, base, R, sigma)
+    return BaseFit(base, base.estimate(R, z).values, np.sqrt(np.einsum("ii->i", C)), base.values(theta), C)
 
 
 def _errors(run: _Run, off: Floats, of: Floats) -> Errors:
