@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import starmap
 from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.sampled import sampled
 from helpers.whole_tables import read_trajectory
 from numpy.typing import NDArray
 
@@ -50,11 +48,17 @@ def write(path: Path, columns: dict[str, Array]) -> Path:
 
 
 DISTURBED = [(0.2, 1e-5), (0.2, 0.0), (0.0, 1e-5), (0.0, 0.0)]
+"""How far stamps are off, of a step, and the noise of positions."""
+QUICK = [("csv", mode, *how) for how in (DISTURBED[0], DISTURBED[-1]) for mode in ("spline", "auto")]
+CASES = [("csv", mode, *how) for how in DISTURBED for mode in MODES]
+CASES += [(suffix, mode, *how) for suffix in ("parquet", "npz") for mode, how in zip(MODES, DISTURBED, strict=True)]
+"""Of files that are not text, which are read as numbers at once, each method and each disturbance once."""
 
 
-@pytest.mark.parametrize("suffix", sampled(["csv", "parquet", "npz"]))
-@pytest.mark.parametrize("mode", sampled(MODES, 3))
-@pytest.mark.parametrize(("jitter", "noise"), sampled(starmap(pytest.param, DISTURBED), 3))
+@pytest.mark.parametrize(
+    ("suffix", "mode", "jitter", "noise"),
+    [pytest.param(*case, marks=[pytest.mark.slow] * (case not in QUICK)) for case in CASES],
+)
 def test_blocks_change_nothing(tmp_path: Path, suffix: str, mode: str, jitter: float, noise: float) -> None:
     """The bound: 1e-11 of the largest derivative, 1e-13 where stamps are not equally spaced."""
     path = write(tmp_path / f"t.{suffix}", motion(2500, jitter=jitter, noise=noise))
