@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from robodyn.scene.covariance import Covariance as Covariance
     from robodyn.scene.described_loops import scene_of as scene_of
     from robodyn.scene.motor import Motor as Motor
+    from robodyn.scene.parts import CoupledMotor as CoupledMotor
     from robodyn.scene.parts import Drive as Drive
     from robodyn.scene.parts import ExternalWrench as ExternalWrench
     from robodyn.scene.parts import Friction as Friction
@@ -89,7 +90,7 @@ _HOMES = {
     "scene.motor": ("Motor",),
     "scene.read": ("load_scene",),
     "scene.constraints": ("Contact", "ContactCost", "Loop"),
-    "scene.parts": ("Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
+    "scene.parts": ("CoupledMotor", "Drive", "ExternalWrench", "Friction", "Immersed", "Payload", "Rotor", "Spring"),
     "scene.scene": ("Scene",),
     "scene.covariance": ("Covariance",),
     "scene.uncertainty": ("Deviation", "LinkUncertainty", "Uncertainty"),

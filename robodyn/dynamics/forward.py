@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
+from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
-from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.articulated_body import articulated_body
@@ -40,14 +40,16 @@ def acceleration_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
 
 
-def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Sequence[float]) -> list[Scalar]:
+def accelerations(
+    sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Mapping[tuple[int, int], float]
+) -> list[Scalar]:
     """qdd of one sample, in whatever scalar it is made of.
 
     Args:
         sample: of a model of `aligned`.
         terms: without acceleration.
         tau: n scalars.
-        rotors: n reflected rotor inertias.
+        rotors: reflected rotor inertias, by coordinates i <= j.
     """
     model = sample.model
     joints = motions(model, sample.q, terms.qd, terms.qdd)

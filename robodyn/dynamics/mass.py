@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import payload
-from robodyn.dynamics.effects.rotor_inertia import reflected
+from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
 from robodyn.dynamics.runners import runner_of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects import rotor_inertia
+from robodyn.dynamics.effects import coupled_motor, rotor_inertia
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
 from robodyn.dynamics.runners import runner_of
@@ -147,7 +147,7 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
         kinetic, potential = whole.T, 0.0
         for effect in a_plan.effects:
             energy = effect.stored(sample, terms, a_plan.scene, joints)
-            if effect is rotor_inertia.EFFECT:
+            if effect in (rotor_inertia.EFFECT, coupled_motor.EFFECT):
                 kinetic = kinetic + energy
             else:
                 potential = potential + energy

@@ -15,6 +15,7 @@ from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import (
     coriolis,
     coulomb_friction,
+    coupled_motor,
     gravity,
     inertia,
     moving_base,
@@ -22,6 +23,7 @@ from robodyn.dynamics.effects import (
     rotor_inertia,
     viscous_friction,
 )
+from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
@@ -34,6 +36,7 @@ from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, vector
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_constraints
+from robodyn.scene.parts import Friction
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.solids.inertia.laws import MASSLESS, Inertia, symmetric
 from robodyn.support.floats import Floats
@@ -48,7 +51,7 @@ class Regressor(NamedTuple):
     Attributes:
         Y: (..., n, p).
         theta: (p,) the parameters of the model and the scene.
-        names: of the parameters, "forearm.Ixx" of a body and "elbow.viscous" of a joint.
+        names: of the parameters, "forearm.Ixx" of a body and "elbow.viscous" of a joint or a coupled motor.
         rest: (..., n) what springs, wrenches and fluids add, in which nothing is to be identified; zero without them.
     """
 
@@ -73,7 +76,7 @@ def regressor(
 
     theta has ten parameters of each body (`INERTIAL`, with its payloads), of each hinge and slide `viscous`, `forward`
     and `backward` (Coulomb's torque at qd > 0 and, with its sign, at qd < 0) and, where the scene names it, `stribeck`;
-    and `rotor`, the inertia of its rotor times the square of the gear [kg m^2].
+    and `rotor`, the inertia of its rotor times the square of the gear [kg m^2]; and the same of each coupled motor.
 
     Args:
         model, q, qd, qdd, scene, columns, executor, threads: as for `inverse_dynamics`.
@@ -114,7 +117,8 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 
 _MOTION = (gravity.EFFECT, inertia.EFFECT, coriolis.EFFECT, moving_base.EFFECT)
-_LINEAR = (*_MOTION, payload.EFFECT, viscous_friction.EFFECT, coulomb_friction.EFFECT, rotor_inertia.EFFECT)
+_MOTORS = (viscous_friction.EFFECT, coulomb_friction.EFFECT, rotor_inertia.EFFECT, coupled_motor.EFFECT)
+_LINEAR = (*_MOTION, payload.EFFECT, *_MOTORS)
 """The effects that the parameters stand for."""
 
 
@@ -127,13 +131,19 @@ def parameters(plan: Plan) -> Iterator[tuple[str, float]]:
         for name, value in zip(INERTIAL, (m, *mc, *moments), strict=True):
             yield f"{body.name}.{name}", float(value)
     for _, joint, friction in joints_with_friction(model, scene):
-        yield f"{joint.name}.viscous", friction.viscous
-        yield f"{joint.name}.forward", friction.forward
-        yield f"{joint.name}.backward", friction.backward
-        if friction.stribeck is not None:
-            yield f"{joint.name}.stribeck", friction.stribeck
         rotor, gear = rotor_of(joint, scene)
-        yield f"{joint.name}.rotor", rotor * gear * gear
+        yield from _of_motor(joint.name, friction, rotor * gear * gear)
+    for motor in scene.coupled:
+        yield from _of_motor(motor.name, motor.friction, motor.reflected)
+
+
+def _of_motor(name: str, friction: Friction, rotor: float) -> Iterator[tuple[str, float]]:
+    yield f"{name}.viscous", friction.viscous
+    yield f"{name}.forward", friction.forward
+    yield f"{name}.backward", friction.backward
+    if friction.stribeck is not None:
+        yield f"{name}.stribeck", friction.stribeck
+    yield f"{name}.rotor", rotor
 
 
 def _torques(plan: Plan, sample: Sample, theta: Iterator[Scalar]) -> list[Scalar]:
@@ -145,11 +155,21 @@ def _torques(plan: Plan, sample: Sample, theta: Iterator[Scalar]) -> list[Scalar
         inertias.append(Inertia(m, vector(x, y, z), symmetric(moments)))
     at_joint = []
     for i, joint, friction in joints_with_friction(model, scene):
-        speed = sample.speed(joint)
-        viscous, forward, backward = islice(theta, 3)
-        stribeck = None if friction.stribeck is None else next(theta)
-        coefficients = replace(friction, forward=forward, backward=backward, stribeck=stribeck)
-        dry = coulomb_friction.torque(coefficients, speed, scene.slip_speed)
-        at_joint.append((i, viscous * speed + dry + next(theta) * sample.acceleration(joint)))
+        moving = sample.speed(joint), sample.acceleration(joint)
+        at_joint.append((i, _motor_torque(theta, friction, *moving, scene.slip_speed)))
+    for motor, turned in coupled_motors(model, scene):
+        moving = coupled_motor.speed_of(sample, turned), coupled_motor.acceleration_of(sample, turned)
+        at_joint += coupled_motor.torques(turned, _motor_torque(theta, motor.friction, *moving, scene.slip_speed))
     terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
     return loads(sample, terms).tau
+
+
+def _motor_torque(
+    theta: Iterator[Scalar], friction: Friction, speed: Scalar, acceleration: Scalar, slip_speed: float
+) -> Scalar:
+    """Return the torque of a motor whose parameters come next."""
+    viscous, forward, backward = islice(theta, 3)
+    stribeck = None if friction.stribeck is None else next(theta)
+    coefficients = replace(friction, forward=forward, backward=backward, stribeck=stribeck)
+    dry = coulomb_friction.torque(coefficients, speed, slip_speed)
+    return viscous * speed + dry + next(theta) * acceleration

@@ -37,6 +37,9 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     yield _SLIP, ["slip_speed = 0.001"]
     yield _ROTOR, _of_each("rotor", single, lambda each: [("inertia", each.rotor_inertia), ("gear", each.reduction)])
     yield _MOTOR, _of_each("motor", own, _motor)
+    if len(own) > 1:
+        shares = ", ".join(f"{toml_key(joint.name)} = 1.0" for joint in own[-2:])
+        yield _COUPLED, [f'coupled = [{{ name = "motor", joints = {{ {shares} }}, inertia = 0.0001, gear = 100.0 }}]']
     yield _SPRING, _of_each("spring", single, lambda each: [("stiffness", 0.0), ("rest", _rest(each))])
     yield _PAYLOAD, [f"payload = [{{ link = {tip}, mass = 1.0, com = {_ZERO} }}]"]
     yield _WRENCH, [f'wrench = [{{ link = {tip}, frame = "world", force = {_DOWN}, moment = {_ZERO} }}]']
@@ -66,6 +69,8 @@ _ROTOR = """Rotors, which add gear^2 inertia to a joint: inertia kg m^2 about th
 motor per turn of the joint."""
 _MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
 or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor."""
+_COUPLED = """Motors that turn with a sum of joints, coefficient times speed, as in wrists: inertia kg m^2 of the rotor,
+gear; viscous, coulomb, stribeck as for joints."""
 _SPRING = "Springs that pull a joint towards rest: stiffness N m/rad, rest rad."
 _PAYLOAD = """Masses fixed to links: mass kg, com m in the link's frame, inertia [ixx, ixy, ixz, iyy, iyz, izz] kg m^2
 about it. On the command line: --payload LINK=KG or LINK=KG@X,Y,Z."""

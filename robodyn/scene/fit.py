@@ -42,6 +42,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     for where, kind, names, valid in (
         ("[friction]", "joint", scene.friction, joints),
         ("[rotor]", "joint", scene.rotor, joints),
+        *(("[[coupled]]", "joint", motor.joints, joints) for motor in scene.coupled),
         ("[spring]", "joint", scene.spring, joints),
         ("[initial] q", "coordinate", scene.initial_q, model.coordinates),
         ("[initial] qd", "coordinate", scene.initial_qd, model.rates),
@@ -53,6 +54,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     ):
         for name in names:
             known(where, kind, name, valid, file)
+    _check_motors(scene, [body.joint.name for body in model.bodies], file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
     for contact in scene.contacts:
@@ -120,6 +122,16 @@ def check_moves(model: Model) -> None:
         what = "nothing can move: the robot has no joint that moves, and its base is fixed"
         remedy = 'free its base: [base] motion = "moving" in a scene'
         raise InputError(what, remedy=remedy, file=model.file)
+
+
+def _check_motors(scene: Scene, joints: Collection[str], file: str | None) -> None:
+    """Raise if names of coupled motors, which are those of their parameters, are not their own."""
+    taken = set(joints)
+    for motor in scene.coupled:
+        if motor.name in taken:
+            what = f"[[coupled]] {shown(motor.name)}: a joint or another coupled motor has this name"
+            raise SceneError(what, remedy="give each motor a name of its own", file=file)
+        taken.add(motor.name)
 
 
 def _check_loop(loop: Loop, model: Model, file: str | None) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from robodyn.support.frozen import FrozenValue
 
@@ -45,6 +46,37 @@ class Rotor(FrozenValue):
 
     inertia: float | None
     gear: float | None = None
+
+
+@dataclass(frozen=True)
+class CoupledMotor(FrozenValue):
+    """A motor that turns with a sum of joints: its joint-side speed is `s = sum coefficient qd`.
+
+    Attributes:
+        joints: coefficients by joint.
+        inertia: of its rotor, about its own axis [kg m^2].
+        gear: turns of the motor per unit of s.
+        friction: of s.
+    """
+
+    name: str
+    joints: Mapping[str, float]
+    inertia: float = 0.0
+    gear: float = 1.0
+    friction: Friction = field(default_factory=Friction)
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @property
+    def reflected(self) -> float:
+        """G^2 J [kg m^2]."""
+        return self.gear * self.gear * self.inertia
+
+    @property
+    def acts(self) -> bool:
+        """Whether it adds anything."""
+        return any(self.joints.values()) and bool(self.reflected or self.friction.viscous or self.friction.dry)
 
 
 @dataclass(frozen=True)

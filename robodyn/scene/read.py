@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from robodyn.errors import unreadable
-from robodyn.scene.parts import ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
+from robodyn.scene.parts import CoupledMotor, ExternalWrench, Friction, Immersed, Payload, Rotor, Spring
 from robodyn.scene.read_constraints import constraints_of
 from robodyn.scene.read_motors import motors_of
 from robodyn.scene.read_simulation import simulated_of
@@ -27,7 +27,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     """Return the scene that a TOML file describes.
 
     Args:
-        path: a file with the keys `gravity`, `friction`, `rotor`, `spring`, `payload`, `wrench`, `fluid`,
+        path: a file with the keys `gravity`, `friction`, `rotor`, `coupled`, `spring`, `payload`, `wrench`, `fluid`,
             `base`, `slip_speed`, `initial`, `drive`, `between_rows`, `joint_limits`, `limit_spring`, `loop`,
             `baumgarte`, `motor`, `actuated`,
             `passive`, `share`, `weights`, `contact`, `contact_cost`, `uncertainty`.
@@ -61,6 +61,7 @@ def parse_scene(data: bytes, file: str = "<scene>") -> Scene:
         **simulated_of(table),
         **_fluid(table),
         uncertainty=_uncertainty(table),
+        coupled=tuple(_coupled(entry) for entry in table.list("coupled")),
     )
     for key in NOT_COMPUTED:
         if key in table.values:
@@ -113,6 +114,15 @@ def _friction(table: SceneTable) -> Friction:
     if friction.stribeck_velocity <= 0:
         raise table.error(f'"stribeck_velocity" is {friction.stribeck_velocity:g}', remedy="give a positive speed")
     return friction
+
+
+def _coupled(table: SceneTable) -> CoupledMotor:
+    name, joints = table.text("name"), SceneTable(table.take("joints", ...), f"{table.what} joints", table.file)
+    coefficients = {joint: joints.number(joint) for joint in list(joints.values)}
+    if not any(coefficients.values()):
+        raise table.error('"joints" has no coefficient that is not 0', remedy="such as { joint5 = 1.0, joint6 = 1.0 }")
+    inertia, gear = table.nonnegative("inertia", 0.0), table.number("gear", 1.0)
+    return CoupledMotor(name, coefficients, inertia, gear, _friction(table))
 
 
 def _rotor(table: SceneTable) -> Rotor:

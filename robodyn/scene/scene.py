@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from robodyn.scene.constraints import LEAST_FORCES, Contact, ContactCost, Loop
 from robodyn.scene.parts import (
+    CoupledMotor,
     Drive,
     Entry,
     ExternalWrench,
@@ -56,6 +57,7 @@ class Scene(FrozenValue):
         weights: by joint, of tau^2 in that sum, a number or EFFORT; `weight` of the others.
         contacts: where links may stand on something.
         contact_cost: which of the contact forces that balance are taken.
+        coupled: motors that turn with several joints.
         uncertainty: how well the robot's parameters are known; None: no question is asked.
     """
 
@@ -88,6 +90,7 @@ class Scene(FrozenValue):
     contact_cost: ContactCost = LEAST_FORCES
     motor: Mapping[str, Motor] = field(default_factory=dict)
     uncertainty: Uncertainty | None = None
+    coupled: tuple[CoupledMotor, ...] = ()
 
     def __hash__(self) -> int:
         return self._hash

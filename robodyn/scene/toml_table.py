@@ -16,7 +16,7 @@ T = TypeVar("T")
 _LARGEST = sys.float_info.max
 WHOLE = "the scene"
 OF_THE_SCENE = (
-    *("gravity", "friction", "slip_speed", "rotor", "motor", "spring", "payload", "wrench", "fluid", "base"),
+    *("gravity", "friction", "slip_speed", "rotor", "motor", "coupled", "spring", "payload", "wrench", "fluid", "base"),
     *("initial", "drive", "between_rows", "joint_limits", "limit_spring", "loop", "baumgarte"),
     *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
 )

@@ -8,8 +8,8 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from robodyn.dynamics.balance import power_lost, stored_energy
+from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Effect, Sample
-from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from math import floor, log10
@@ -10,16 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects import coulomb_friction
+from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
 from robodyn.programs.linear import solve
 from robodyn.programs.vectors import product
 from robodyn.robot.model import Joint, Model
+from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.simulation.methods import Method
-from robodyn.support.floats import Floats, first_largest, ranked
+from robodyn.support.floats import Floats, first_largest
 
 SLIP_SPEED = 1e-3
 """rad/s, where a joint has Coulomb friction and the scene gives none."""
@@ -28,10 +29,10 @@ SLIP_SPEED = 1e-3
 @lru_cache(maxsize=16)
 def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     """Return the scene with a slip speed if some joint has Coulomb friction, and notes about it."""
-    if not coulomb_friction.why(model, scene, frozenset()).active:
+    steepest = max((rub.friction.dry for rub in _rubbing(model, scene)), default=0.0)
+    if not steepest:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
-    steepest = max(friction.dry for _, _, friction in joints_with_friction(model, scene))
     said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
@@ -99,20 +100,48 @@ STEEPEST = 1e200
 
 
 class Slope(NamedTuple):
-    """A torque's slope at the joint of a coordinate [N m s/rad or N m/rad]."""
+    """A torque's slope over a speed or position `along . q` [N m s/rad or N m/rad].
 
-    joint: Joint
+    Attributes:
+        name: of the joint, or of a motor of several.
+        along: by coordinate.
+    """
+
+    name: str
+    along: Mapping[int, float]
     cause: str
     value: float
+
+    @classmethod
+    def at(cls, joint: Joint, cause: str, value: float) -> Slope:
+        return cls(joint.name, {joint.rate: joint.multiplier}, cause, value)
+
+
+class Rubbing(NamedTuple):
+    """What has friction, and with which rates it turns."""
+
+    name: str
+    along: Mapping[int, float]
+    friction: Friction
+
+
+def _rubbing(model: Model, scene: Scene) -> Iterator[Rubbing]:
+    for _, joint, friction in joints_with_friction(model, scene):
+        yield Rubbing(joint.name, {joint.rate: joint.multiplier}, friction)
+    for motor, turned in coupled_motors(model, scene):
+        along: dict[int, float] = {}
+        for _, joint, share in turned:
+            along[joint.rate] = along.get(joint.rate, 0.0) + joint.multiplier * share
+        yield Rubbing(motor.name, along, motor.friction)
 
 
 def _slopes(a_plan: Plan) -> Iterator[Slope]:
     model, scene = a_plan.model, a_plan.scene
-    for _, joint, friction in joints_with_friction(model, scene):
+    for name, along, friction in _rubbing(model, scene):
         if scene.slip_speed and friction.dry:
-            yield Slope(joint, FRICTION, friction.dry / scene.slip_speed)
+            yield Slope(name, along, FRICTION, friction.dry / scene.slip_speed)
         if friction.viscous:
-            yield Slope(joint, "viscous friction", friction.viscous)
+            yield Slope(name, along, "viscous friction", friction.viscous)
     yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
     yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
 
@@ -121,7 +150,7 @@ def _springs(a_plan: Plan) -> Iterator[Slope]:
     for body in a_plan.model.bodies:
         spring = a_plan.scene.spring.get(body.joint.name)
         if spring is not None and spring.stiffness > 0:
-            yield Slope(body.joint, "the spring", spring.stiffness)
+            yield Slope.at(body.joint, "the spring", spring.stiffness)
     yield from _slopes_of(a_plan, "the drive's kp", "kp", drives=True)
     yield from _slopes_of(a_plan, "the limit spring", "stiffness")
 
@@ -133,29 +162,25 @@ def _slopes_of(a_plan: Plan, cause: str, which: str, drives: bool = False) -> It
     for joint in model.independent if drives else limited:
         value = getattr(scene.drive.get(joint.name) if drives else scene.limit_spring, which, 0.0)
         if value > 0:
-            yield Slope(joint, cause, value)
+            yield Slope.at(joint, cause, value)
 
 
 def _fastest(M: Floats, slopes: list[Slope], power: float) -> Stiffest | None:
     """Return the root, or the first power, of the largest eigenvalue of M^-1 S, and the slope that is most of it."""
-    S = np.zeros(M.shape[1])
-    for slope in slopes:
-        S[slope.joint.rate] += min(slope.joint.multiplier**2 * slope.value, STEEPEST)
-    some = np.flatnonzero(S)
-    weight = np.sqrt(S[some])
+    W = np.zeros((M.shape[1], len(slopes)))
+    for k, slope in enumerate(slopes):
+        for rate, share in slope.along.items():
+            W[rate, k] = share * np.sqrt(min(slope.value, STEEPEST))
     try:
-        inverse = np.linalg.inv(M)[:, some[:, None], some]
-        values, vectors = np.linalg.eigh(weight[:, None] * inverse * weight)
+        values, vectors = np.linalg.eigh(product(W.T, np.linalg.inv(M), W))
     except np.linalg.LinAlgError:
         return None
     largest = values.max(axis=1, initial=0.0)
     if not np.isfinite(largest).all() or not largest.any():
         return None
     row = first_largest(largest)
-    place = some[first_largest(np.abs(vectors[row, :, -1]))]
-    here = [slope for slope in slopes if slope.joint.rate == place]
-    most = ranked(here, key=lambda slope: slope.joint.multiplier**2 * slope.value)[0]
-    return Stiffest(float(largest[row]) ** power, most.cause, most.joint.name, largest**power)
+    most = slopes[first_largest(np.abs(vectors[row, :, -1]))]
+    return Stiffest(float(largest[row]) ** power, most.cause, most.name, largest**power)
 
 
 def reach(method: Method) -> float:

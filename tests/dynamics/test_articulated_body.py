@@ -18,8 +18,8 @@ from helpers.program_values import evaluated
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
+from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
@@ -118,7 +118,7 @@ def test_symbols():
     masses = [Inertia(m, m * vector(r, 0, 0), m * r**2 * np.diag([0, 1, 1])) for m, r in ((m1, l1), (m2, l2))]
     joints, inertias = (REST, *hinges), (MASSLESS, *masses)
     biases = inertial_wrenches(model.parents, joints, inertias, vector(0, -g, 0))
-    found = articulated_body(model, joints, inertias, biases, [t1, t2], [0.0, 0.0])
+    found = articulated_body(model, joints, inertias, biases, [t1, t2], {})
     s2, c2 = sympy.sin(q2), sympy.cos(q2)
     M12 = l2**2 * m2 + l1 * l2 * m2 * c2
     M = sympy.Matrix([[M12 + l1 * l2 * m2 * c2 + l1**2 * (m1 + m2), M12], [M12, l2**2 * m2]])

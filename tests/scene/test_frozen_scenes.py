@@ -19,7 +19,7 @@ from robodyn.dynamics.runners import torque_runner
 from robodyn.programs.run.llvm.build import code_key
 from robodyn.scene.constraints import Contact, ContactCost, Loop
 from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Drive, ExternalWrench, Friction, Payload, Rotor, Spring
+from robodyn.scene.parts import CoupledMotor, Drive, ExternalWrench, Friction, Payload, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.scene.uncertainty import Deviation, LinkUncertainty, Uncertainty
 from robodyn.simulation.run import simulate
@@ -38,6 +38,7 @@ EVERYTHING = replace(
     weight="effort",
     contacts=(Contact("foot", "tool"),),
     contact_cost=ContactCost(2.0),
+    coupled=(CoupledMotor("m", {"j1": 1.0, "j2": 2.0}, 1e-3),),
     uncertainty=Uncertainty(Deviation(0.05), link={"l2": LinkUncertainty(com=Deviation(0.003, relative=False))}),
 )
 """A scene with something in every field."""

@@ -96,7 +96,7 @@ def test_frames(frame):
 
 UNKNOWN = {
     "gravty = [0, 0, 0]": (
-        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor"),
+        *("gravity", "friction", "rotor", "spring", "payload", "wrench", "fluid", "base", "motor", "coupled"),
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
         *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),

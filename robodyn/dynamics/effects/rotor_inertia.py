@@ -31,14 +31,6 @@ def armatures(model: Model, scene: Scene) -> Iterator[tuple[int, Joint, float]]:
             yield i, joint, gear * gear * inertia
 
 
-def reflected(model: Model, scene: Scene) -> list[float]:
-    """By coordinate, what rotors add to the diagonal of M: the sum of multiplier^2 G^2 J [kg m^2]."""
-    total = [0.0] * model.n
-    for _, joint, inertia in armatures(model, scene):
-        total[joint.rate] += joint.multiplier**2 * inertia
-    return total
-
-
 def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     joints = [joint for _, joint, _ in armatures(model, scene)]
     none, some = "neither the scene nor a transmission has a rotor inertia", "joints with rotors"

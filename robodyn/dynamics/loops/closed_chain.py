@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects import payload
+from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample, Terms
-from robodyn.dynamics.effects.rotor_inertia import reflected
 from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation

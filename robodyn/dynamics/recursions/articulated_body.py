@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import hypot
 
 import numpy as np
@@ -84,14 +84,14 @@ def articulated_body(
     inertias: Sequence[Inertia],
     biases: Sequence[Wrench],
     forces: Sequence[Scalar],
-    rotors: Sequence[float],
+    rotors: Mapping[tuple[int, int], float],
 ) -> list[Scalar]:
     """Return how much faster than in `motions` the coordinates accelerate: M^-1 (forces - J^T biases).
 
     Inward, from the tips to the base, a body answers to an acceleration x = (wd, a) with the wrench `A x + b`. Its
     joint, S being its axis, moves freely: with `U = A S`, `D = S . U + rotor` and `u = force - S . b` its parent feels
     `A - U U^T / D` and `b + U u / D`. Outward, `qdd = (u - U . x) / D`. A coordinate that moves several joints is
-    carried inward as a column of its own until a body carries them all.
+    carried inward as a column of its own until a body carries them all, and so is one that a rotor couples with others.
 
     Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1. Bodies accelerate here from what they do
     in `motions`, so that velocities are in `biases` alone; shared coordinates as in Jain, *Robot and Multibody
@@ -103,7 +103,7 @@ def articulated_body(
         inertias: of each body.
         biases: the wrench on each body, in its axes, that `motions` calls for and nothing else supplies.
         forces: n scalars, along the coordinates, those of a floating joint in the body's axes [N m or N].
-        rotors: n reflected rotor inertias [kg m^2 or kg].
+        rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
 
     Returns:
         n scalars, those of a floating joint in the body's axes [rad/s^2 or m/s^2].
@@ -112,7 +112,7 @@ def articulated_body(
         InputError: nothing resists a joint.
     """
     A, b = [articulated(body) for body in inertias], [np.concatenate((bias.n, bias.f)) for bias in biases]
-    work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model)
+    work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model, rotors)
     for i, body in reversed(list(enumerate(model.bodies))):
         joint, (R, p, *_) = body.joint, motions[i]
         own = dict(enumerate(AXES[joint.kind], joint.rate))
@@ -139,20 +139,36 @@ def articulated_body(
     return y
 
 
-def _coordinates(model: Model) -> tuple[list[int], list[list[int]]]:
-    """Return how many joints each coordinate moves, and for each body the shared coordinates that end there.
+def _coordinates(model: Model, rotors: Mapping[tuple[int, int], float]) -> tuple[list[int], list[list[int]]]:
+    """Return for each coordinate how many joints move with it, and for each body the shared ones that end there.
 
-    A shared coordinate ends at the outermost body that carries all the joints that it moves.
+    A shared coordinate ends at the outermost body that carries all the joints that it moves; coordinates that rotors
+    couple end together, where a body carries all their joints from below.
     """
     bodies: dict[int, list[int]] = {}
     for i, body in enumerate(model.bodies):
         for rate, _ in enumerate(AXES[body.joint.kind], body.joint.rate):
             bodies.setdefault(rate, []).append(i)
     ends: list[list[int]] = [[] for _ in model.bodies]
-    for rate, moved in bodies.items():
-        if len(moved) > 1:
+    counts = [len(bodies[rate]) for rate in range(model.n)]
+    for group in _groups(model.n, rotors):
+        moved = [i for rate in group for i in bodies[rate]]
+        if len(group) > 1:
+            moved = [model.bodies[i].parent for i in moved]
+        for rate in group if len(moved) > 1 else ():
+            counts[rate] = len(moved)
             ends[_common(model.parents, moved)].append(rate)
-    return [len(bodies[rate]) for rate in range(model.n)], ends
+    return counts, ends
+
+
+def _groups(n: int, rotors: Mapping[tuple[int, int], float]) -> list[list[int]]:
+    """Return the coordinates, those together that rotors couple, in groups by their first."""
+    group = list(range(n))
+    for (i, j), rotor in rotors.items():
+        if i != j and rotor:
+            low, high = sorted((group[i], group[j]))
+            group = [low if each == high else each for each in group]
+    return [[rate for rate in range(n) if group[rate] == k] for k in range(n) if group[k] == k]
 
 
 def _common(parents: Sequence[int], bodies: Sequence[int]) -> int:

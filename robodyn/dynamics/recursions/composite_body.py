@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from robodyn.dynamics.recursions.articulated_body import AXES, articulated, at_parent, turns_of, wrench_at_parent
@@ -87,7 +87,7 @@ def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]], names: Sequenc
 
 
 def composite_body(
-    model: Model, motions: Sequence[Motion], inertias: Sequence[Inertia], rotors: Sequence[float]
+    model: Model, motions: Sequence[Motion], inertias: Sequence[Inertia], rotors: Mapping[tuple[int, int], float]
 ) -> Entries:
     """M(q) as the entries (i, j), i <= j, that can be other than zero: pairs of joints of which one carries the other.
 
@@ -99,7 +99,7 @@ def composite_body(
     Args:
         model: of `aligned`.
         motions, inertias: of each body.
-        rotors: n reflected rotor inertias, added on the diagonal [kg m^2 or kg].
+        rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
 
     Returns:
         A floating joint's entries are along its body's axes.
@@ -107,7 +107,7 @@ def composite_body(
     Accuracy: 1e-14 of the largest entry.
     """
     A: list[Array] = [articulated(body) for body in inertias]
-    entries: Entries = {(rate, rate): rotor for rate, rotor in enumerate(rotors) if rotor}
+    entries: Entries = {pair: rotor for pair, rotor in rotors.items() if rotor}
     for i, body in reversed(list(enumerate(model.bodies))):
         for rate, axis in enumerate(AXES[body.joint.kind], body.joint.rate):
             _column(entries, model, motions, i, rate, A[i][axis] * body.joint.multiplier)

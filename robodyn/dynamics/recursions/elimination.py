@@ -69,18 +69,18 @@ class Elimination:
 
     Attributes:
         A: (6, 6) symmetric, b: (6,), G: (6,) by coordinate; of each body with all that it carries.
-        D: by pairs of coordinates, at first the rotors on the diagonal.
+        D: by pairs of coordinates, at first the rotors.
         u: by coordinate, at first the forces on it.
         steps: of each body, how its unknowns are found once x and what was eliminated later is known.
     """
 
     def __init__(
-        self, A: Sequence[Array], b: Sequence[Array], rotors: Sequence[float], forces: Sequence[Scalar]
+        self, A: Sequence[Array], b: Sequence[Array], rotors: Mapping[tuple[int, int], float], forces: Sequence[Scalar]
     ) -> None:
         self.A, self.b, self.u = list(A), list(b), list(forces)
         self.G: list[dict[int, Array]] = [{} for _ in A]
         self.D: defaultdict[tuple[int, int], Scalar] = defaultdict(float)
-        self.D.update({(k, k): rotor for k, rotor in enumerate(rotors)})
+        self.D.update(rotors)
         self.steps: list[list[Solved | Freed | Moved]] = [[] for _ in A]
 
     def join(self, i: int, axis: int, rate: int, ratio: float) -> None:

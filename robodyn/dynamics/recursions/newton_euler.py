@@ -128,7 +128,9 @@ def joint_torques(
     return tau
 
 
-def mass_matrix(model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Sequence[float]) -> Array:
+def mass_matrix(
+    model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Mapping[tuple[int, int], float]
+) -> Array:
     """M(q): column j is the torque of a unit acceleration of coordinate j alone, without speed or gravity.
 
     `M e_j = ID(q, 0, e_j)`; the recursion sees a robot at rest, so a traced column holds only what the bodies beyond
@@ -137,7 +139,7 @@ def mass_matrix(model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], 
     Args:
         q: nq scalars.
         inertias: of each body.
-        armature: n reflected rotor inertias, added on the diagonal [kg m^2].
+        armature: reflected rotor inertias, by coordinates i <= j [kg m^2].
 
     Returns:
         (n, n), symmetric by construction.
@@ -152,5 +154,6 @@ def mass_matrix(model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], 
         joints = motions(model, q, rest, unit)
         column = joint_torques(model, joints, newton_euler(model.parents, joints, inertias), {})
         M[j:, j] = M[j, j:] = column[j:]
-        M[j, j] = M[j, j] + armature[j]
+    for (i, j), inertia in armature.items():
+        M[i, j] = M[j, i] = M[i, j] + inertia
     return M

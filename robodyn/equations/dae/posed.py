@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample, Terms
 from robodyn.dynamics.effects.rotor_inertia import armatures
 from robodyn.dynamics.plan import applied
@@ -145,13 +146,23 @@ def posed(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scalar],
     centres = [inertia.centre_of_mass for inertia in terms.inertias]
     joints = joint_connections(model, centres, sample.q)
     mimics, loops = tuple(mimic_connections(model, joints)), tuple(loop_connections(model, centres, scene.loops))
-    rotors = {i: inertia for i, _, inertia in armatures(model, scene)}
+    rotors = _rotors(model, scene)
     system = System(terms.inertias, joints, mimics, loops, rotors)
     at = state_of(model, centres, sample.q, sample.qd)
     found = matrices(system, at, terms.gravity, terms.wrenches, along_joints(model, system, terms, tau))
     arms = [*centres, *(body.joint.p - centres[body.parent] for body in model.bodies if body.parent >= 0)]
     size = max(length(np.asarray(arm, dtype=float)) for arm in arms) or 1.0
     return Posed(model, scene, sample, terms, tau, system, at, found, size)
+
+
+def _rotors(model: Model, scene: Scene) -> dict[tuple[int, int], float]:
+    """By pairs of bodies, what rotors add between their joints: G^2 J, and c_i c_k G^2 J of coupled motors."""
+    rotors = {(i, i): inertia for i, _, inertia in armatures(model, scene)}
+    for motor, turned in coupled_motors(model, scene):
+        for i, _, first in turned if motor.reflected else ():
+            for k, _, second in turned:
+                rotors[i, k] = rotors.get((i, k), 0.0) + first * second * motor.reflected
+    return rotors
 
 
 def along_joints(model: Model, system: System, terms: Terms, tau: Sequence[Scalar]) -> list[Scalar]:

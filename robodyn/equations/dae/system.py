@@ -24,14 +24,14 @@ class System:
     Attributes:
         inertias: of each body, about its own origin.
         joints: of each body; mimics: one equation each; loops: what else connects bodies.
-        rotors: by body, the reflected inertia at its joint [kg m^2 or kg].
+        rotors: by pairs of bodies, the reflected inertia between their joints [kg m^2 or kg].
     """
 
     inertias: tuple[Inertia, ...]
     joints: tuple[Connection, ...]
     mimics: tuple[Connection, ...] = ()
     loops: tuple[Connection, ...] = ()
-    rotors: Mapping[int, float] = field(default_factory=dict)
+    rotors: Mapping[tuple[int, int], float] = field(default_factory=dict)
 
     @property
     def connections(self) -> tuple[Connection, ...]:
@@ -72,7 +72,7 @@ class Matrices(NamedTuple):
         G, gamma: (m, 6N), (m,) of the constraints.
         S, sigma: (k, 6N), (k,) the joints' own accelerations are S a + sigma.
         along: (k,) what acts along the joints' own coordinates, rotors aside [N m or N].
-        armature: (k,) of rotors.
+        armature: (k, k) of rotors, symmetric.
     """
 
     M: Array
@@ -106,10 +106,13 @@ def matrices(
     G, gamma = stacked(system.equations, at), -drifts(system.equations, at)
     forces = np.array(along) if along is not None else np.zeros(len(system.free))
     M, f = _mass(system), narrowed(_forces(system, at, gravity, wrenches)) + product(S.T, forces)
-    armature = np.array([system.rotors.get(joint.body, 0.0) for joint in system.joints for _ in joint.free])
-    for k in np.flatnonzero(armature):
-        M = M + armature[k] * np.outer(S[k], S[k])
-        f = f - armature[k] * sigma[k] * S[k]
+    bodies = [joint.body for joint in system.joints for _ in joint.free]
+    armature = np.array([[system.rotors.get((i, k), 0.0) for k in bodies] for i in bodies]).reshape(
+        len(bodies), len(bodies)
+    )
+    for i, k in np.argwhere(armature):
+        M = M + armature[i, k] * np.outer(S[i], S[k])
+        f = f - armature[i, k] * sigma[k] * S[i]
     return Matrices(M, f, G, gamma, S, sigma, forces, armature)
 
 
@@ -151,7 +154,7 @@ def joint_wrenches(system: System, at: State, found: Matrices, a: Array, reactio
     for k, rule in enumerate(system.rules, start):
         for weight, term in rule.terms:
             own[id(term)] = own.get(id(term), 0.0) + weight * reactions[k]
-    along = found.along - found.armature * (product(found.S, a) + found.sigma)
+    along = found.along - product(found.armature, product(found.S, a) + found.sigma)
     out, row, k = [], 0, 0
     for i, joint in enumerate(system.joints):
         acting = [(equation, reactions[row + j]) for j, equation in enumerate(joint.equations)]

@@ -70,13 +70,15 @@ def _surroundings(plan: Plan) -> str:
 def _friction(plan: Plan) -> list[str]:
     """Return the constants of the joints, and what stands for the sign of speeds."""
     rubs = [
-        (joint, friction)
+        (joint.name, friction)
         for _, joint, friction in joints_with_friction(plan.model, plan.scene)
         if friction.viscous or friction.dry
     ]
+    coupled = ((motor.name, motor.friction) for motor in plan.scene.coupled)
+    rubs += [(name, friction) for name, friction in coupled if friction.viscous or friction.dry]
     if not rubs:
         return ["No friction."]
-    lines = ["Friction, SI units:", *(f"  {joint.name}: {_constants(friction)}" for joint, friction in rubs)]
+    lines = ["Friction, SI units:", *(f"  {name}: {_constants(friction)}" for name, friction in rubs)]
     if any(friction.dry for _, friction in rubs):
         slip = plan.scene.slip_speed
         lines.append(f"Coulomb friction is smooth: {_SMOOTH} {slip!r}." if slip else _JUMPS)

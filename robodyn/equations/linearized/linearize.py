@@ -8,6 +8,7 @@ from math import hypot
 import numpy as np
 
 from robodyn.dynamics.derivatives import inverse_dynamics_derivatives
+from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.inverse import bias_forces
 from robodyn.equations.dae.closed import begun, closed_state
@@ -147,6 +148,9 @@ def _left_out(robot: Standing, qd: Floats) -> list[str]:
     """Return what holds in truth and is not linear."""
     scene, rubs = robot.tree, joints_with_friction(robot.model, robot.tree)
     dry = [joint.name for _, joint, friction in rubs if friction.dry and not qd[joint.rate]]
+    for motor, turned in coupled_motors(robot.model, scene):
+        if motor.friction.dry and not sum(share * joint.multiplier * qd[joint.rate] for _, joint, share in turned):
+            dry.append(motor.name)
     if not dry or scene.slip_speed:
         return []
     return [f"Coulomb friction of {listed(dry)} is left out: at rest it jumps; slip_speed in the scene makes it smooth"]

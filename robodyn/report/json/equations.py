@@ -172,7 +172,7 @@ def _held(found: Dae, connection: Connection, j: int, k: int) -> dict[str, Any]:
 
 def _free(found: Dae, equation: Equation, k: int) -> dict[str, Any]:
     matrices = found.robot.matrices
-    along = {"sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": matrices.armature[k]}
+    along = {"sigma": matrices.sigma[k], "along": matrices.along[k], "rotor": np.diag(matrices.armature)[k]}
     return {"rows": _rows(found, equation), **{key: float(value) for key, value in along.items()}}
 
 

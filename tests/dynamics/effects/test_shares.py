@@ -16,6 +16,7 @@ from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
+from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
@@ -26,8 +27,10 @@ def _columns(scene, rng):
     return {name: rng.normal(size=SAMPLES) for name in scene.columns}
 
 
+COUPLED_TOO = replace(BUSY_SCENE, coupled=(CoupledMotor("m", {"j1": 1.0, "j2": -0.5}, 1e-3, 20.0, Friction(0.3)),))
 SYSTEMS = {
     "busy": lambda: (busy_robot(), BUSY_SCENE),
+    "busy and coupled": lambda: (busy_robot(), COUPLED_TOO),
     "busy and free": lambda: (busy_robot(True), BUSY_SCENE),
     "puma560 with motors": lambda: (robot("puma560"), load_scene(FOLDER / "puma560_motors.toml")),
     "puma polishing": lambda: (robot("puma"), load_scene(FOLDER / "puma_polish.toml")),
@@ -51,7 +54,9 @@ def test_shares_sum_to_tau(name):
 
 
 def test_every_effect_is_on_in_the_busy_scene():
-    assert [effect.name for effect in Plan(busy_robot(True), BUSY_SCENE).effects] == [effect.name for effect in EFFECTS]
+    assert [effect.name for effect in Plan(busy_robot(True), COUPLED_TOO).effects] == [
+        effect.name for effect in EFFECTS
+    ]
 
 
 SCALES = [1e-8, 1e-4, 1.0, 1e3, 1e20, 1e150]

@@ -27,6 +27,7 @@ WHY = {
     "viscous friction": "no joint has damping",
     "coulomb friction": "no joint has Coulomb friction",
     "rotor inertia": "neither the scene nor a transmission has a rotor inertia",
+    "coupled motor": "the scene has no coupled motor",
     "joint spring": "the scene has no spring",
     "limit spring": "the scene has no springs at joint limits",
     "payload": "the scene has no payload",

@@ -87,7 +87,7 @@ def test_mass_matrix_by_composite_bodies(seed):
     model = aligned(random_tree(seed, 9))
     q = np.random.default_rng(seed).uniform(-1, 1, model.n)
     sample = Sample(model, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
-    rotors = [0.1] * model.n
+    rotors = {(i, i): 0.1 for i in range(model.n)}
     M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], rotors), model.n)
     expected = robodyn.mass_matrix(model, q) + 0.1 * np.eye(model.n)
     assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
@@ -103,7 +103,7 @@ def test_mass_matrix_with_followers():
     model = aligned(built(*parts))
     q = (0.3, -0.4)
     sample = Sample(model, q, (0.0, 0.0), (0.0, 0.0))
-    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], [0.0, 0.0]), 2)
+    M = dense(composite_body(model, sample.motions(), [body.inertia for body in model.bodies], {}), 2)
     expected = robodyn.mass_matrix(model, q)
     assert np.abs(M - expected).max() <= 1e-14 * np.abs(expected).max()
 
@@ -136,7 +136,7 @@ def test_a_loop_with_a_follower_in_it():
 def test_order_of_rates_makes_no_further_entries():
     model, _ = four_bars(3)
     sample = Sample(aligned(model), (0.3,) * model.n, (0.0,) * model.n, (0.0,) * model.n)
-    entries = composite_body(sample.model, sample.motions(), [body.inertia for body in model.bodies], [0.0] * model.n)
+    entries = composite_body(sample.model, sample.motions(), [body.inertia for body in model.bodies], {})
     root = Root(entries, rates_inward(sample.model), sample.model.rates)
     assert sum(len(pivot.shares) for pivot in root.pivots) == sum(i != j for i, j in entries)
 
