@@ -42,6 +42,29 @@ class Effect(NamedTuple):
     places: tuple[int, ...]
 
 
+def blurred(evidence: Evidence, start: Floats) -> set[int]:
+    """Return the places of gains and delays that can hardly be told: where computed torques are next to nothing.
+
+    As the torque that they change is itself estimated there, tests of them would mean nothing. The noise is what each
+    joint by itself leaves, with a payload of its own.
+    """
+    found: set[int] = set()
+    for j, each in enumerate(columns(evidence, start)[0]):
+        size = rms(each)
+        basis, values, _ = np.linalg.svd(each / np.where(size > 0.0, size, 1.0), full_matrices=False)
+        basis = basis[:, values > _DEPENDENT * values[0]]
+        target = evidence.shifted(j, start[len(OWN) * j + DELAY])[:, None]
+        rest = target - np.einsum("ka,ia,ib->kb", basis, basis, target, optimize=True)
+        two = each[:, [GAIN, DELAY]]
+        scores = np.diag(score_covariance([two], rest, [(0, 1)], 2))
+        errors = np.sqrt(np.abs(scores)) / np.maximum(len(two) * rms(two) ** 2, 1e-300)
+        if errors[0] > BLURRED or size[GAIN] == 0.0:
+            found |= {len(OWN) * j + GAIN, len(OWN) * j + DELAY}
+        elif errors[1] > 0.5 * evidence.step or size[DELAY] == 0.0:
+            found.add(len(OWN) * j + DELAY)
+    return found
+
+
 def _precedence(effect: Effect) -> bool:
     """Return False for what is told where effects cannot be told apart: the offset of a joint with a constant load."""
     return effect.kind != OWN[OFFSET]
@@ -102,20 +125,6 @@ class Fit:
         found[: len(OWN) * len(grow)] = np.repeat(grow, len(OWN))
         return found
 
-    def blurred(self, evidence: Evidence) -> set[int]:
-        """Return the places of gains and delays that can hardly be told: where computed torques are next to nothing.
-
-        As the torque that they change is itself estimated there, tests of them would mean nothing.
-        """
-        errors, found = self._alone(), set()
-        for j in range(evidence.joints):
-            gain, delay = (len(OWN) * j + kind for kind in (GAIN, DELAY))
-            if gain not in self.told or errors[gain] > BLURRED:
-                found |= {gain, delay}
-            elif delay not in self.told or errors[delay] > 0.5 * evidence.step:
-                found.add(delay)
-        return found
-
     def clear_delays(self, evidence: Evidence) -> set[int]:
         """Return the places of delays that the torque of fitted effects shows well."""
         errors = self._alone()
@@ -125,7 +134,7 @@ class Fit:
     def _alone(self) -> Floats:
         """Return the standard error of each parameter, were it the only one."""
         sizes = np.einsum("ij,ij->j", self._triangles, self._triangles)[:-1]
-        return np.asarray(np.sqrt(np.diag(self._scores)) / np.where(sizes > 0.0, sizes, 1e-300))
+        return np.asarray(np.sqrt(np.abs(np.diag(self._scores))) / np.where(sizes > 0.0, sizes, 1e-300))
 
     @staticmethod
     def _away(evidence: Evidence, theta: Floats, start: Floats) -> list[int]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robodyn.identify.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
-from robodyn.identify.fault_fit import Effect, Fit, solved, weights_of
+from robodyn.identify.fault_fit import Effect, Fit, blurred, solved, weights_of
 from robodyn.support.floats import Floats
 
 LEVEL = 0.01
@@ -60,7 +60,7 @@ def explain(evidence: Evidence) -> Explained:
 
     1. All effects of all joints and a payload are fitted at once: Gauss-Newton, joints weighted by their residuals;
        the search for delays begins where `first_delays` finds them. Gains and delays of joints whose computed torque
-       hardly stands out of what is left are not looked for (`Fit.blurred`).
+       hardly stands out of what is left are not looked for (`blurred`).
     2. The covariance of the estimates is that of least squares under the autocorrelation, and the correlation between
        joints, of what this fit leaves (`score_covariance`).
     3. An effect is told where noise makes its estimate with less than `LEVEL` over the number of effects (Wald's test,
@@ -77,10 +77,10 @@ def explain(evidence: Evidence) -> Explained:
     start = np.zeros(evidence.parameters)
     start[DELAY : len(OWN) * evidence.joints : len(OWN)] = first_delays(evidence)
     every = effects(evidence)
-    blurred = Fit(evidence, start, every, rounds=1).blurred(evidence)
-    fitted = Fit(evidence, start, [effect for effect in every if not blurred & {*effect.places}], rounds=2)
-    blurred -= fitted.clear_delays(evidence)
-    every = [effect for effect in every if not blurred & {*effect.places}]
+    hidden = blurred(evidence, start)
+    fitted = Fit(evidence, start, [effect for effect in every if not hidden & {*effect.places}], rounds=4)
+    hidden -= fitted.clear_delays(evidence)
+    every = [effect for effect in every if not hidden & {*effect.places}]
     level = LEVEL / len(every)
     whole = Fit(evidence, start, every)
     sure = [effect for effect in every if whole.sure([effect], level)]

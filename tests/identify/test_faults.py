@@ -154,14 +154,14 @@ def test_covariance_between_joints_has_its_direction():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["white", "band", "red"])
-def test_intervals_hold_the_truth(arm, kind):
+@pytest.mark.parametrize("kind", ["white", "band"])
+def test_intervals_hold_the_truth(bench, kind):
     """Of 95 % intervals of all parameters, with a payload and a gain, 93 to 97 % hold the truth."""
-    faults = of(arm, "payload", "coulomb", "gain")
-    truth, tau = arm.truth(faults), arm.injected(faults)
+    faults = [("payload", None, 0.0), ("coulomb", 1, bench.size("coulomb", 1)), ("gain", 2, 0.2)]
+    truth, tau = bench.truth(faults), bench.injected(faults)
     rng, inside = np.random.default_rng(8), []
-    for _ in range(60):
-        found = explain(arm.evidence(tau + arm.noise(rng, kind)))
+    for _ in range(25):
+        found = explain(bench.evidence(tau + bench.noise(rng, kind)))
         told = sorted(found.told)
         errors = np.sqrt(np.diag(found.covariance))[told]
         inside.append(np.abs(found.theta - truth)[told] <= 1.96 * errors)
