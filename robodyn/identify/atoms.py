@@ -33,7 +33,7 @@ class Atoms:
     ) -> None:
         self.model, self.measured, self.motors, self.slip_speed = model, tuple(measured), tuple(motors), slip_speed
         self._described = scene
-        self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={})
+        self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={}, coupled=())
         self._payloads = scene.payloads
         rng = np.random.default_rng(_SEED)
         found = self._regressor(*(rng.uniform(-2.0, 2.0, (_STATES, model.n)) for _ in range(3)))

@@ -1,4 +1,4 @@
-"""The scene of a calibrated robot: friction and rotors, of which a description can say a part only."""
+"""The scene of a calibrated robot: friction, rotors and coupled motors, of which a description says a part only."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import fields, replace
 
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import friction_of, joints_with_friction
-from robodyn.robot.model import Joint, Model
-from robodyn.scene.parts import Friction, Rotor
+from robodyn.robot.model import Model
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
-from robodyn.support.toml_text import toml_key
+from robodyn.support.toml_text import toml_key, toml_string
 
 
 def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene = DEFAULT) -> Scene:
@@ -28,19 +28,25 @@ def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene =
     found = dict(zip(names, theta.tolist(), strict=True))
     friction, rotors = dict(scene.friction), dict(scene.rotor)
     for _, joint, old in joints_with_friction(model, scene):
-        new = _friction(joint, old, found)
+        new = _friction(joint.name, old, found)
         if new != Friction() or old != Friction():
             friction[joint.name] = new
         inertia, gear = rotor_of(joint, scene)
         reflected = found.get(f"{joint.name}.rotor", 0.0)
         if gear and (inertia or reflected):
             rotors[joint.name] = Rotor(reflected / gear / gear, gear)
-    return replace(scene, friction=friction, rotor=rotors)
+    coupled = tuple(_coupled(motor, found) for motor in scene.coupled)
+    return replace(scene, friction=friction, rotor=rotors, coupled=coupled)
 
 
-def _friction(joint: Joint, old: Friction, found: dict[str, float]) -> Friction:
+def _coupled(motor: CoupledMotor, found: dict[str, float]) -> CoupledMotor:
+    inertia = found.get(f"{motor.name}.rotor", motor.reflected) / motor.gear / motor.gear
+    return replace(motor, inertia=inertia, friction=_friction(motor.name, motor.friction, found))
+
+
+def _friction(motor: str, old: Friction, found: dict[str, float]) -> Friction:
     parts = ("viscous", "forward", "backward", "stribeck")
-    return replace(old, **{part: found[name] for part in parts if (name := f"{joint.name}.{part}") in found})
+    return replace(old, **{part: found[name] for part in parts if (name := f"{motor}.{part}") in found})
 
 
 def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> str:
@@ -55,10 +61,15 @@ def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> st
     for _, joint, _ in joints_with_friction(model, scene):
         key = toml_key(joint.name)
         if joint.name in scene.friction:
-            blocks.append(_table(f"friction.{key}", _entries(friction_of(joint, scene))))
+            blocks.append(_table(f"[friction.{key}]", _entries(friction_of(joint, scene))))
         if joint.name in scene.rotor:
             inertia, gear = rotor_of(joint, scene)
-            blocks.append(_table(f"rotor.{key}", (("inertia", repr(inertia)), ("gear", repr(gear)))))
+            blocks.append(_table(f"[rotor.{key}]", (("inertia", repr(inertia)), ("gear", repr(gear)))))
+    for motor in scene.coupled:
+        turned = ", ".join(f"{toml_key(name)} = {part!r}" for name, part in motor.joints.items())
+        rotor = ("inertia", repr(motor.inertia)), ("gear", repr(motor.gear))
+        entries = ("name", toml_string(motor.name)), ("joints", f"{{ {turned} }}"), *rotor, *_entries(motor.friction)
+        blocks.append(_table("[[coupled]]", entries))
     return "\n".join(blocks)
 
 
@@ -73,5 +84,5 @@ def _entries(friction: Friction) -> Iterator[tuple[str, str]]:
             yield field.name, repr(value)
 
 
-def _table(name: str, entries: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
-    return f"[{name}]\n" + "".join(f"{key} = {value}\n" for key, value in entries)
+def _table(header: str, entries: Iterator[tuple[str, str]] | Sequence[tuple[str, str]]) -> str:
+    return f"{header}\n" + "".join(f"{key} = {value}\n" for key, value in entries)

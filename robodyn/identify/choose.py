@@ -14,6 +14,7 @@ from robodyn.identify.motors import Motor
 from robodyn.identify.prior import Prior
 from robodyn.identify.structure import Structure, fitted, least_squares, left_out, squares, system, without_one
 from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
 SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
@@ -35,15 +36,29 @@ def joint_motors(model: Model, largest: Floats) -> list[Motor]:
     ]
 
 
-def coupled_motors(model: Model, measured: Sequence[int]) -> list[Motor]:
-    """Return motors that turn with the sum or the difference of two joints, one after another in a chain."""
+def scene_motors(model: Model, scene: Scene) -> list[Motor]:
+    """Return the coupled motors of a scene."""
+    return [
+        Motor(motor.name, np.array([motor.joints.get(name, 0.0) for name in model.rates]), 0.0)
+        for motor in scene.coupled
+    ]
+
+
+def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]) -> list[Motor]:
+    """Return motors that turn with the sum or the difference of two joints, one after another in a chain.
+
+    Args:
+        known: coupled motors that are there already: none is tried that acts on a joint of theirs.
+    """
     found = []
     axes = np.eye(model.n)
+    taken = {int(j) for motor in known for j in np.flatnonzero(motor.direction)}
+    open_rates = set(measured) - taken
     order = [body.joint.rate for body in model.bodies[1:]]
     parents = {body.joint.rate: model.bodies[body.parent].joint.rate for body in model.bodies[1:] if body.parent > 0}
     for j in dict.fromkeys(order):
         i = parents.get(j)
-        if i is not None and i != j and {i, j} <= set(measured):
+        if i is not None and i != j and {i, j} <= open_rates:
             for sign, mark in ((1.0, "+"), (-1.0, "-")):
                 name = f"{model.rates[i]}{mark}{model.rates[j]}"
                 found.append(Motor(name, axes[i] + sign * axes[j], 0.0))

@@ -12,7 +12,15 @@ from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.errors import InputError
 from robodyn.identify.atoms import Atoms
 from robodyn.identify.base import base_of
-from robodyn.identify.choose import coupled, coupled_motors, joint_motors, strength, with_speeds, with_stribeck
+from robodyn.identify.choose import (
+    coupled,
+    coupled_motors,
+    joint_motors,
+    scene_motors,
+    strength,
+    with_speeds,
+    with_stribeck,
+)
 from robodyn.identify.consistent import consistent_parameters
 from robodyn.identify.correlated import covariance
 from robodyn.identify.filters import kernel, rates
@@ -120,7 +128,8 @@ def _begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: fl
     if not measured:
         raise InputError("the logs have no measured joint in common", remedy="identify them one by one")
     cutoff = min(log.cutoff for log in every) if cutoff is None else cutoff
-    candidates = [*joint_motors(model, np.zeros(model.n)), *coupled_motors(model, measured)]
+    known = scene_motors(model, scene)
+    candidates = [*joint_motors(model, np.zeros(model.n)), *known, *coupled_motors(model, measured, known)]
     largest = np.zeros(len(candidates))
     slip = scene.slip_speed
     for log in every:
@@ -156,7 +165,8 @@ def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, f
     bare = [replace(motor, stribeck=()) for motor in motors]
     atoms = Atoms(run.model, run.scene, run.measured, bare, run.slip_speed)
     plain, _ = run.gathered(atoms)
-    joints = [k for k, motor in enumerate(motors) if motor.name in names]
+    given = {*names, *(motor.name for motor in run.scene.coupled)}
+    joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(atoms, dict.fromkeys(joints))
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
@@ -179,11 +189,14 @@ def _weighted(
 def _prior(run: _Run, structure: Structure, shapes: bool) -> Prior:
     """Return the prior of the structure's parameters: what the description and the scene say."""
     values = dict(zip(structure.atoms.bodies, structure.atoms.described.tolist(), strict=True))
+    motors = [(motor.name, motor.friction, motor.reflected) for motor in run.scene.coupled]
     for _, joint, friction in joints_with_friction(run.model, run.scene):
         rotor, gear = rotor_of(joint, run.scene)
+        motors.append((joint.name, friction, rotor * gear * gear))
+    for motor, friction, reflected in motors:
         coulomb, offset = (friction.forward - friction.backward) / 2, (friction.forward + friction.backward) / 2
-        own = (friction.viscous, coulomb, offset, friction.dry, rotor * gear * gear)
-        values |= {f"{joint.name}.{kind}": value for kind, value in zip(PARAMETERS, own, strict=True)}
+        own = (friction.viscous, coulomb, offset, friction.dry, reflected)
+        values |= {f"{motor}.{kind}": value for kind, value in zip(PARAMETERS, own, strict=True)}
     theta = np.array([values.get(name, 0.0) for name in structure.names])
     return prior_of(run.model, structure.names, theta, shapes=shapes)
 

@@ -14,6 +14,7 @@ from robodyn.identify.identified import Identified, MotorFit
 from robodyn.identify.structure import Structure
 from robodyn.robot.model import Model
 from robodyn.scene.covariance import Covariance
+from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
@@ -47,30 +48,35 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
     """
     joints = {body.joint.name: body.joint for body in model.bodies}
     motors = motor_fits(structure, theta)
-    friction = dict(scene.friction)
+    friction, coupled = dict(scene.friction), {motor.name: motor for motor in scene.coupled}
     for name, fit in motors.items():
         if name in joints:
             old = friction_of(joints[name], scene)
-            excess = {} if fit.stribeck is None else {"stribeck_velocity": fit.stribeck_velocity or 0.0}
-            friction[name] = replace(old, stribeck=None if fit.stribeck is None else old.stribeck or old.dry, **excess)
-    bare = replace(scene, payloads=(), friction=friction)
+            friction[name] = _as_shaped(old, fit)
+        else:
+            before = coupled.get(name, CoupledMotor(name, fit.joints))
+            coupled[name] = replace(before, friction=_as_shaped(before.friction, fit))
+    bare = replace(scene, payloads=(), friction=friction, coupled=tuple(coupled.values()))
     zero = np.zeros(model.n)
     found = regressor(model, zero, zero, zero, scene=bare)
     values = dict(zip(found.names, found.theta.tolist(), strict=True))
-    values |= {
-        name: value
-        for name, value in zip(structure.names, theta.tolist(), strict=True)
-        if name.rpartition(".")[2] in INERTIAL
-    }
+    pairs = zip(structure.names, theta.tolist(), strict=True)
+    values |= {name: value for name, value in pairs if name.rpartition(".")[2] in INERTIAL}
     for name, fit in motors.items():
-        if name in joints:
-            values |= {f"{name}.viscous": fit.viscous, f"{name}.rotor": fit.rotor}
-            values |= {f"{name}.forward": fit.offset + fit.coulomb, f"{name}.backward": fit.offset - fit.coulomb}
-            if fit.stribeck is not None:
-                values[f"{name}.stribeck"] = fit.stribeck
+        values |= {f"{name}.viscous": fit.viscous, f"{name}.rotor": fit.rotor}
+        values |= {f"{name}.forward": fit.offset + fit.coulomb, f"{name}.backward": fit.offset - fit.coulomb}
+        if fit.stribeck is not None:
+            values[f"{name}.stribeck"] = fit.stribeck
     after = np.array([values[name] for name in found.names])
     whole = calibrated(model, found.names, after, bare)
     return Outcome(found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads))
+
+
+def _as_shaped(old: Friction, fit: MotorFit) -> Friction:
+    """Return a friction that has Stribeck's excess, or none, as what was fitted."""
+    if fit.stribeck is None:
+        return replace(old, stribeck=None)
+    return replace(old, stribeck=old.stribeck or old.dry, stribeck_velocity=fit.stribeck_velocity or 0.0)
 
 
 def covariance(found: Identified) -> Covariance:

@@ -56,3 +56,17 @@ def test_ur10_last_forty_percent():
     assert found["held_out"]["relative_error"] < 0.075
     assert found["original"]["relative_error"] > 0.4
     assert found["consistent"]
+
+
+def test_tx40_files_reproduce_the_fit(tmp_path):
+    """The description and the scene that are written make the torques of the fit, and a fit can begin with them."""
+    urdf, scene = str(tmp_path / "calibrated.urdf"), str(tmp_path / "friction.toml")
+    options = ("--split", "0.5", "--cutoff", "40")
+    found = identified(*TX40, *options, "--out", urdf, "--scene-out", scene)
+    (motor,) = robodyn.load_scene(scene).coupled
+    assert motor.joints == {"joint_5": 1.0, "joint_6": 1.0}
+    again = identified(urdf, TX40[1], *options, "--scene", scene)
+    for part in ("train", "held_out"):
+        errors = again["original"][part]["relative_error"], found[part]["relative_error"]
+        assert errors[0] == pytest.approx(errors[1], rel=1e-6)
+    assert again["train"]["relative_error"] < 1.02 * found["train"]["relative_error"]
