@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from robodyn.identify.compare import Comparison, JointComparison
+from robodyn.identify.compare import Comparison
 from robodyn.identify.fault_columns import DELAY, GAIN, OWN
-from robodyn.identify.faults import Fault
 from robodyn.report.document import (
     Block,
     Document,
@@ -25,16 +24,14 @@ from robodyn.report.document import (
     remarks,
 )
 from robodyn.report.json.measured import measured_json
+from robodyn.report.measured_words import bar, fault_words, percent
 from robodyn.report.table import number, printable
 from robodyn.support.wording import count
 
-_TOLD = 0.01
-"""Of a joint's residual: a share that is named."""
 _LEAST = 0.001
 """One that has a line."""
 _GOOD = 0.05
 _MUCH = 0.5
-_DIGITS = 4
 _ROUNDED = 1e-9
 
 
@@ -121,69 +118,10 @@ def _gross(found: Comparison) -> Iterator[str]:
     for group in found.channels.exchanged:
         who, part = [names[j] for j in group], min(found.gross[j] for j in group)
         words = f"{who[0]} and {who[1]}" if len(who) == 2 else f"{', '.join(who)} in a circle"
-        yield f"The measured torques of {words} are exchanged: that explains {_percent(part)} of their residuals"
+        yield f"The measured torques of {words} are exchanged: that explains {percent(part)} of their residuals"
     for j in found.channels.reversed:
-        part = _percent(found.gross[j])
+        part = percent(found.gross[j])
         yield f"The measured torque of {names[j]} has the wrong sign: that explains {part} of its residual"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %" if share > 0.1 else f"{100 * share:.1f} %"
-
-
-def fault_words(found: Comparison, fault: Fault) -> str:
-    """Return what a fault is, with its standard error, and how much it explains of which residuals."""
-    ranked = sorted(range(len(found.joints)), key=lambda j: -fault.shares[j])
-    shares = [
-        f"{_percent(fault.shares[j])} at {printable(found.joints[j].name)}" for j in ranked if fault.shares[j] >= _TOLD
-    ]
-    sure = "explains" if fault.certain else "would explain"
-    doubt = "" if fault.certain else " (not told apart from other effects)"
-    j = fault.effect.joint
-    if j is None:
-        of = f"of residuals: {', '.join(shares)}" if shares else "less than 1 % of any residual"
-        return f"{_payload(found, fault)} {sure} {of}{doubt}"
-    what = effect_words(
-        found.joints[j], fault.effect.kind, float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
-    )
-    return f"{what} {sure} {_percent(fault.shares[j])} of its residual{doubt}"
-
-
-def effect_words(joint: JointComparison, kind: str, value: float, error: float) -> str:
-    name, unit, per = printable(joint.name), joint.unit, "rad" if joint.unit == "N m" else "m"
-    if kind == "gain":
-        return f"A gain of {_bar(1 + value, error)} at {name} (torque constant or gear)"
-    if kind == "delay":
-        return f"A delay of the measured torque of {_bar(1e3 * value, 1e3 * error)} ms at {name}"
-    words = {
-        "offset": ("An offset", unit),
-        "viscous": ("Viscous friction", f"{unit} s/{per}"),
-        "coulomb": ("Coulomb friction", unit),
-        "rotor": ("Rotor inertia", "kg m^2" if unit == "N m" else "kg"),
-    }
-    title, of = words[kind]
-    return f"{title} of {_bar(value, error)} {of} at {name}"
-
-
-def _bar(value: float, error: float) -> str:
-    """Return a value with its standard error, to two digits of the error; 0 for what is noise beside it."""
-    if abs(value) < 0.05 * error:
-        value = 0.0
-    if max(abs(value), error) < 1e-3:
-        return f"{value:.2g} +- {error:.1e}"
-    digits = min(max(0, 1 - int(np.floor(np.log10(max(error, 1e-9))))), _DIGITS)
-    return f"{value:.{digits}f} +- " + (f"{error:.{digits}f}" if error >= 10.0**-digits else f"{error:.0e}")
-
-
-def _payload(found: Comparison, fault: Fault) -> str:
-    m, error = float(fault.values[0]), float(fault.covariance[0, 0] ** 0.5)
-    if not 0.0 < 3.0 * error < abs(m):
-        return f"A load at {printable(found.load_link)} whose mass cannot be told"
-    centre = fault.values[1:4] / m
-    rate = np.column_stack((-centre / m, np.eye(3) / m))
-    errors = np.sqrt(np.einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
-    where = ", ".join(_bar(float(x), float(e)) for x, e in zip(centre, errors, strict=True))
-    return f"A payload of {_bar(m, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"
 
 
 def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:
@@ -211,6 +149,6 @@ def _effects(found: Comparison) -> tuple[list[str], list[list[str]]]:
         for kind in OWN:
             value, error = joint.effects.get(kind, (0.0, 0.0))
             scale, shift = (1e3 if kind == OWN[DELAY] else 1.0), (1.0 if kind == OWN[GAIN] else 0.0)
-            row.append(_bar(scale * value + shift, scale * error) if kind in joint.effects else "cannot be told")
+            row.append(bar(scale * value + shift, scale * error) if kind in joint.effects else "cannot be told")
         rows.append(row)
     return head, rows

@@ -11,6 +11,7 @@ from robodyn.identify.compare import Comparison, JointComparison
 from robodyn.identify.fault_columns import OWN
 from robodyn.identify.faults import Fault
 from robodyn.report.json.encode import select, written
+from robodyn.report.measured_words import fault_words
 
 
 def measured_json(found: Comparison) -> str:
@@ -41,8 +42,6 @@ def _joint(joint: JointComparison) -> dict[str, Any]:
 
 
 def _fault(found: Comparison, fault: Fault) -> dict[str, Any]:
-    from robodyn.report.measured import fault_words
-
     j, kind = fault.effect.joint, fault.effect.kind
     names = INERTIAL if j is None else (kind,)
     shift = 1.0 if kind == "gain" else 0.0
