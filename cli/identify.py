@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import os
 import sys
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.errors import InputError
-from robodyn.support.files import write_whole
+from robodyn.support.files import whole_file
 
 if TYPE_CHECKING:
     from robodyn.identify.identified import Identified
@@ -62,8 +63,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
 
     outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
     force, shapes, validate = options.pop("force"), not options.pop("no_shapes"), options.pop("validate")
-    for output in outputs.values():
-        check_names(urdf, *logs, *validate, output=output)
+    _check_outputs(outputs, urdf, *logs, *validate)
     for path in (*logs, *validate):
         expect(TABLE, path)
     model, scene = robot_in_scene(urdf)
@@ -81,14 +81,36 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
         on_progress=_progress,
     )
     _progress("")
-    refused = not found.better and not force
-    written = _write(found, model, outputs, scene.payloads) if not refused else ""
+    why = None if force else _refusal(found)
+    written = _write(found, model, outputs, scene.payloads) if not why else ""
     page = partial(identified_page, found)
     answer(identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
-    if refused and any(outputs.values()):
-        what = "held-out torques are explained no better than by the description: nothing is written"
-        raise InputError(what, remedy="log a more exciting motion, or --force", file=logs[0])
+    if why and any(outputs.values()):
+        what, remedy = why
+        raise InputError(f"{what}: nothing is written", remedy=f"{remedy}, or --force", file=logs[0])
     return 0
+
+
+def _check_outputs(outputs: dict[str, str | None], *inputs: str) -> None:
+    """Raise before anything is computed if outputs have one name, that of an input, or lie in no folder."""
+    places: list[str] = []
+    for output in filter(None, outputs.values()):
+        check_names(*inputs, output=output)
+        folder, place = os.path.dirname(output), os.path.realpath(output)
+        if folder and not os.path.isdir(folder):
+            raise InputError("cannot be written: no such folder", remedy="nothing was written", file=output)
+        if place in places:
+            raise InputError("two outputs have this name", remedy="give each its own", file=output)
+        places.append(place)
+
+
+def _refusal(found: Identified) -> tuple[str, str] | None:
+    """Return why nothing is to be written, and a remedy."""
+    if found.faults:
+        return "; ".join(found.faults), "mend the columns, see --map"
+    if not found.better:
+        return "held-out torques are explained no better than by the description", "log a more exciting motion"
+    return None
 
 
 def _progress(stage: str) -> None:
@@ -118,8 +140,9 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None], payl
         from robodyn.scene.covariance import covariance_json
 
         files.append((out, covariance_json(covariance(found))))
-    for path, data in files:
-        write_whole(path, data)
+    with ExitStack() as stack:
+        for path, data in files:
+            stack.enter_context(whole_file(path)).write(data)
     lines = [f"written: {path}, {max(1, len(data) // 1000)} kB" for path, data in files]
     return "".join(f"\nnote: {note}" for note in notes) + "".join(f"\n{line}" for line in lines) + "\n" * bool(files)
 

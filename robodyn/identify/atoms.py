@@ -48,6 +48,13 @@ class Atoms:
             for j, of_bodies in zip(self.measured, self._of_bodies, strict=True)
         ]
 
+    @property
+    def own(self) -> list[list[int]]:
+        """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
+        wanted = [[f"{self.model.rates[j]}.{atom}" for atom in ("viscous", "sign", "rotor")] for j in self.measured]
+        places = [{self.names[k]: place for place, k in enumerate(used)} for used in self.used]
+        return [[place[name] for name in names] for place, names in zip(places, wanted, strict=True)]
+
     def _of_motors(self, j: int) -> Iterator[tuple[int, float, NDArray[np.intp]]]:
         """Yield place, share and columns of each motor that acts on a joint."""
         start = len(self.bodies)

@@ -46,6 +46,7 @@ class Gathered:
     Attributes:
         atoms: the columns; parts: fold -> joint -> factor.
         squares: (folds, joints) of the measured torques [N^2 m^2]; described: of the description's residuals.
+        channels: of each joint the rows of `gross_faults.told` that are fitted, if no guess was there.
     """
 
     def __init__(self, folds: int, atoms: Atoms) -> None:
@@ -53,6 +54,7 @@ class Gathered:
         self.parts = [[Triangle.empty(width - 1) for width in atoms.widths] for _ in range(folds)]
         self.squares = np.zeros((folds, len(atoms.widths)))
         self.described = np.zeros_like(self.squares)
+        self.channels = [Triangle.empty(4 + len(atoms.widths)) for _ in atoms.widths]
         self._waiting: dict[tuple[int, int], list[Floats]] = {}
 
     def add(self, fold: int, joint: int, rows: Floats) -> None:
@@ -93,11 +95,16 @@ def gather(
         for j, columns in zip(atoms.measured, np.split(rows.values, splits, axis=1), strict=True):
             parts.append(np.concatenate([columns[:, :-2], rows.tau[:, j, None] - columns[:, -2:-1]], axis=1))
             described.append(columns[:, -1] - rows.tau[:, j])
-        weights = None
+        weights, fit = None, folds < len(edges)
         if guess is not None:
             pairs = zip(parts, atoms.used, strict=True)
             off = [np.einsum("ka,a->k", part[:, :-1], guess.values[used]) - part[:, -1] for part, used in pairs]
-            weights = guess.weights([part[:, :-1] for part in parts], np.stack(off, axis=1), folds < len(edges))
+            weights = guess.weights([part[:, :-1] for part in parts], np.stack(off, axis=1), fit)
+        else:
+            tau = rows.tau[:, atoms.measured]
+            for joint, own in enumerate(atoms.own):
+                channels = np.column_stack((parts[joint][:, own], described[joint] + tau[:, joint], tau))
+                plain.channels[joint].add(channels[fit])
         for fold in np.unique(folds).tolist():
             own = folds == fold
             plain.squares[fold] += (rows.tau[own][:, atoms.measured] ** 2).sum(axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,20 +42,36 @@ class Channels(NamedTuple):
     def reversed(self) -> list[int]:
         return [j for j, sign in enumerate(self.sign) if sign < 0]
 
+    def words(self, names: Sequence[str]) -> list[str]:
+        """Return a line of each fault."""
+        groups = [" and ".join((", ".join(names[j] for j in group[:-1]), names[group[-1]])) for group in self.exchanged]
+        lines = [f"the measured torques of {group} are exchanged" for group in groups]
+        return lines + [f"the measured torque of {names[j]} has the wrong sign" for j in self.reversed]
+
 
 def channels(evidence: Evidence) -> Channels:
+    """Return `told` of evidence."""
+    parts = zip(evidence.own.swapaxes(0, 1), evidence.computed.T, strict=True)
+    return told([np.column_stack((own, computed, evidence.measured)) for own, computed in parts])
+
+
+def told(rows: Sequence[Floats]) -> Channels:
     """Return which measured torque is that of which joint, and with which sign.
 
     With friction and rotor inertia, which cannot be negative, each measured torque is fitted to each computed one with
     either sign. Channels are those for which the product of what is left is least
     (assignment problem). They differ from those of the log only where they leave less than `_CLEAR` of what the
     joints' own channels leave with their better signs, and a sign only where it does so beside the other one.
+
+    Args:
+        rows: of each joint (k, 4 + n), or their triangular factor: torques per unit of its viscous friction, Coulomb
+            friction and rotor inertia, its computed torque, and all n measured ones.
     """
     from scipy.optimize import linear_sum_assignment
 
-    cost = _costs(evidence)
+    cost = _costs(rows)
     best = cost.min(axis=2)
-    own = np.arange(evidence.joints)
+    own = np.arange(len(rows))
     source = linear_sum_assignment(np.log(best))[1]
     found = own.copy()
     for group in Channels(tuple(map(int, source)), ()).exchanged:
@@ -66,14 +83,14 @@ def channels(evidence: Evidence) -> Channels:
     return Channels(tuple(map(int, found)), tuple(map(int, sign)))
 
 
-def _costs(evidence: Evidence) -> Floats:
+def _costs(rows: Sequence[Floats]) -> Floats:
     """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
     from scipy.optimize import nnls
 
-    n, found = evidence.joints, np.empty((evidence.joints, evidence.joints, 2))
-    for i in range(n):
-        own = np.column_stack((evidence.own[:, i], evidence.computed[:, i]))
-        factor = np.asarray(np.linalg.qr(np.column_stack((own, evidence.measured)), mode="r"))
+    n = len(rows)
+    found = np.empty((n, n, 2))
+    for i, each in enumerate(rows):
+        factor = np.asarray(np.linalg.qr(each, mode="r"))
         size = np.sqrt(np.einsum("ij,ij->j", factor, factor))
         scale = np.where(size[:3] > 0.0, size[:3], 1.0)
         for j in range(n):

@@ -67,9 +67,10 @@ class Identified:
             description. None where nothing is held out.
         strength: of the prior, chosen by cross-validation; see `choose.strength`.
         cutoff: of the filter on both sides [Hz]; slip_speed: below which friction is smoothed [rad/s].
-        consistent: whether every body can exist.
+        consistent: whether every body that is shown can exist.
         unseen: bodies of which no torque of the log shows anything.
         rows: that were compared, of all joints; samples: rows of the logs.
+        faults: torques that are exchanged or have the wrong sign, a line each, which are among the warnings.
         warnings: one line each.
     """
 
@@ -96,6 +97,7 @@ class Identified:
     samples: int
     duration: float
     hashes: Mapping[str, str]
+    faults: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property

@@ -25,13 +25,15 @@ from robodyn.identify.consistent import consistent_parameters
 from robodyn.identify.correlated import covariance
 from robodyn.identify.filters import kernel, rates
 from robodyn.identify.gather import Gathered, Guess, gather
+from robodyn.identify.gross_faults import told
 from robodyn.identify.identified import BaseFit, Errors, Identified
 from robodyn.identify.log import Log
 from robodyn.identify.moments import Moments
 from robodyn.identify.motors import PARAMETERS, Motor
 from robodyn.identify.outcome import motor_fits, outcome
-from robodyn.identify.prior import Prior, prior_of
+from robodyn.identify.prior import Prior, PriorBody, prior_of
 from robodyn.identify.pseudo_inertia import pseudo_inertia
+from robodyn.identify.refusals import check_files, check_rows
 from robodyn.identify.rows import POSITIONS, states
 from robodyn.identify.structure import Structure, counts, fitted, squares, system
 from robodyn.robot.model import Model
@@ -71,11 +73,11 @@ def identify(
         on_progress: called with a line at each stage.
 
     Raises:
-        InputError: no joint moves, or the logs measure different joints.
+        InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice.
     """
     run = _begun(logs, validate, scene, 1.0 if validate else split, cutoff)
     on_progress("comparing motors")
-    motors, ratios, guess = _motors(run)
+    motors, ratios, guess, faults = _motors(run)
     on_progress("fitting")
     plain, weighted, moments = _weighted(run, motors, guess)
     atoms, folds = plain.atoms, range(FOLDS)
@@ -90,7 +92,7 @@ def identify(
     if not np.isfinite(fit.gap):
         raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
     base = _base(structure, R, z, moments, sigma, theta)
-    return _result(run, structure, plain, (theta, loose), base, prior, chosen, ratios)
+    return _result(run, structure, plain, (theta, loose), base, prior, chosen, ratios, faults)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +130,7 @@ def _begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: fl
     if not measured:
         raise InputError("the logs have no measured joint in common", remedy="identify them one by one")
     cutoff = min(log.cutoff for log in every) if cutoff is None else cutoff
+    check_files(every, cutoff)
     known = scene_motors(model, scene)
     candidates = [*joint_motors(model, np.zeros(model.n)), *known, *coupled_motors(model, measured, known)]
     largest = np.zeros(len(candidates))
@@ -158,8 +161,8 @@ def _speed_noise(log: Log, cutoff: float) -> float:
     return log.noise * float(np.sqrt((first**2).sum()))
 
 
-def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, float], Floats]]:
-    """Return the motors that count, what coupled ones leave, and a first fit: atom -> torque."""
+def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, float], Floats], list[str]]:
+    """Return the motors that count, what coupled ones leave, a first fit (atom -> torque), and gross faults."""
     names = run.model.rates
     motors = [each for name, each in run.directions.items() if name not in names or names.index(name) in run.measured]
     bare = [replace(motor, stribeck=()) for motor in motors]
@@ -168,12 +171,14 @@ def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, f
     given = {*names, *(motor.name for motor in run.scene.coupled)}
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(atoms, dict.fromkeys(joints))
+    check_rows(plain, first, run.logs, run.cutoff, run.holds)
+    faults = told([triangle.R for triangle in plain.channels]).words([names[j] for j in run.measured])
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
     second = Structure(atoms, dict.fromkeys(chosen))
     theta, sigma = fitted(plain, range(FOLDS), second)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
-    return [motors[k] for k in chosen], ratios, (values, sigma)
+    return [motors[k] for k in chosen], ratios, (values, sigma), faults
 
 
 def _weighted(
@@ -228,6 +233,7 @@ def _result(
     prior: Prior,
     chosen: float,
     ratios: dict[str, float],
+    faults: list[str],
 ) -> Identified:
     theta, _ = fits
     train = list(range(FOLDS))
@@ -258,19 +264,20 @@ def _result(
         chosen,
         run.cutoff,
         run.slip_speed,
-        _possible(prior, theta),
+        _possible([body for body in prior.bodies if base.base.matrix[:, body.columns].any()], theta),
         tuple(body.name for body in prior.bodies[1:] if not base.base.matrix[:, body.columns].any()),
         int(counts(plain, range(FOLDS + 1)).sum()),
         sum(log.samples for log in run.logs),
         sum(log.stop - log.start for log in run.logs),
         {log.path: log.sha256 for log in run.logs},
-        _warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
+        tuple(faults),
+        (*faults, *_warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None)),
     )
 
 
-def _possible(prior: Prior, theta: Floats) -> bool:
-    """Return whether the pseudo-inertia of every body that is open is positive definite."""
-    return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in prior.bodies)
+def _possible(bodies: Sequence[PriorBody], theta: Floats) -> bool:
+    """Return whether the pseudo-inertia of every body that is shown is positive definite."""
+    return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in bodies)
 
 
 def _warnings(

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.identify.spikes import limits, mended
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
@@ -65,6 +66,7 @@ class Log:
         noise: standard deviation of the noisiest position [rad or m], where derivatives are missing; else 0.
         derived: whether velocities or accelerations are missing.
         cutoff: above which torques are noise [Hz].
+        spikes: (n,) how far off their neighbours torques are left out [N m].
         notes: what was assumed and left out, one line each.
     """
 
@@ -81,6 +83,7 @@ class Log:
     noise: float
     derived: bool
     cutoff: float
+    spikes: Floats
     notes: tuple[str, ...]
 
     @property
@@ -115,7 +118,7 @@ class Log:
         last = -np.inf
         with _reader(self.path, self.model, self.scene, self.options) as reader:
             for block in reader.blocks():
-                tau = measured_torques(block, self.model)
+                tau = mended(measured_torques(block, self.model), self.spikes)
                 far = np.flatnonzero(np.diff(block.time, prepend=last) > GAP * self.step)
                 last = float(block.time[-1])
                 for start, stop in zip([0, *far], [*far, len(block)], strict=True):
@@ -147,9 +150,14 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     options = {**options, "hold": options.get("hold") or "rest", "measured": True}
     time: list[Floats] = []
     seen: list[Trajectory] = []
+    first: Floats | None = None
+    varying = np.zeros(model.n, dtype=bool)
     with _reader(path, model, scene, {**options, "derivatives": "none"}) as reader:
         for block in reader.blocks():
             time.append(block.time)
+            tau = measured_torques(block, model)
+            first = tau[0] if first is None else first
+            varying |= (tau != first).any(axis=0)
             if sum(map(len, seen)) < _SIGHT:
                 seen.append(block)
             last = block
@@ -162,6 +170,11 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     if not measured:
         what = "gives no torque of a joint: no column tau_<joint> and no effort"
         raise TrajectoryError(what, remedy="name one by --map tau_JOINT=COLUMN", file=path)
+    constant = [i for i in measured if not varying[i]]
+    if len(constant) == len(measured):
+        what = "no measured torque ever changes: nothing was measured"
+        raise TrajectoryError(what, remedy="is it the right log, and are torques recorded?", file=path)
+    measured = tuple(i for i in measured if varying[i])
     stamps = np.concatenate(time)
     steps = np.diff(stamps)
     if len(steps) < _FEWEST:
@@ -169,7 +182,11 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     step = float(np.median(steps))
     near = steps[steps < GAP * step]
     step = float(near.mean())
-    tau = np.concatenate([measured_torques(block, model) for block in seen])[:_SIGHT, measured]
+    tau = np.concatenate([measured_torques(block, model) for block in seen])[:_SIGHT]
+    spikes = limits(tau)
+    constants = [f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant]
+    spiked = [f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf]
+    tau = mended(tau, spikes)[:, measured]
     held = tuple(f"{name} is held at {position:.6g}" for name, position in last.held.items())
     return Log(
         path,
@@ -185,7 +202,8 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         noise,
         bool(missing),
         noise_cutoff(tau, step) if cutoff is None else cutoff,
-        (*notes, *held, *(doubt.said for doubt in last.doubts)),
+        spikes,
+        (*notes, *held, *constants, *spiked, *(doubt.said for doubt in last.doubts)),
     )
 
 

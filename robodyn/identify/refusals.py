@@ -1,0 +1,41 @@
+"""Logs that tell too little, or twice the same."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robodyn.errors import InputError
+from robodyn.identify.gather import Gathered
+from robodyn.identify.log import Log
+from robodyn.identify.structure import Structure, counts
+
+_LEAST = 2
+"""Rows for each parameter."""
+_FOLDS = 2
+"""With rows in them, so that what one leaves out is told by another."""
+
+
+def check_files(logs: Sequence[Log], cutoff: float) -> None:
+    """Raise if a log is given twice, of which standard errors would know nothing, or the filter passes everything."""
+    seen: dict[str, str] = {}
+    for log in logs:
+        if log.sha256 in seen:
+            what = f"has the same content as {seen[log.sha256]}"
+            raise InputError(what, remedy="give each log once, and validate by another", file=log.path)
+        seen[log.sha256] = log.path
+        if cutoff >= 0.5 / log.step:
+            what = f"a cutoff of {cutoff:g} Hz is above half the sampling rate, {0.5 / log.step:.4g} Hz"
+            raise InputError(what, remedy="choose a lower --cutoff", file=log.path)
+
+
+def check_rows(plain: Gathered, structure: Structure, logs: Sequence[Log], cutoff: float, holds: bool) -> None:
+    """Raise if the filter leaves too few rows for the parameters, or none to hold out."""
+    folds = len(plain.parts) - 1
+    rows = int(counts(plain, range(folds)).sum())
+    need = _LEAST * len(structure.names)
+    if rows < need or sum(bool(counts(plain, [fold]).any()) for fold in range(folds)) < _FOLDS:
+        what = f"a filter of {cutoff:.3g} Hz leaves {rows} rows to fit {len(structure.names)} parameters to"
+        raise InputError(what, remedy="give a longer log, a higher --cutoff or a larger --split", file=logs[0].path)
+    if holds and not counts(plain, [folds]).all():
+        what = f"a filter of {cutoff:.3g} Hz leaves nothing of what is held out"
+        raise InputError(what, remedy="give a longer log, a higher --cutoff, or --split 1", file=logs[-1].path)
