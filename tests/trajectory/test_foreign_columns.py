@@ -32,10 +32,10 @@ def read(folder: Path, header: str, *rows: str, reading: Reading = GIVEN, signal
     [
         ("/joint_states/elbow/position", ("q", 0)),
         ("/joint_states/elbow/velocity", ("qd", 0)),
-        ("/joint_states/elbow/effort", None),
-        ("elbow.effort", None),
-        ("effort_elbow", None),
-        ("elbow_torque", None),
+        ("/joint_states/elbow/effort", ("tau", 0)),
+        ("elbow.effort", ("tau", 0)),
+        ("effort_elbow", ("tau", 0)),
+        ("elbow_torque", ("tau", 0)),
         ("elbow_position", ("q", 0)),
         ("elbow_velocity", ("qd", 0)),
         ("elbow_acceleration", ("qdd", 0)),
@@ -50,7 +50,7 @@ def read(folder: Path, header: str, *rows: str, reading: Reading = GIVEN, signal
         ("elbow/velocity [rad/s]", ("qd", 0)),
         ("elbow_vel_deg_per_s", ("qd", 0)),
         ("qdd_lift_mm_s2", ("qdd", 1)),
-        ("elbow_torque [N m]", None),
+        ("elbow_torque [N m]", ("tau", 0)),
     ],
 )
 def test_names_of_other_programs(column: str, place: tuple[str, int] | None) -> None:
@@ -200,7 +200,7 @@ def test_map_gives_columns_our_names(tmp_path: Path) -> None:
     ("columns", "message"),
     [
         ({"q_elbw": "a"}, "a column is called 'q_elbw', which the robot does not know (did you mean 'q_elbow'?)"),
-        ({"tau_elbow": "a"}, "a column is called 'tau_elbow', which the robot does not know"),
+        ({"tau_wrist": "a"}, "a column is called 'tau_wrist', which the robot does not know"),
         ({"q_elbow": "bb"}, "there is no column 'bb' to be called 'q_elbow' (columns: 'time', 'a', 'lift')"),
         ({"q_elbow": "a", "elbow": "lift"}, "columns 'a' and 'lift' give the same quantity"),
     ],
