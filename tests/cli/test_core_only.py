@@ -95,7 +95,8 @@ sys.__stdout__.write(json.dumps(found))
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("core")
     (made / "arm.xacro").write_text("<robot/>")
-    rows = "".join(f"{t / 100},{math.sin(t / 20)},{9.0 * math.sin(math.sin(t / 20))}\n" for t in range(600))
+    angles = [(t, math.sin(t / 20) + 0.3 * math.sin(t / 7)) for t in range(3000)]
+    rows = "".join(f"{t / 100},{q},{9.0 * math.sin(q)}\n" for t, q in angles)
     joint = robodyn.load(ROBOTS / "pendulum.urdf").rates[0]
     (made / "log.csv").write_text(f"time,q_{joint},tau_{joint}\n{rows}")
     return made

@@ -87,7 +87,7 @@ def test_what_was_not_measured_is_said_line_by_line(bench, tmp_path):
     tau = bench.tau.copy()
     tau[:, 0] = 3.0
     outcome = measured(log(tmp_path / "log.csv", bench, tau, leave_out=["elbow"]), "--cutoff", "8")
-    assert "note: waist: its measured torque is constant, 3, and left out" in outcome.out
+    assert "note: the torque of waist is 3 throughout: it is left out" in outcome.out
     assert "note: elbow: its torque was not measured" in outcome.out
     assert "1 joint with measured torques" in outcome.out
 
@@ -136,7 +136,7 @@ def test_a_cutoff_without_measured_torques():
 def test_logs_that_tell_nothing(bench, tmp_path):
     for tau, leave_out, what in (
         (bench.tau, bench.model.rates, "gives no torque of a joint"),
-        (np.ones_like(bench.tau), (), "no measured torque varies"),
+        (np.ones_like(bench.tau), (), "no measured torque ever changes"),
     ):
         outcome = measured(log(tmp_path / "log.csv", bench, tau, leave_out), "--cutoff", "8")
         assert outcome.status == 2

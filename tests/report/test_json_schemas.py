@@ -42,6 +42,14 @@ COMMANDS = (
     ("linearize", "linearize robots/puma.urdf --qd 1,2,3"),
     ("linearize", "linearize robots/crank_slider.urdf --scene robots/crank_slider_pump.toml"),
     ("excite", "excite robots/two_link_planar.urdf --joints elbow"),
+    (
+        "identify",
+        "identify tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --cutoff 40",
+    ),
+    (
+        "torques_measured",
+        "torques tests/data/tx40_log/tx40.urdf tests/data/tx40_log/log.parquet --measured --cutoff 20",
+    ),
     ("bench", "bench robots/two_link_planar.urdf --samples 100"),
 )
 

@@ -24,6 +24,7 @@ _LETTERS = {
     "viscous friction": "V",
     "coulomb friction": "C",
     "rotor inertia": "J",
+    "coupled motor": "M",
     "joint spring": "S",
     "limit spring": "L",
 }

@@ -23,6 +23,7 @@ COLOURS = {
     "viscous friction": "#b8680b",
     "coulomb friction": "#b8680b",
     "rotor inertia": "#9c5fd0",
+    "coupled motor": "#9c5fd0",
     "joint spring": "#11837f",
     "limit spring": "#11837f",
     "external wrench": "#d9480f",
