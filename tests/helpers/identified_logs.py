@@ -6,6 +6,17 @@ from itertools import pairwise
 
 import numpy as np
 
+from helpers import motion_classes
+from robodyn.identify.atoms import Atoms
+from robodyn.identify.base import base_of
+from robodyn.identify.choose import joint_motors
+from robodyn.identify.correlated import covariance
+from robodyn.identify.filters import convolved, decimation, kernel
+from robodyn.identify.gather import Gathered, Guess
+from robodyn.identify.log import Samples
+from robodyn.identify.structure import Structure, fitted, system
+from robodyn.scene.scene import DEFAULT
+
 
 def waves(rng, time, joints, scale=1.0):
     """Four sines of each joint up to 1.2 Hz."""
@@ -34,15 +45,6 @@ def quintics(rng, time, joints, scale=1.0):
     return q, qd, qdd
 
 
-def truth(atoms, rng):
-    """(a,) parameters of bodies that can exist and of motors: each body is denser by its own part, and friction."""
-    values = dict(zip(atoms.names, np.zeros(len(atoms.names)), strict=True))
-    for first in range(0, len(atoms.bodies), 10):
-        part = rng.uniform(0.8, 1.25)
-        values |= {atoms.bodies[k]: part * atoms.described[k] for k in range(first, first + 10)}
-    return values
-
-
 def white(rng, shape):
     return rng.standard_normal(shape)
 
@@ -53,3 +55,82 @@ def coloured(rng, shape, memory=0.9):
 
     steps = np.sqrt(1.0 - memory * memory) * rng.standard_normal((shape[0] + 100, shape[1]))
     return lfilter([1.0], [1.0, -memory], steps, axis=0)[100:]
+
+
+def trapezoids(rng, time, joints):
+    """Speeds that are trapezoids, with rests: accelerations jump."""
+    found = [motion_classes.trapezoids(rng, time) for _ in range(joints)]
+    return tuple(np.stack([each[k] for each in found], axis=1) for k in range(3))
+
+
+MOTORS = {"viscous": 0.5, "coulomb": 0.8, "offset": 0.1, "rotor": 0.02}
+
+
+class Bench:
+    """A robot on one motion, whose filtered rows are computed once: noise of torques changes the torques alone.
+
+    Attributes:
+        structure: bodies and a motor for each joint; theta: (p,) the truth, `base.values(theta)` of a base.
+        rows: of each joint (k, p) columns of the structure's parameters; loud: standard deviation of noise [N m].
+    """
+
+    STEP, CUTOFF, SAMPLES, NOISE = 0.004, 6.0, 5000, 0.05
+
+    def __init__(self, model, motion, seed):
+        self.rng = np.random.default_rng(seed)
+        self.taps, self.every = kernel(self.CUTOFF, self.STEP), decimation(self.CUTOFF, self.STEP)
+        self.model, joints = model, range(model.n)
+        self.atoms = Atoms(model, DEFAULT, joints, joint_motors(model, np.zeros(model.n)), 0.0)
+        self.structure = Structure(self.atoms, dict.fromkeys(joints))
+        self.theta = self._truth()
+        self.columns = self.filtered(motion)
+        self.base = base_of(np.concatenate(self.rows(self.columns)), self.structure.names)
+        self.beta = self.base.values(self.theta)
+        self.clean = np.stack([rows @ self.theta for rows in self.rows(self.columns)], axis=1)
+        self.loud = self.NOISE * np.sqrt((self.clean**2).mean(axis=0))
+
+    def filtered(self, motion):
+        time = self.STEP * np.arange(self.SAMPLES)
+        samples = Samples(time, *motion(self.rng, time, self.model.n), np.zeros((len(time), self.model.n)), True)
+        values = convolved(self.atoms.compute(samples), self.taps, self.every)
+        return [part[:, :-2] for part in np.split(values, np.cumsum(self.atoms.widths)[:-1], axis=1)]
+
+    def rows(self, columns):
+        pairs = zip(columns, self.atoms.used, strict=True)
+        return [part @ self.structure.shape[used] for part, used in pairs]
+
+    def _truth(self):
+        """Bodies each denser by a part of its own, and friction."""
+        density = {}
+        theta = []
+        described = dict(zip(self.atoms.bodies, self.atoms.described, strict=True))
+        for name in self.structure.names:
+            owner, _, kind = name.rpartition(".")
+            part = density.setdefault(owner, self.rng.uniform(0.8, 1.25))
+            theta.append(MOTORS[kind] if kind in MOTORS else part * described[name])
+        return np.array(theta)
+
+    def fit(self, tau):
+        """Return base parameters and their covariance of torques, as `identify` finds them."""
+        plain, weighted = Gathered(1, self.atoms), Gathered(1, self.atoms)
+        plain.squares[0] = weighted.squares[0] = (tau**2).sum(axis=0)
+        for joint, part in enumerate(self.columns):
+            plain.add(0, joint, np.column_stack((part, tau[:, joint])))
+        plain.finish()
+        theta, sigma = fitted(plain, [0], self.structure)
+        guess = Guess(self.atoms, self.structure.shape @ theta, sigma)
+        off = np.stack([rows @ theta for rows in self.rows(self.columns)], axis=1) - tau
+        weights = guess.weights(self.columns, off, np.ones(len(tau), dtype=bool))
+        for joint, part in enumerate(self.columns):
+            weighted.add(0, joint, np.column_stack((part, tau[:, joint])) * weights[:, joint, None])
+        weighted.finish()
+        _, sigma = fitted(weighted, [0], self.structure)
+        R, z = system(weighted, [0], self.structure, sigma)
+        C = covariance(guess.moments, self.structure, self.base, R, sigma)
+        return self.base.estimate(R, z).values, C
+
+    def logs(self, noise, count):
+        """Yield base parameters and their covariance of noisy logs."""
+        for _ in range(count):
+            disturbed = noise(self.rng, (self.SAMPLES, self.model.n)) * self.loud
+            yield self.fit(self.clean + convolved(disturbed, self.taps, self.every))
