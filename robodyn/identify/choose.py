@@ -12,7 +12,7 @@ from robodyn.identify.consistent import consistent_parameters
 from robodyn.identify.gather import Gathered
 from robodyn.identify.motors import Motor
 from robodyn.identify.prior import Prior
-from robodyn.identify.structure import Structure, fitted, least_squares, left_out, squares, system, without_one
+from robodyn.identify.structure import Structure, counts, fitted, least_squares, left_out, squares, system, without_one
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
@@ -21,8 +21,9 @@ SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
 """Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
 _COUPLED = 0.5
 """A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
-_WORTH = 0.97
-"""Stribeck's excess counts if it makes the squares of what is left so much less."""
+_WORTH, _CHANCE = 0.97, 15.0
+"""Stribeck's excess counts if it makes the squares of what is left so much less, and by so many mean squares: of five
+speeds the best takes more than that from noise in one of a thousand logs."""
 STRENGTHS = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 """Of the prior, in units of one standard deviation, that are compared."""
 
@@ -102,12 +103,13 @@ def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) ->
     best = {k: (1.0, plain.stribeck[k]) for k in plain.stribeck}
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
     places = {j: place for place, j in enumerate(plain.atoms.measured)}
+    worth = np.minimum(_WORTH, 1.0 - _CHANCE / np.maximum(counts(gathered, folds), 1.0))
     for step in range(len(SPEEDS)):
         speeds = {k: motor.stribeck[step] for k in plain.stribeck if (motor := plain.atoms.motors[k]).stribeck}
         ratio = left_out(gathered, folds, plain.with_stribeck(dict(speeds)), sigma) / before
         for k, speed in speeds.items():
             own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
-            if own and ratio[own[-1]] < min(_WORTH, best[k][0]):
+            if own and ratio[own[-1]] < min(float(worth[own[-1]]), best[k][0]):
                 best[k] = float(ratio[own[-1]]), speed
     return plain.with_stribeck({k: speed for k, (_, speed) in best.items()})
 

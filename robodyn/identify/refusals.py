@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from robodyn.errors import InputError
+from robodyn.identify.base import base_of
 from robodyn.identify.gather import Gathered
 from robodyn.identify.log import Log
-from robodyn.identify.structure import Structure, counts
+from robodyn.identify.structure import Structure, counts, system
 
 _LEAST = 2
-"""Rows for each parameter."""
+"""Rows for each base parameter."""
 _FOLDS = 2
 """With rows in them, so that what one leaves out is told by another."""
 
@@ -32,9 +35,11 @@ def check_rows(plain: Gathered, structure: Structure, logs: Sequence[Log], cutof
     """Raise if the filter leaves too few rows for the parameters, or none to hold out."""
     folds = len(plain.parts) - 1
     rows = int(counts(plain, range(folds)).sum())
-    need = _LEAST * len(structure.names)
-    if rows < need or sum(bool(counts(plain, [fold]).any()) for fold in range(folds)) < _FOLDS:
-        what = f"a filter of {cutoff:.3g} Hz leaves {rows} rows to fit {len(structure.names)} parameters to"
+    R, _ = system(plain, range(folds), structure, np.ones(len(plain.atoms.measured)))
+    rank = base_of(R, structure.names).rank if rows else len(structure.names)
+    told = sum(bool(counts(plain, [fold]).any()) for fold in range(folds))
+    if rows < _LEAST * rank or told < _FOLDS:
+        what = f"a filter of {cutoff:.3g} Hz leaves {rows} rows to fit {rank} parameters to"
         raise InputError(what, remedy="give a longer log, a higher --cutoff or a larger --split", file=logs[0].path)
     if holds and not counts(plain, [folds]).all():
         what = f"a filter of {cutoff:.3g} Hz leaves nothing of what is held out"

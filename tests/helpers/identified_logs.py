@@ -134,3 +134,11 @@ class Bench:
         for _ in range(count):
             disturbed = noise(self.rng, (self.SAMPLES, self.model.n)) * self.loud
             yield self.fit(self.clean + convolved(disturbed, self.taps, self.every))
+
+
+def write_log(path, model, time, q, tau, qd=None, qdd=None):
+    """Write a table of a log as CSV, with the velocities and accelerations that are given."""
+    parts = [("q", q), ("qd", qd), ("qdd", qdd), ("tau", tau)]
+    names = ["time", *(f"{kind}_{name}" for kind, values in parts if values is not None for name in model.rates)]
+    rows = np.column_stack([time, *(values for _, values in parts if values is not None)])
+    np.savetxt(path, rows, delimiter=",", header=",".join(names), comments="", fmt="%.17g")

@@ -1,0 +1,151 @@
+"""What `identify` finds of logs whose truth is known, and that what it keeps does not grow with the log."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS, run
+from helpers.identified_logs import quintics, waves, write_log
+
+import robodyn
+from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.identify.atoms import Atoms
+from robodyn.identify.choose import joint_motors
+from robodyn.identify.gather import Gathered, Guess, gather
+from robodyn.identify.identify import identify
+from robodyn.identify.log import read_log
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
+from robodyn.scene.scene import DEFAULT, Scene
+
+SPATIAL = ROBOTS / "two_link_spatial.urdf"
+TIME = 0.005 * np.arange(4000)
+KINDS = {"coulomb": "N m", "offset": "N m"} | {
+    kind: "kg" if kind == "m" else "kg m" if kind[0] == "m" else "kg m^2" for kind in INERTIAL
+}
+
+
+def logged(path, robot, motion, scene, rng, *, noise=0.0, rates=True, time=TIME):
+    """Write a log of a robot in a scene; return its model, the motion and the torques without noise."""
+    model = robodyn.load(robot)
+    states = motion(rng, time, model.n)
+    tau = robodyn.inverse_dynamics(model, *states, scene=scene)
+    noisy = tau + noise * np.sqrt((tau**2).mean(axis=0)) * rng.standard_normal(tau.shape)
+    q, qd, qdd = states
+    write_log(path, model, time, q, noisy, *((qd, qdd) if rates else ()))
+    return model, states, tau
+
+
+def friction(model, *values):
+    return {name: Friction(*values) for name in model.rates}
+
+
+def off_truth(found, scene):
+    """Return how far base parameters are off the truth, by unit, in parts of the largest of a unit; none of breakaway.
+
+    Breakaway is told of few samples, and not at all where signs of derived speeds are smoothed.
+    """
+    model = found.model
+    zero = np.zeros(model.n)
+    at = regressor(model, zero, zero, zero, scene=scene)
+    true = dict(zip(at.names, at.theta.tolist(), strict=True))
+    for name in model.rates:
+        forward, backward = true[f"{name}.forward"], true[f"{name}.backward"]
+        true |= {f"{name}.coulomb": (forward - backward) / 2, f"{name}.offset": (forward + backward) / 2}
+        true[f"{name}.stribeck"] = true[f"{name}.coulomb"]
+    base = found.base.base
+    beta = base.values(np.array([true[name] for name in base.names]))
+    kinds = [base.names[k].rpartition(".")[2] for k in base.independent]
+    units = np.array([KINDS.get(kind, kind) for kind in kinds])
+    own = [units == unit for unit in set(units) - {"stribeck"}]
+    return max(np.abs(found.base.values - beta)[rows].max() / (np.abs(beta[rows]).max() or 1.0) for rows in own)
+
+
+@pytest.mark.parametrize("name", ["two_link_spatial", "scara"])
+def test_exact_logs_give_exact_base_parameters(name, tmp_path):
+    robot = ROBOTS / f"{name}.urdf"
+    names = robodyn.load(robot).rates
+    scene = Scene(friction=friction(robodyn.load(robot), 0.5, 0.8, -0.6), rotor={each: Rotor(0.03) for each in names})
+    model, _, _ = logged(tmp_path / "log.csv", robot, waves, scene, np.random.default_rng(1))
+    found = identify([read_log(str(tmp_path / "log.csv"), model)])
+    assert off_truth(found, scene) < 1e-10
+
+
+@pytest.mark.parametrize(("values", "bound"), [((0.5,), 2e-4), ((0.5, 0.8, -0.8), 2e-2)])
+def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_path):
+    """Splines at 200 Hz of motions up to 1.2 Hz; dry friction is smoothed at turns."""
+    scene = Scene(friction=friction(robodyn.load(SPATIAL), *values))
+    model, _, _ = logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(1), rates=False)
+    assert off_truth(identify([read_log(str(tmp_path / "log.csv"), model)]), scene) < bound
+
+
+def test_the_files_make_the_torques_that_were_logged(tmp_path, monkeypatch):
+    """Friction by direction, breakaway, rotors, a coupled motor: what is written explains another motion as the log."""
+    monkeypatch.chdir(tmp_path)
+    robot = ROBOTS / "puma560.urdf"
+    model = robodyn.load(robot)
+    wrist = dict.fromkeys(model.rates[4:], 1.0)
+    scene = Scene(
+        friction={**friction(model, 0.5, 0.8, -0.6), "elbow": Friction(0.5, 0.8, -0.8, 2.0, 0.2)},
+        rotor={"waist": Rotor(0.3)},
+        coupled=(CoupledMotor("wrist", wrist, 0.05, 1.0, Friction(0.6, 2.0, -2.0)),),
+    )
+    logged("log.csv", robot, waves, scene, np.random.default_rng(2), noise=0.01, time=TIME[:3000])
+    done = run("identify", str(robot), "log.csv", "--out", "found.urdf", "--scene-out", "found.toml")
+    assert done.status == 0, done.err
+    states = quintics(np.random.default_rng(3), TIME[:500], model.n)
+    tau = robodyn.inverse_dynamics(model, *states, scene=scene)
+    found = robodyn.load_scene("found.toml")
+    off = robodyn.inverse_dynamics(robodyn.load("found.urdf"), *states, scene=found) - tau
+    plain = robodyn.inverse_dynamics(model, *states) - tau
+    assert np.linalg.norm(off) < 0.01 * np.linalg.norm(tau) < 0.1 * np.linalg.norm(plain)
+    assert found.friction["elbow"].stribeck == pytest.approx(2.0, rel=0.2)
+    (motor,) = found.coupled
+    assert dict(motor.joints) == wrist
+    assert motor.inertia == pytest.approx(0.05, rel=0.1)
+
+
+def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
+    model = robodyn.load(SPATIAL)
+    scene = Scene(spring={model.rates[1]: Spring(20.0, 0.1)}, friction=friction(model, 0.5, 0.8, -0.8))
+    logged(tmp_path / "log.csv", SPATIAL, waves, scene, np.random.default_rng(4), noise=0.01)
+    found = identify([read_log(str(tmp_path / "log.csv"), model, scene)], scene)
+    assert found.held_out.relative_error < 0.01
+    assert found.scene.spring == scene.spring
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_units_do_not_count(factor, tmp_path):
+    """Torques, masses and friction of a robot a million times as heavy, or as light."""
+    scene = Scene(friction=friction(robodyn.load(SPATIAL), 0.5 * factor, 0.8 * factor, -0.6 * factor))
+    text = scaled_masses(SPATIAL.read_text(), factor)
+    (tmp_path / "robot.urdf").write_text(text)
+    model, _, _ = logged(
+        tmp_path / "log.csv", tmp_path / "robot.urdf", waves, scene, np.random.default_rng(5), noise=0.01
+    )
+    found = identify([read_log(str(tmp_path / "log.csv"), model)])
+    assert found.held_out.relative_error < 0.01
+    assert found.consistent
+
+
+def scaled_masses(text, factor):
+    import re
+
+    entry = re.compile(r'((?:\bi[xyz]{2}|mass value)=")([^"]+)"')
+    return entry.sub(lambda found: f'{found[1]}{float(found[2]) * factor!r}"', text)
+
+
+def test_what_is_kept_does_not_grow(tmp_path):
+    kept = []
+    for count in (4000, 16000):
+        path = tmp_path / f"{count}.csv"
+        time = 0.01 * np.arange(count)
+        model, _, _ = logged(path, SPATIAL, waves, DEFAULT, np.random.default_rng(6), noise=0.01, time=time)
+        atoms = Atoms(model, DEFAULT, range(model.n), joint_motors(model, np.ones(model.n)), 0.0)
+        guess = Guess(atoms, np.zeros(len(atoms.names)), np.ones(model.n))
+        plain, weighted = Gathered(2, atoms), Gathered(2, atoms)
+        gather(read_log(str(path), model), 2.0, atoms, (count / 200,), plain, weighted, guess)
+        plain.finish()
+        weighted.finish()
+        triangles = [each.R.nbytes for found in (plain, weighted) for fold in found.parts for each in fold]
+        kept.append(sum(triangles) + sum(each.nbytes for each in guess.moments.columns))
+    assert kept[0] == kept[1]

@@ -1,0 +1,189 @@
+"""Logs that tell nothing, too little, or what is wrong: one line each, and no file is written."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS, run
+from helpers.identified_logs import waves, write_log
+
+import robodyn
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
+
+ROBOT = ROBOTS / "two_link_spatial.urdf"
+MODEL = robodyn.load(ROBOT)
+JOINTS = MODEL.rates
+TIME = 0.01 * np.arange(2000)
+
+
+@cache
+def states():
+    return waves(np.random.default_rng(5), TIME, MODEL.n)
+
+
+def torques(q, qd, qdd):
+    scene = Scene(friction={name: Friction(0.5, 0.8, -0.6) for name in JOINTS})
+    tau = robodyn.inverse_dynamics(MODEL, q, qd, qdd, scene=scene)
+    return tau + 0.01 * np.sqrt((tau**2).mean(axis=0)) * np.random.default_rng(1).standard_normal(tau.shape)
+
+
+def write(path="log.csv", rows=slice(None), change=None, time=TIME):
+    """Write a log; `change` changes the torques in place."""
+    q, qd, qdd = states()
+    tau = torques(q, qd, qdd)
+    if change is not None:
+        change(tau)
+    write_log(path, MODEL, time[rows], q[rows], tau[rows], qd[rows], qdd[rows])
+    return path
+
+
+def identified(folder, *args):
+    """Run the command with all outputs; return the outcome and the files that were written."""
+    outputs = ("--out", "o.urdf", "--scene-out", "o.toml", "--covariance", "o.json")
+    done = run("identify", str(ROBOT), *args, *(outputs if "--out" not in args else ()))
+    return done, sorted(path.name for path in folder.glob("o.*"))
+
+
+def swap(tau):
+    tau[:] = tau[:, ::-1].copy()
+
+
+def reverse(tau):
+    tau[:, 1] *= -1.0
+
+
+def rest(_):
+    q = np.tile(states()[0][:1], (len(TIME), 1))
+    still = np.zeros_like(q)
+    write_log("log.csv", MODEL, TIME, q, torques(q, still, still), still, still)
+    return ["log.csv"]
+
+
+def no_torque(_):
+    q = states()[0]
+    text = ",".join(["time", *(f"q_{name}" for name in JOINTS)])
+    np.savetxt("log.csv", np.column_stack([TIME, q]), delimiter=",", header=text, comments="")
+    return ["log.csv"]
+
+
+def missing(cell):
+    def spoil(tau):
+        tau[500, 1] = cell
+
+    return lambda _: [write(change=spoil)]
+
+
+def of_different_joints(_):
+    for name, left_out in zip(("one.csv", "two.csv"), JOINTS, strict=True):
+        rows = Path(write()).read_text().splitlines()
+        keep = [k for k, column in enumerate(rows[0].split(",")) if column != f"tau_{left_out}"]
+        Path(name).write_text("\n".join(",".join(row.split(",")[k] for k in keep) for row in rows))
+    return ["one.csv", "two.csv"]
+
+
+def cut_short(_):
+    import pyarrow
+    import pyarrow.parquet
+
+    table = np.genfromtxt(write(), delimiter=",", names=True)
+    pyarrow.parquet.write_table(pyarrow.table({name: table[name] for name in table.dtype.names}), "whole.parquet")
+    whole = Path("whole.parquet").read_bytes()
+    Path("log.parquet").write_bytes(whole[: len(whole) // 2])
+    return ["log.parquet"]
+
+
+def of_another_robot(_):
+    write_log("other.csv", robodyn.load(ROBOTS / "scara.urdf"), TIME, *[np.zeros((len(TIME), 3))] * 2)
+    return [write(), "--validate", "other.csv"]
+
+
+HARD = {
+    "at rest": (rest, "no joint moves"),
+    "no torques": (no_torque, "gives no torque of a joint"),
+    "torques that never change": (
+        lambda _: [write(change=lambda tau: tau.fill(3.0))],
+        "no measured torque ever changes",
+    ),
+    "a cell that is no number": (missing(np.nan), "is not finite"),
+    "few rows": (lambda _: [write(rows=slice(50))], "has 50 rows"),
+    "few rows after the filter": (lambda _: [write(rows=slice(80))], "leaves 0 rows"),
+    "a cutoff that leaves nothing": (lambda _: [write(), "--cutoff", "0.01"], "leaves 0 rows"),
+    "a cutoff above all": (lambda _: [write(), "--cutoff", "60"], "above half the sampling rate"),
+    "different joints": (of_different_joints, "no measured joint in common"),
+    "the same log twice": (lambda _: [write(), "log.csv"], "the same content"),
+    "validation of another robot": (of_another_robot, "unknown columns"),
+    "validation by the same log": (lambda _: [write(), "--validate", "log.csv"], "the same content"),
+    "short validation": (lambda _: [write(), "--validate", write("b.csv", slice(100, 180))], "nothing of what is held"),
+    "cut short": (cut_short, "cut short"),
+    "no such folder": (lambda _: [write(), "--out", "o.urdf", "--scene-out", "no/o.toml"], "no such folder"),
+    "one name twice": (lambda _: [write(), "--out", "o.urdf", "--scene-out", "o.urdf"], "two outputs have this name"),
+    "channels exchanged": (lambda _: [write(change=swap)], f"torques of {JOINTS[0]} and {JOINTS[1]} are exchanged"),
+    "a channel reversed": (lambda _: [write(change=reverse)], f"torque of {JOINTS[1]} has the wrong sign"),
+}
+
+
+@pytest.mark.parametrize("case", HARD)
+def test_refused_in_one_line(case, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    make, words = HARD[case]
+    done, files = identified(tmp_path, *make(None))
+    assert (done.status, files) == (2, []), done.out
+    assert words in done.err
+    assert done.err.startswith("error: ")
+    assert done.err.strip().count("\n") == 0
+    assert "internal error" not in done.err
+
+
+def test_reversed_torques_can_be_forced(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done, files = identified(tmp_path, write(change=reverse), "--force")
+    assert (done.status, files) == (0, ["o.json", "o.toml", "o.urdf"]), done.err
+    assert "has the wrong sign" in done.out
+
+
+def constant(tau):
+    tau[:, 0] = 1.25
+
+
+def spiked(tau):
+    rng = np.random.default_rng(4)
+    wrong = rng.random(tau.shape) < 0.01
+    tau[wrong] += (10.0 * np.abs(tau).max(axis=0) * rng.choice([-1.0, 1.0], tau.shape))[wrong]
+
+
+GAP = np.r_[0:900, 1100:2000]
+SHAKEN = TIME + 0.01 * np.random.default_rng(2).uniform(-0.3, 0.3, len(TIME))
+
+
+@pytest.mark.parametrize(
+    ("log", "options", "words", "error"),
+    [
+        ({"change": constant}, (), f"the torque of {JOINTS[0]} is 1.25 throughout: it is left out", 0.05),
+        ({"change": spiked}, (), f"the torque of {JOINTS[1]} has spikes", 0.02),
+        ({"rows": GAP}, (), "held-out torques", 0.02),
+        ({}, ("--split", "1"), "nothing is held out", 0.02),
+    ],
+)
+def test_told_and_gone_on_with(log, options, words, error, tmp_path, monkeypatch):
+    import json
+
+    monkeypatch.chdir(tmp_path)
+    done, files = identified(tmp_path, write(**log), *options)
+    assert (done.status, files) == (0, ["o.json", "o.toml", "o.urdf"]), done.err
+    assert words in done.out
+    found = json.loads(run("identify", str(ROBOT), "log.csv", *options, "--format", "json").out)
+    assert (found["held_out"] or found["train"])["relative_error"] < error
+
+
+def test_uneven_stamps(tmp_path, monkeypatch):
+    """The motion is that of the stamps that are written."""
+    monkeypatch.chdir(tmp_path)
+    motion = waves(np.random.default_rng(5), SHAKEN, MODEL.n)
+    write_log("log.csv", MODEL, SHAKEN, motion[0], torques(*motion), *motion[1:])
+    done, files = identified(tmp_path, "log.csv")
+    assert (done.status, len(files)) == (0, 3), done.err
+    assert "held-out torques within 0." in done.out
