@@ -43,7 +43,7 @@ from robodyn.support.floats import Floats
 FOLDS = 5
 _COSTLY, _ROUNDING = 1.5, 1e-6
 _NOISE = 4.0
-_SLOW = 1e-3
+_SLOW = 1e-5
 """Of the largest speed: below it, derived speeds do not tell the sign of friction."""
 _RESTS = 1e-6
 """rad/s (m/s): a joint that is never faster rests."""

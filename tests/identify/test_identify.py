@@ -70,7 +70,7 @@ def test_exact_logs_give_exact_base_parameters(name, tmp_path):
     assert off_truth(found, scene) < 1e-10
 
 
-@pytest.mark.parametrize(("values", "bound"), [((0.5,), 2e-4), ((0.5, 0.8, -0.8), 2e-2)])
+@pytest.mark.parametrize(("values", "bound"), [((0.5,), 1e-6), ((0.5, 0.8, -0.8), 1e-4)])
 def test_positions_alone_give_what_their_derivatives_allow(values, bound, tmp_path):
     """Splines at 200 Hz of motions up to 1.2 Hz; dry friction is smoothed at turns."""
     scene = Scene(friction=friction(robodyn.load(SPATIAL), *values))

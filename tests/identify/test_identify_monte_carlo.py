@@ -10,11 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.example_robots import path_of
-from helpers.identified_logs import Bench, coloured, quintics, trapezoids, waves
+from helpers.identified_logs import Bench, coloured, quintics, trapezoids, waves, write_log
 from helpers.identified_logs import white as white_noise
 from helpers.oracles import ROBOTS
 
 import robodyn
+from robodyn.dynamics.regressor import regressor
+from robodyn.identify.identify import identify
+from robodyn.identify.log import read_log
+from robodyn.identify.outcome import covariance
+from robodyn.scene.parts import Friction
+from robodyn.scene.scene import Scene
 
 SEEDS = ("two_link_spatial", "scara", "puma560")
 LEVEL = 1.96
@@ -60,3 +66,37 @@ def test_intervals_hold_the_truth(name):
     assert 0.93 <= np.mean(torques) <= 0.97
     assert 0.92 <= np.mean(peaks) <= 0.98
     assert np.mean(np.concatenate(bias) > 3.0) < 0.02
+
+
+@pytest.mark.slow
+def test_the_whole_of_identify_with_noisy_positions(tmp_path):
+    """Derivatives, outliers, choices and all, with 1e-5 rad of noise; torques by the covariance that is written.
+
+    These are drawn to the description, so that their intervals are wide.
+    """
+    model = robodyn.load(ROBOTS / "two_link_spatial.urdf")
+    scene = Scene(friction={name: Friction(0.5, 0.8, -0.8) for name in model.rates})
+    rng = np.random.default_rng(41)
+    time = 0.004 * np.arange(6000)
+    states, other = waves(rng, time, model.n), waves(rng, time[:300] * 10.0, model.n)
+    tau, true = (robodyn.inverse_dynamics(model, *each, scene=scene) for each in (states, other))
+    parameters, torques = [], []
+    for _ in range(16):
+        q = states[0] + 1e-5 * rng.standard_normal(tau.shape)
+        noisy = tau + 0.03 * np.sqrt((tau**2).mean(axis=0)) * rng.standard_normal(tau.shape)
+        write_log(tmp_path / "log.csv", model, time, q, noisy)
+        found = identify([read_log(str(tmp_path / "log.csv"), model)])
+        known = covariance(found)
+        at = regressor(model, *other, scene=found.scene)
+        Y = at.Y[:, :, [found.names.index(name) for name in known.parameters]]
+        deviation = np.sqrt(np.einsum("kia,ab,kib->ki", Y, known.covariance, Y, optimize=True))
+        off = np.einsum("kip,p->ki", at.Y, found.theta) + at.rest - true
+        torques.append(np.abs(off) < LEVEL * deviation)
+        at = regressor(model, *other, scene=scene)
+        values = dict(zip(at.names, at.theta.tolist(), strict=True))
+        values |= {f"{name}.{kind}": 0.8 for name in model.rates for kind in ("coulomb", "stribeck")}
+        base = found.base.base
+        beta = base.values(np.array([values.get(name, 0.0) for name in base.names]))
+        parameters.append(np.abs(found.base.values - beta) < LEVEL * found.base.standard_errors)
+    assert 0.9 <= np.mean(np.concatenate(parameters)) <= 0.99
+    assert np.mean(torques) >= 0.93
