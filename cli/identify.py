@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, kept_value
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.errors import InputError
@@ -94,7 +94,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
 def _check_outputs(outputs: dict[str, str | None], *inputs: str) -> None:
     """Raise before anything is computed if outputs have one name, that of an input, or lie in no folder."""
     places: list[str] = []
-    for output in filter(None, outputs.values()):
+    for output in filter(None, (*outputs.values(), kept_value("report", None))):
         check_names(*inputs, output=output)
         folder, place = os.path.dirname(output), os.path.realpath(output)
         if folder and not os.path.isdir(folder):

@@ -19,6 +19,8 @@ from robodyn.support.floats import Floats
 
 SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
 """Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
+_ROUNDED = 5.0
+"""Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
 _COUPLED = 0.5
 """A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
 _WORTH, _CHANCE = 0.97, 15.0
@@ -104,8 +106,10 @@ def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) ->
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
     places = {j: place for place, j in enumerate(plain.atoms.measured)}
     worth = np.minimum(_WORTH, 1.0 - _CHANCE / np.maximum(counts(gathered, folds), 1.0))
-    for step in range(len(SPEEDS)):
-        speeds = {k: motor.stribeck[step] for k in plain.stribeck if (motor := plain.atoms.motors[k]).stribeck}
+    for step in range(1, len(SPEEDS) + 1):
+        speeds = {
+            k: motor.stribeck[-step] for k in plain.stribeck if step <= len((motor := plain.atoms.motors[k]).stribeck)
+        }
         ratio = left_out(gathered, folds, plain.with_stribeck(dict(speeds)), sigma) / before
         for k, speed in speeds.items():
             own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
@@ -137,6 +141,7 @@ def strength(
     return Strength(min(errors, key=lambda each: errors[each]), errors)
 
 
-def with_speeds(motor: Motor, largest: float) -> Motor:
-    """Return a motor whose largest speed is known."""
-    return replace(motor, scale=largest, stribeck=tuple(part * largest for part in SPEEDS if largest))
+def with_speeds(motor: Motor, largest: float, slip_speed: float) -> Motor:
+    """Return a motor whose largest speed is known; breakaway decays over more than a sign does that is rounded off."""
+    speeds = (part * largest for part in SPEEDS)
+    return replace(motor, scale=largest, stribeck=tuple(speed for speed in speeds if speed > _ROUNDED * slip_speed))

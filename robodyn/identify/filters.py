@@ -10,7 +10,7 @@ from robodyn.support.floats import Floats
 
 SHAPE = 8.0
 """Of Kaiser's window: the pass band is flat within 1e-4, what is stopped keeps 1e-4."""
-_PERIODS = 5.1
+PERIODS = 5.1
 """Half the length of the kernel in periods of the cutoff: from 0.75 to 1.25 times the cutoff, by Kaiser's rule."""
 _TOGETHER = 32
 """So many values are summed by one product of matrices."""
@@ -23,7 +23,7 @@ def kernel(cutoff: float, step: float) -> Floats:
         cutoff: where half of the amplitude passes [Hz], below the Nyquist frequency.
         step: between samples [s].
     """
-    half = max(1, round(_PERIODS / (cutoff * step)))
+    half = max(1, round(PERIODS / (cutoff * step)))
     place = np.arange(-half, half + 1)
     window = np.i0(SHAPE * np.sqrt(1.0 - (place / (half + 1)) ** 2))
     taps = window * np.sinc(2.0 * cutoff * step * place)

@@ -102,6 +102,7 @@ class Identified:
 
     @property
     def better(self) -> bool:
-        """Whether held-out torques (all, where none are held out) are explained better than by the description."""
+        """Whether held-out torques (all, where none are held out) are explained better than by the description
+        and by zero."""
         new, old = self.held_out or self.train, self.original_held_out or self.original_train
-        return new.relative_error < old.relative_error
+        return new.relative_error < min(old.relative_error, 1.0)

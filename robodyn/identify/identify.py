@@ -146,7 +146,7 @@ def _begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: fl
     if largest[: model.n].max() <= max(_RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
         what = "no joint moves: the log shows nothing of masses and friction"
         raise InputError(what, remedy="log an exciting motion, see robodyn excite", file=every[0].path)
-    motors = {each.name: with_speeds(each, float(top)) for each, top in zip(candidates, largest, strict=True)}
+    motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
     ends = [log.start + (log.stop - log.start) * split * np.arange(1, FOLDS + 1) / FOLDS for log in logs]
     edges = (*(tuple(each.tolist()) for each in ends), *((-np.inf,) * FOLDS for _ in validate))
     holds = bool(validate) or split < 1.0
@@ -164,11 +164,16 @@ def _speed_noise(log: Log, cutoff: float) -> float:
 def _motors(run: _Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, float], Floats], list[str]]:
     """Return the motors that count, what coupled ones leave, a first fit (atom -> torque), and gross faults."""
     names = run.model.rates
-    motors = [each for name, each in run.directions.items() if name not in names or names.index(name) in run.measured]
+    given = {*names, *(motor.name for motor in run.scene.coupled)}
+    slow = max(_RESTS, 2.0 * run.slip_speed)
+    motors = [
+        each
+        for name, each in run.directions.items()
+        if (names.index(name) in run.measured if name in names else name in given or each.scale > slow)
+    ]
     bare = [replace(motor, stribeck=()) for motor in motors]
     atoms = Atoms(run.model, run.scene, run.measured, bare, run.slip_speed)
     plain, _ = run.gathered(atoms)
-    given = {*names, *(motor.name for motor in run.scene.coupled)}
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(atoms, dict.fromkeys(joints))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
@@ -265,7 +270,7 @@ def _result(
         run.cutoff,
         run.slip_speed,
         _possible([body for body in prior.bodies if base.base.matrix[:, body.columns].any()], theta),
-        tuple(body.name for body in prior.bodies[1:] if not base.base.matrix[:, body.columns].any()),
+        tuple(body.name for body in prior.bodies if not base.base.matrix[:, body.columns].any()),
         int(counts(plain, range(FOLDS + 1)).sum()),
         sum(log.samples for log in run.logs),
         sum(log.stop - log.start for log in run.logs),

@@ -60,7 +60,8 @@ class Prior:
 def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool = True) -> Prior:
     """Return the prior of a description's parameters.
 
-    Bodies without mass, inertia and shapes, of a robot that has some with mass, are mere frames and stay as they are.
+    The base, and bodies without mass, inertia and shapes of a robot that has some with mass, mere frames, stay as they
+    are.
     Another body without positive mass gets a thousandth of the robot's mass; second moments about the centre of mass
     that are not positive become a hundredth of the largest; a point gets a tenth of the body's size as radius of
     gyration.
@@ -74,9 +75,9 @@ def prior_of(model: Model, names: Sequence[str], theta: Floats, *, shapes: bool 
     sizes = _sizes(model, boxes)
     described, repaired = np.array(theta, dtype=float), np.array(theta, dtype=float)
     columns = {name[:-2]: slice(k, k + 10) for k, name in enumerate(names) if name.endswith(f".{INERTIAL[0]}")}
-    for name in _frames(model):
-        del columns[name]
     share = _SHARE * (sum(max(described[own.start], 0.0) for own in columns.values()) or 1.0)
+    for name in {model.bodies[0].name, *_frames(model)}:
+        del columns[name]
     bodies, unbounded, said = [], list[str](), list(notes)
     for name, own in columns.items():
         repaired[own], why = _possible(described[own], sizes[name], share)

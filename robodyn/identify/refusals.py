@@ -8,8 +8,10 @@ import numpy as np
 
 from robodyn.errors import InputError
 from robodyn.identify.base import base_of
+from robodyn.identify.filters import PERIODS
 from robodyn.identify.gather import Gathered
 from robodyn.identify.log import Log
+from robodyn.identify.rows import POSITIONS
 from robodyn.identify.structure import Structure, counts, system
 
 _LEAST = 2
@@ -26,6 +28,9 @@ def check_files(logs: Sequence[Log], cutoff: float) -> None:
             what = f"has the same content as {seen[log.sha256]}"
             raise InputError(what, remedy="give each log once, and validate by another", file=log.path)
         seen[log.sha256] = log.path
+        if log.noisy and POSITIONS * cutoff * (log.stop - log.start) < 2.0 * PERIODS:
+            what = f"a filter of {cutoff:g} Hz leaves 0 rows of {log.stop - log.start:.4g} s"
+            raise InputError(what, remedy="choose a higher --cutoff", file=log.path)
         if cutoff >= 0.5 / log.step:
             what = f"a cutoff of {cutoff:g} Hz is above half the sampling rate, {0.5 / log.step:.4g} Hz"
             raise InputError(what, remedy="choose a lower --cutoff", file=log.path)

@@ -110,7 +110,7 @@ HARD = {
     ),
     "a cell that is no number": (missing(np.nan), "is not finite"),
     "few rows": (lambda _: [write(rows=slice(50))], "has 50 rows"),
-    "few rows after the filter": (lambda _: [write(rows=slice(80))], "leaves 0 rows"),
+    "few rows after the filter": (lambda _: [write(rows=slice(80))], "leaves nothing of what is held out"),
     "a cutoff that leaves nothing": (lambda _: [write(), "--cutoff", "0.01"], "leaves 0 rows"),
     "a cutoff above all": (lambda _: [write(), "--cutoff", "60"], "above half the sampling rate"),
     "different joints": (of_different_joints, "no measured joint in common"),

@@ -1,0 +1,89 @@
+"""Logs that users bring: short, of clean torques, of joints that move together."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from helpers.command_line import ROBOTS, run
+
+import robodyn
+from robodyn import Friction, Scene
+from robodyn.identify.identified import Errors, Identified
+
+URDF = str(ROBOTS / "scara.urdf")
+JOINTS = ("shoulder", "elbow", "quill")
+FRICTION = {
+    name: Friction(viscous=0.3, forward=dry, backward=-dry) for name, dry in zip(JOINTS, (5.0, 2.0, 1.5), strict=True)
+}
+
+
+def motion(time, *, together=False):
+    """Return (N, 3) positions: waves of many frequencies; `together`, both arms turn alike."""
+    w = 2.0 * np.pi * np.arange(1, 6) / 4.0
+    waves = np.sin(time[:, None] * w + np.arange(5)) / np.arange(1, 6)
+    q = waves @ np.array([[0.9, -0.3, 0.01], [0.2, 0.8, 0.02], [-0.3, 0.4, -0.01], [0.1, 0.1, 0.01], [0.1, 0.2, 0.01]])
+    q[:, 2] += 0.08
+    if together:
+        q[:, 1] = q[:, 0]
+    return q
+
+
+def write(path, *, together=False):
+    """Write a log of a SCARA with friction that its description does not have, 200 rows/s, and noise of 0.1 %."""
+    time = np.arange(1200) / 200.0
+    fine = 1e-4
+    q, before, after = (motion(time + dt, together=together) for dt in (0.0, -fine, fine))
+    qd, qdd = (after - before) / (2.0 * fine), (after - 2.0 * q + before) / fine**2
+    tau = robodyn.inverse_dynamics(robodyn.load(URDF), q, qd, qdd, scene=Scene(friction=FRICTION))
+    tau = tau + 1e-3 * tau.std(axis=0) * np.random.default_rng(0).normal(size=tau.shape)
+    names = ["time", *(f"q_{name}" for name in JOINTS), *(f"tau_{name}" for name in JOINTS)]
+    np.savetxt(path, np.column_stack([time, q, tau]), delimiter=",", header=",".join(names), comments="", fmt="%.12g")
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory):
+    return write(tmp_path_factory.mktemp("log") / "log.csv")
+
+
+def identified(*arguments):
+    return json.loads(run("identify", URDF, *arguments, "--format", "json").out)
+
+
+def test_friction_without_breakaway(log):
+    found = identified(log)
+    assert found["consistent"]
+    assert not any("'base'" in each for each in found["warnings"])
+    assert found["held_out"]["relative_error"] < 5e-3
+    for motor in found["friction"]:
+        dry = FRICTION[motor["name"]].forward
+        assert motor["coulomb"] == pytest.approx(dry, rel=0.05)
+        if motor["stribeck"] is not None:
+            assert motor["stribeck_velocity"] > 5.0 * found["slip_speed"]
+            assert motor["stribeck"] < 1.6 * dry
+
+
+def test_a_cutoff_of_which_no_position_is_left(log):
+    found = run("identify", URDF, log, "--cutoff", "0.001")
+    assert found.status == 2
+    assert "a filter of 0.001 Hz leaves 0 rows of 5.995 s" in found.err
+
+
+def test_a_report_does_not_replace_an_output(log, tmp_path):
+    report = str(tmp_path / "report.html")
+    found = run("identify", URDF, log, "--out", report, "--report", report)
+    assert found.status == 2
+    assert "two outputs have this name" in found.err
+
+
+@pytest.mark.parametrize(("new", "old", "better"), [(0.3, 0.5, True), (0.6, 0.5, False), (1.2, 1.8, False)])
+def test_what_explains_less_than_nothing_is_not_better(new, old, better):
+    errors = {name: Errors(value, {}) for name, value in (("held_out", new), ("original_held_out", old))}
+    assert Identified.better.fget(SimpleNamespace(train=None, original_train=None, **errors)) is better
+
+
+def test_joints_that_move_together_show_no_motor_of_their_difference(tmp_path):
+    assert not identified(write(tmp_path / "log.csv", together=True))["coupled"]
