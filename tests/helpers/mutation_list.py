@@ -83,7 +83,7 @@ MUTATIONS = {
         ("robot/kinematics.py", "(R @ axis) * q[0]", "axis * q[0]"),
         ("robot/kinematics.py", "ratio * q[own]", "q[own]"),
         ("dynamics/recursions/newton_euler.py", "joint.multiplier", "1.0"),
-        ("dynamics/recursions/newton_euler.py", "M[j, j] + armature[j]", "M[j, j] - armature[j]"),
+        ("dynamics/recursions/newton_euler.py", "M[i, j] + inertia", "M[i, j] - inertia"),
         ("dynamics/recursions/momentum.py", "H[j] + R @ H[i] + cross(p, P_in)", "H[j] + R @ H[i]"),
         ("dynamics/recursions/momentum.py", "s * a + y * c - z * b", "s * a + y * c + z * b"),
     ],
@@ -283,7 +283,7 @@ MUTATIONS = {
         ("equations/dae/closed.py", "product(joint.R.T, R_o.T, at.places[i].R)", "product(R_o.T, at.places[i].R)"),
     ],
     "equations/dae/test_dae.py": [
-        ("equations/dae/system.py", "f - armature[k] * sigma[k] * S[k]", "f + armature[k] * sigma[k] * S[k]"),
+        ("equations/dae/system.py", "f - armature[i, k] * sigma[k] * S[i]", "f + armature[i, k] * sigma[k] * S[i]"),
         ("equations/dae/system.py", "moments[i] + moment - cross(system.centres[i], force)", "moments[i] + moment"),
         ("equations/dae/system.py", "weight * reactions[k]", "reactions[k]"),
     ],
