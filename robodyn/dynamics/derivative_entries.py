@@ -17,6 +17,7 @@ from robodyn.programs.program import Program
 from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import CONSTANT
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -81,6 +82,7 @@ def inverse_dynamics_derivative_entries(
 @lru_cache(maxsize=16)
 def _runner(a_plan: Plan) -> tuple[Runner, NDArray[np.intp]]:
     """Return what computes the entries, and their matrices, rows and columns."""
+    refuse_load(a_plan.scene)
     n, whole = a_plan.model.n, inverse_derivatives(a_plan)
     zeros = {k for k, (op, a, _) in enumerate(whole.operations) if op is CONSTANT and a == 0.0}
     places = [

@@ -21,7 +21,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar, total
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_constraints
+from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -33,7 +33,8 @@ class InverseDerivatives(NamedTuple):
         dq: d tau / dq [N m/rad, ...]. Columns are rates: of a floating base a small turn about the body's axes and a
             shift along the ground's, while qd and qdd keep their components.
         dqd: d tau / d qd [N m s/rad, ...].
-        dqdd: d tau / d qdd, the mass matrix with rotors [kg m^2, ...], exactly symmetric.
+        dqdd: d tau / d qdd, the mass matrix with rotors [kg m^2, ...], exactly symmetric. Friction that grows with load
+            multiplies what the links add to a row of it by 1 + load s(qd) sign(tau_l), and it is not symmetric.
     """
 
     dq: Floats
@@ -144,10 +145,18 @@ def inverse_derivatives(plan: Plan) -> Program:
     n = plan.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:
-        mass = again(mass_runner(plan.model, plan.scene).program, tape)
+        mass = _by_accelerations(plan, tape)
         return [*_joined(_rates_of_torques(plan, tape), n), *mass]
 
     return trace(outputs, [(k * n + i) * n + j for i in range(n) for j in range(n) for k in range(3)])
+
+
+def _by_accelerations(plan: Plan, tape: Tape) -> Iterable[Scalar]:
+    """Return d tau / d qdd, row by row."""
+    if not plan.scene.loaded:
+        return again(mass_runner(plan.model, plan.scene).program, tape)
+    sample, terms = plan.terms(tape)
+    return [x for row in jacobian(loads(sample, terms).tau, [{each: 1.0} for each in sample.qdd]) for x in row]
 
 
 @lru_cache(maxsize=16)
@@ -156,6 +165,7 @@ def forward_derivatives(plan: Plan) -> Program:
 
     Column after column is finished, from the tips of the tree, so that few values wait at a time.
     """
+    refuse_load(plan.scene)
     n = plan.model.n
 
     def outputs(tape: Tape) -> Iterable[Scalar]:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
 from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample, Terms, ZeroColumns
+from robodyn.dynamics.loaded_joints import Loaded, Rotors, loaded_accelerations, repetitions
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan, applied, plan
 from robodyn.dynamics.recursions.articulated_body import articulated_body
@@ -37,21 +38,19 @@ def acceleration_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     model, scene, zero_columns = aligned(plan.model), plan.scene, plan.zero_columns
     sample = replace(Plan(model, scene, zero_columns).sample(tape), qdd=(0.0,) * model.n)
     tau = [0.0 if ("tau", i) in zero_columns else tape.input("tau", i) for i in range(model.n)]
-    return accelerations(sample, applied(plan.effects, sample, scene), tau, reflected(model, scene))
+    return accelerations(sample, applied(plan.effects, sample, scene), tau, scene)
 
 
-def accelerations(
-    sample: Sample, terms: Terms, tau: Sequence[Scalar], rotors: Mapping[tuple[int, int], float]
-) -> list[Scalar]:
+def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], scene: Scene) -> list[Scalar]:
     """qdd of one sample, in whatever scalar it is made of.
 
     Args:
         sample: of a model of `aligned`.
         terms: without acceleration.
         tau: n scalars.
-        rotors: reflected rotor inertias, by coordinates i <= j.
+        scene: whose rotors turn with the joints.
     """
-    model = sample.model
+    model, rotors = sample.model, reflected(sample.model, scene)
     joints = motions(model, sample.q, terms.qd, terms.qdd)
     biases = inertial_wrenches(model.parents, joints, terms.inertias, terms.gravity)
     for i, wrench in terms.wrenches:
@@ -61,8 +60,17 @@ def accelerations(
         joint = model.bodies[i].joint
         forces[joint.rate] = forces[joint.rate] - joint.multiplier * torque
     free = floating_turns(model, joints)
-    qdd = articulated_body(model, joints, terms.inertias, biases, turned(forces, free, back=True), rotors)
-    return turned(qdd, free)
+
+    def solve(forces: Sequence[Scalar], rotors: Rotors) -> list[Scalar]:
+        qdd = articulated_body(model, joints, terms.inertias, biases, turned(forces, free, back=True), rotors)
+        return turned(qdd, free)
+
+    if not terms.load:
+        return solve(forces, rotors)
+    at = {i: model.bodies[i].joint for i in terms.load}
+    loaded = [Loaded(at[i].rate, load, terms.through_gear.get(i, 0.0)) for i, load in terms.load.items()]
+    heavy = [joint.name for joint in at.values() if rotors.get((joint.rate, joint.rate))]
+    return loaded_accelerations(solve, forces, rotors, loaded, repetitions(scene, heavy))
 
 
 def floating_turns(model: Model, joints: Sequence[Motion]) -> list[tuple[slice, Array]]:

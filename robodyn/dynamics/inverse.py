@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from robodyn.dynamics.arrays import arrays_of, check_out, results, zero_sources
 from robodyn.dynamics.runners import torque_runner
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_constraints, refuse_others
+from robodyn.scene.fit import refuse_constraints, refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -103,8 +103,10 @@ def bias_forces(
     Args, returns and accuracy: as for `inverse_dynamics` with qdd = 0.
 
     Raises:
-        InputError: as `inverse_dynamics`; or the scene has loops or contacts, whose forces follow from qdd.
+        InputError: as `inverse_dynamics`; or the scene has loops or contacts, whose forces follow from qdd, or friction
+            that grows with load, which the torques of qdd change.
     """
     refuse_others(model, scene)
     refuse_constraints(scene)
+    refuse_load(scene)
     return inverse_dynamics(model, q, qd, 0.0, scene=scene, columns=columns, executor=executor, threads=threads)

@@ -13,6 +13,7 @@ from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.regressor import parameters, regressor_program
 from robodyn.programs.program import Program
+from robodyn.scene.fit import refuse_load
 
 
 class Result(NamedTuple):
@@ -61,6 +62,7 @@ class Kind(NamedTuple):
 
 
 def _bias(plan: Plan) -> Program:
+    refuse_load(plan.scene)
     at_rest = frozenset(("qdd", i) for i in range(plan.model.n))
     return replace(plan, zero_columns=plan.zero_columns | at_rest).torques()
 

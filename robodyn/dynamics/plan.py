@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.effects.effect import Effect, Sample, Terms, Verdict, ZeroColumns
-from robodyn.dynamics.recursions.newton_euler import joint_torques, newton_euler
+from robodyn.dynamics.recursions.newton_euler import along_joint, joint_torques, newton_euler
 from robodyn.programs.program import Program, trace
 from robodyn.programs.scalar import Tape
-from robodyn.programs.vectors import Scalar
+from robodyn.programs.vectors import Scalar, sign
 from robodyn.robot.kinematics import Motion, Wrench, motions
 from robodyn.robot.model import Frame, Model
 from robodyn.scene.fit import check_scene, refuse_constraints
@@ -92,6 +92,8 @@ class Plan:
 
         def outputs(tape: Tape) -> Iterable[Scalar]:
             sample = self.sample(tape)
+            if effect.by_load:
+                return self.missing_without(tape, effect)
             terms = effect.add(effect.background(at_rest(sample), sample, self.scene), sample, self.scene)
             return loads(sample, terms).tau
 
@@ -99,8 +101,15 @@ class Plan:
 
     def without(self, effect: Effect) -> Program:
         """Return the program of tau with one effect left out: what the others cost."""
-        others = [e for e in self.effects if e is not effect]
-        return trace(lambda tape: loads(*self.terms(tape, others)).tau, self.model.tips_first)
+        return trace(lambda tape: self.torques_without(tape, effect), self.model.tips_first)
+
+    def torques_without(self, tape: Tape, but: Effect | None = None) -> list[Scalar]:
+        """Return tau of all effects but one."""
+        return loads(*self.terms(tape, [effect for effect in self.effects if effect is not but])).tau
+
+    def missing_without(self, tape: Tape, effect: Effect) -> list[Scalar]:
+        """Return what an effect adds to tau where all others are on."""
+        return [a - b for a, b in zip(self.torques_without(tape), self.torques_without(tape, effect), strict=True)]
 
     def terms(self, tape: Tape, effects: Iterable[Effect] | None = None) -> tuple[Sample, Terms]:
         """Return the sample of `tape`, and what some effects add up to in it; all that are on if None are named."""
@@ -127,7 +136,16 @@ def loads(sample: Sample, terms: Terms) -> Loads:
     model = sample.model
     joints: list[Motion] = motions(model, sample.q, terms.qd, terms.qdd)
     reactions = newton_euler(model.parents, joints, terms.inertias, terms.gravity, terms.wrenches)
-    return Loads(joint_torques(model, joints, reactions, terms.at_joint), reactions)
+    return Loads(joint_torques(model, joints, reactions, _at_joint(terms, model, reactions)), reactions)
+
+
+def _at_joint(terms: Terms, model: Model, reactions: list[Wrench]) -> Mapping[int, Scalar]:
+    """Return what acts at the joints, `load |tau_l|` of the torque through each gear included."""
+    at_joint = dict(terms.at_joint)
+    for i, share in terms.load.items():
+        passed = along_joint(model.bodies[i].joint, reactions[i]) + terms.through_gear.get(i, 0.0)
+        at_joint[i] = at_joint.get(i, 0.0) + share * (passed * sign(passed))
+    return at_joint
 
 
 @lru_cache(maxsize=16)

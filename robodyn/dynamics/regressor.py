@@ -53,6 +53,7 @@ class Regressor(NamedTuple):
         theta: (p,) the parameters of the model and the scene.
         names: of the parameters, "forearm.Ixx" of a body and "elbow.viscous" of a joint or a coupled motor.
         rest: (..., n) what springs, wrenches and fluids add, in which nothing is to be identified; zero without them.
+            Friction that grows with load is there too, not being linear: that of the parameters of model and scene.
     """
 
     Y: Floats
@@ -108,11 +109,14 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     theta = [tape.input("theta", k) for k, _ in enumerate(parameters(plan))]
     sample = plan.sample(tape)
     linear = jacobian(_torques(plan, sample, iter(theta)), [{each: 1.0} for each in theta])
-    others = [effect for effect in plan.effects if effect not in _LINEAR]
+    others = [effect for effect in plan.effects if effect not in _LINEAR and not effect.by_load]
     massless = replace(at_rest(sample), inertias=tuple(MASSLESS for _ in plan.model.bodies))
     for effect in others:
         massless = effect.add(massless, sample, plan.scene)
     rest = loads(sample, massless).tau
+    for effect in plan.effects:
+        if effect.by_load:
+            rest = [a + b for a, b in zip(rest, plan.missing_without(tape, effect), strict=True)]
     return [*(x for row in linear for x in row), *rest]
 
 

@@ -20,6 +20,7 @@ from robodyn.programs.run.runner import Runner
 from robodyn.programs.scalar import Tape
 from robodyn.programs.vectors import Scalar
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -89,6 +90,7 @@ def second_derivatives(a_plan: Plan) -> Program:
     Raises:
         InputError: it is too long.
     """
+    refuse_load(a_plan.scene)
     first = inverse_derivatives(a_plan)
     program = _differentiated(a_plan) if first.size <= MOST_BEFORE else None
     if program is None or program.size > MOST_OPERATIONS:

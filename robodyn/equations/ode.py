@@ -17,7 +17,7 @@ from robodyn.errors import InputError
 from robodyn.programs.linear import eigen
 from robodyn.robot.configuration import Values, beyond_limits, configuration, rates
 from robodyn.robot.model import Model
-from robodyn.scene.fit import check_moves, refuse_constraints, refuse_others
+from robodyn.scene.fit import check_moves, refuse_constraints, refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import listed
@@ -32,6 +32,7 @@ def check_equations(model: Model, scene: Scene) -> None:
     """
     refuse_others(model, scene)
     refuse_constraints(scene, loops=True)
+    refuse_load(scene)
     check_moves(model)
     if scene.columns:
         raise InputError(

@@ -37,6 +37,7 @@ from robodyn.identify.refusals import check_files, check_rows
 from robodyn.identify.rows import POSITIONS, states
 from robodyn.identify.structure import Structure, counts, fitted, squares, system
 from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 
@@ -75,6 +76,7 @@ def identify(
     Raises:
         InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice.
     """
+    refuse_load(scene)
     run = _begun(logs, validate, scene, 1.0 if validate else split, cutoff)
     on_progress("comparing motors")
     motors, ratios, guess, faults = _motors(run)

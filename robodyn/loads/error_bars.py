@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.loads.doubts import Openness
 from robodyn.programs.vectors import length
@@ -58,9 +59,15 @@ class ErrorBars:
     def response(self, state: Mapping[str, Floats], own: bool = False) -> Floats:
         """Return (n, n) by how much torques change with accelerations: M, but where constraints take part of it.
 
+        Friction that grows with load adds at most its share, which is taken.
+
         Args:
             state: q (nq,) and so on of one sample; own: as `ConstraintPass.response` has it.
         """
         if self.constraints is not None:
             return self.constraints.response(state, own)
-        return mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.scene, executor="numpy")
+        M = mass_matrix(self.model, np.ascontiguousarray(state["q"]), scene=self.scene, executor="numpy")
+        for _, joint, friction in joints_with_friction(self.model, self.scene):
+            if friction.load:
+                M[joint.rate] *= 1.0 + friction.load
+        return M

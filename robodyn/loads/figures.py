@@ -77,6 +77,7 @@ def joint_load(
     single = torque.kept["value"]
     travel = float(totals["travel"][k])
     friction = friction_of(joint, scene)
+    held = shares.get("gravity", 0.0) + shares.get("joint spring", 0.0)
     return JointLoad(
         name=name,
         unit="N" if joint.kind == "prismatic" else "N m",
@@ -95,7 +96,7 @@ def joint_load(
         least_power=float(gathered.power_least[k]),
         work_positive=float(totals["positive"][k]),
         work_negative=float(totals["negative"][k]),
-        hold=0.5 * (friction.forward - friction.backward),
+        hold=0.5 * (friction.forward - friction.backward) + friction.load * abs(held),
         effort_limit=binding(joint.effort),
         velocity_limit=binding(joint.velocity),
         seconds_over_effort=float(totals["over effort"][k]),

@@ -31,7 +31,8 @@ class JointLoad:
         max_speed: of largest magnitude, with its sign, when [s], in which row, and the torque at that moment.
         peak_power, least_power: largest and smallest tau qd.
         work_positive, work_negative: done by and returned to the actuator.
-        hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does.
+        hold: Coulomb friction that holds the joint at rest: any torque of gravity +- hold does; what grows with
+            load is that at the peak.
         effort_limit, velocity_limit: None where the description has none or says 0; a margin is limit - |value|,
             negative if exceeded, for `seconds_over_effort` and `seconds_over_velocity`.
         lower, upper, q_min, q_max: position limits and the range of the motion.

@@ -63,7 +63,8 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
 
 _ZERO, _DOWN = "[0.0, 0.0, 0.0]", "[0.0, 0.0, -10.0]"
 _FRICTION = """Friction, in place of the description's: viscous N m s/rad, coulomb N m or [forward, backward];
-stribeck N m, the torque of breakaway, and stribeck_velocity rad/s. For prismatic joints N and m/s."""
+stribeck N m, the torque of breakaway, and stribeck_velocity rad/s; load, a share of the torque that passes the
+gear. For prismatic joints N and m/s."""
 _SLIP = "Coulomb friction grows over this speed, rad/s: f qd / sqrt(qd^2 + slip_speed^2)."
 _ROTOR = """Rotors, which add gear^2 inertia to a joint: inertia kg m^2 about the motor's axis, gear in turns of the
 motor per turn of the joint."""

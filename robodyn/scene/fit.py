@@ -54,6 +54,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
     ):
         for name in names:
             known(where, kind, name, valid, file)
+    _check_loaded(scene, model, file)
     _check_motors(scene, [body.joint.name for body in model.bodies], file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
@@ -74,6 +75,43 @@ def _uncertain(
     """Yield where links and joints of an uncertainty are named, what they are, which, and which there are."""
     yield "[uncertainty.joint]", "joint", given.joint, joints
     yield "[uncertainty.link]", "link", given.link, model.links
+
+
+def _check_loaded(scene: Scene, model: Model, file: str | None) -> None:
+    """Raise where friction that grows with load is no share, or stands with what it cannot be computed with."""
+    turned = {name for motor in scene.coupled for name in motor.joints}
+    mimics = {body.joint.mimics for body in model.bodies} | {
+        body.joint.name for body in model.bodies if body.joint.mimics is not None
+    }
+    for name in scene.loaded:
+        load, wrong, remedy = scene.friction[name].load, "", "leave load out"
+        if not 0.0 <= load < 1.0:
+            wrong, remedy = (
+                f"is {load:g}",
+                "it is a share of the torque that the joint passes on: 0 or more, less than 1",
+            )
+        elif name in turned:
+            wrong = "is not known for a joint that a coupled motor turns"
+        elif name in mimics:
+            wrong = "is not known for a joint that follows another, or is followed"
+        elif scene.constrained:
+            wrong = "is not known with loops, contacts or joints that do not drive"
+        elif scene.uncertainty is not None:
+            wrong = "is not known with [uncertainty]"
+        if wrong:
+            raise SceneError(f'[friction] {shown(name)}: "load" {wrong}', remedy=remedy, file=file)
+
+
+def refuse_load(scene: Scene) -> None:
+    """Raise if friction grows with load, so that torques are not M qdd + b.
+
+    Raises:
+        SceneError: it does.
+    """
+    if scene.loaded:
+        what = f"friction of {shown(scene.loaded[0])} grows with load, and this knows only torques M qdd + b"
+        remedy = "torques, simulate, inverse and forward dynamics know it; leave load out"
+        raise SceneError(what, remedy=remedy)
 
 
 def refuse_others(model: object, scene: object = DEFAULT) -> None:

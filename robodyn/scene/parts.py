@@ -14,13 +14,15 @@ Entry = float | str
 
 @dataclass(frozen=True)
 class Friction(FrozenValue):
-    """Friction of a joint: viscous qd, plus `forward` at qd > 0 or `backward` at qd < 0, plus Stribeck's excess.
+    """Friction of a joint: viscous qd, plus `forward` at qd > 0 or `backward` at qd < 0, plus Stribeck's excess;
+    and a share of the torque that passes the gear.
 
     Attributes:
         viscous: N m s/rad (N s/m for a prismatic joint).
         forward, backward: Coulomb torque at qd > 0 and at qd < 0, with its sign [N m].
         stribeck: torque of breakaway [N m], which decays to Coulomb's like exp(-(qd / stribeck_velocity)^2).
         stribeck_velocity: rad/s.
+        load: of the torque that the joint passes on to the links, from 0 to less than 1.
     """
 
     viscous: float = 0.0
@@ -28,6 +30,7 @@ class Friction(FrozenValue):
     backward: float = 0.0
     stribeck: float | None = None
     stribeck_velocity: float = 0.01
+    load: float = 0.0
 
     @property
     def dry(self) -> float:

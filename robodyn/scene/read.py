@@ -92,7 +92,7 @@ def _wrench(table: SceneTable) -> ExternalWrench:
     return wrench
 
 
-def _friction(table: SceneTable) -> Friction:
+def _friction(table: SceneTable, single: bool = True) -> Friction:
     viscous = table.number("viscous", 0.0)
     if isinstance(table.values.get("coulomb"), list):
         forward, backward = table.numbers("coulomb", 2)
@@ -104,9 +104,8 @@ def _friction(table: SceneTable) -> Friction:
     else:
         forward = table.number("coulomb", 0.0)
         backward = -forward
-    friction = Friction(
-        viscous, forward, backward, table.number("stribeck", None), table.number("stribeck_velocity", 0.01)
-    )
+    stribeck, velocity = table.number("stribeck", None), table.number("stribeck_velocity", 0.01)
+    friction = Friction(viscous, forward, backward, stribeck, velocity, table.number("load", 0.0) if single else 0.0)
     table.finish()
     for key, value in (("viscous", viscous), ("coulomb", forward), ("stribeck", friction.stribeck or 0.0)):
         if value < 0:
@@ -122,7 +121,7 @@ def _coupled(table: SceneTable) -> CoupledMotor:
     if not any(coefficients.values()):
         raise table.error('"joints" has no coefficient that is not 0', remedy="such as { joint5 = 1.0, joint6 = 1.0 }")
     inertia, gear = table.nonnegative("inertia", 0.0), table.number("gear", 1.0)
-    return CoupledMotor(name, coefficients, inertia, gear, _friction(table))
+    return CoupledMotor(name, coefficients, inertia, gear, _friction(table, single=False))
 
 
 def _rotor(table: SceneTable) -> Rotor:

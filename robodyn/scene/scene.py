@@ -101,6 +101,11 @@ class Scene(FrozenValue):
         return replace(self, gravity=gravity, payloads=(*self.payloads, *payloads), held=held or self.held)
 
     @property
+    def loaded(self) -> tuple[str, ...]:
+        """The joints whose friction grows with load."""
+        return tuple(name for name, friction in self.friction.items() if friction.load)
+
+    @property
     def constrained(self) -> bool:
         """Whether joint torques are not those of the open tree alone: loops, contacts, or joints that do not drive."""
         return bool(self.loops or self.contacts or self.passive) or self.actuated is not None

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from robodyn.dynamics.balance import power_lost, stored_energy
-from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
@@ -135,9 +134,12 @@ class Equations:
         terms = applied(self.plan.effects if effects is None else effects, sample, self.scene)
         tau = self.drives(q, qd, given)
         if self.chain is None:
-            qdd = accelerations(sample, terms, tau, reflected(self.model, self.scene))
+            qdd = accelerations(sample, terms, tau, self.scene)
         else:
             qdd, _ = self.chain.accelerations(sample, terms, tau)
+        if terms.load:
+            sample = replace(sample, qdd=tuple(qdd))
+            terms = applied(self.plan.effects, sample, self.scene)
         power: Scalar = 0.0 - power_lost(self.plan, sample, terms, sample.motions())
         for torque, rate in zip(tau, qd, strict=True):
             power = power + torque * rate

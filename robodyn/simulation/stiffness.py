@@ -30,11 +30,13 @@ SLIP_SPEED = 1e-3
 def with_friction(model: Model, scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     """Return the scene with a slip speed if some joint has Coulomb friction, and notes about it."""
     steepest = max((rub.friction.dry for rub in _rubbing(model, scene)), default=0.0)
-    if not steepest:
+    if not steepest and not scene.loaded:
         return scene, ()
     chosen = scene.slip_speed or SLIP_SPEED
     said = f"Coulomb friction is regularised, f qd / sqrt(qd^2 + {chosen:g}^2)"
     given = scene if scene.slip_speed else replace(scene, slip_speed=chosen)
+    if not steepest:
+        return given, (f"friction that grows with load is regularised, qd / sqrt(qd^2 + {chosen:g}^2)",)
     return given, (f"{said}: up to {steepest / chosen:.3g} N m s/rad near rest",)
 
 
@@ -77,7 +79,7 @@ def stiffest(a_plan: Plan, q: Floats) -> Stiffest | None:
     The largest eigenvalue of M^-1 D for the slopes D of torques over speeds, friction near rest among them, and the
     root of the largest of M^-1 K for those over positions: springs, those at limits, and drives.
     """
-    damping, stiffness = list(_slopes(a_plan)), list(_springs(a_plan))
+    damping, stiffness = [*_slopes(a_plan), *_slopes_by_load(a_plan, np.atleast_2d(q))], list(_springs(a_plan))
     if not damping and not stiffness:
         return None
     M = _mass_matrices(a_plan, np.atleast_2d(q))
@@ -144,6 +146,17 @@ def _slopes(a_plan: Plan) -> Iterator[Slope]:
             yield Slope(name, along, "viscous friction", friction.viscous)
     yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
     yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
+
+
+def _slopes_by_load(a_plan: Plan, q: Floats) -> Iterator[Slope]:
+    """Yield those of friction that grows with load, under the largest weight at q (N, nq)."""
+    scene = a_plan.scene
+    if scene.slip_speed and scene.loaded:
+        held = inverse_dynamics(a_plan.model, q, 0.0, 0.0, scene=replace(scene, wrenches=()), executor="numpy")
+        for _, joint, friction in joints_with_friction(a_plan.model, scene):
+            if friction.load:
+                weight = float(np.abs(held[:, joint.rate]).max())
+                yield Slope.at(joint, FRICTION, friction.load * weight / scene.slip_speed)
 
 
 def _springs(a_plan: Plan) -> Iterator[Slope]:

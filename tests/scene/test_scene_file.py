@@ -100,7 +100,7 @@ UNKNOWN = {
         *("slip_speed", "initial", "drive", "joint_limits", "loop", "baumgarte", "between_rows", "limit_spring"),
         *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),
-    "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity"),
+    "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity", "load"),
     "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
     "[spring]\na = { stiffness = 1, k = 2 }": ("stiffness", "rest"),
     '[[payload]]\nlink = "a"\nmass = 1\ncentre = [0, 0, 0]': ("link", "mass", "com", "inertia"),

@@ -28,7 +28,19 @@ KEYS = [
     "inertia",
 ]
 KEYS += ["motor", "efficiency", "continuous", "peak", "max_speed", "speed_unit", "gear_peak"]
-KEYS += ["viscous", "coulomb", "stribeck", "stribeck_velocity", "gear", "stiffness", "rest", "force", "moment", "point"]
+KEYS += [
+    "viscous",
+    "coulomb",
+    "stribeck",
+    "stribeck_velocity",
+    "load",
+    "gear",
+    "stiffness",
+    "rest",
+    "force",
+    "moment",
+    "point",
+]
 KEYS += ["slip_speed", "initial", "drive", "joint_limits", "q", "qd", "torque", "kp", "kd", "reference", "contact"]
 KEYS += ["speed", "between_rows", "limit_spring", "damping"]
 KEYS += ["loop", "name", "kind", "to", "to_point", "axis", "to_axis", "rpy", "directions", "baumgarte"]

@@ -17,6 +17,12 @@ def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
     return Verdict.of_joints(dry, ("qd", zero_columns), none, "no joint with Coulomb friction moves", some)
 
 
+def direction(qd: Scalar, slip_speed: float = 0.0) -> Scalar:
+    """sign(qd), or `qd / sqrt(qd^2 + slip_speed^2)`."""
+    square = slip_speed * slip_speed
+    return qd / sqrt(qd * qd + square) if square else sign(qd)
+
+
 def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     """`forward` for qd > 0, `backward` for qd < 0, 0 at rest; with Stribeck's excess towards `stribeck` at low speed.
 
@@ -30,8 +36,7 @@ def torque(friction: Friction, qd: Scalar, slip_speed: float = 0.0) -> Scalar:
     Returns:
         N m, along the motion: what the actuator must supply.
     """
-    square = slip_speed * slip_speed
-    s = qd / sqrt(qd * qd + square) if square else sign(qd)
+    s = direction(qd, slip_speed)
     coulomb = (0.5 * (friction.forward - friction.backward)) * s + (0.5 * (friction.forward + friction.backward)) * (
         s * s
     )

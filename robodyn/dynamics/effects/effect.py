@@ -56,6 +56,8 @@ class Terms:
         inertias: of each body.
         wrenches: (i, wrench) acting ON body i, about its origin and in its axes.
         at_joint: added to the torque at each body's joint.
+        through_gear: the part of it that passes the gear: that of springs between links.
+        load: by body, the share of the torque through the gear that friction adds, negative where qd is.
     """
 
     qd: tuple[Scalar, ...]
@@ -64,13 +66,17 @@ class Terms:
     gravity: Array = field(default_factory=lambda: ZERO)
     wrenches: tuple[tuple[int, Wrench], ...] = ()
     at_joint: Mapping[int, Scalar] = field(default_factory=dict)
+    through_gear: Mapping[int, Scalar] = field(default_factory=dict)
+    load: Mapping[int, Scalar] = field(default_factory=dict)
 
-    def with_torques(self, torques: Iterable[tuple[int, Scalar]]) -> Terms:
+    def with_torques(self, torques: Iterable[tuple[int, Scalar]], through_gear: bool = False) -> Terms:
         """These terms with more torque at the joints of some bodies, given as (body, torque)."""
-        at_joint = dict(self.at_joint)
+        at_joint, passing = dict(self.at_joint), dict(self.through_gear)
         for body, torque in torques:
             at_joint[body] = at_joint.get(body, 0.0) + torque
-        return replace(self, at_joint=at_joint)
+            if through_gear:
+                passing[body] = passing.get(body, 0.0) + torque
+        return replace(self, at_joint=at_joint, through_gear=passing)
 
 
 class Verdict(NamedTuple):
@@ -113,6 +119,7 @@ class Effect:
         background: what must be on for the effect to show itself when it stands alone; for most, nothing.
         stored: the energy it stores [J].
         lost: the power that it takes from the joints [W].
+        by_load: whether it depends on the torques that the others make, so that it is what is missing without it.
     """
 
     name: str
@@ -122,3 +129,4 @@ class Effect:
     background: Callable[[Terms, Sample, Scene], Terms] = lambda terms, sample, scene: terms
     stored: EnergyOf = _no_energy
     lost: EnergyOf = _no_energy
+    by_load: bool = False

@@ -25,10 +25,11 @@ def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    return terms.with_torques(
+    torques = (
         (i, spring.stiffness * (sample.position(joint) - spring.rest))
         for i, joint, spring in _sprung(sample.model, scene)
     )
+    return terms.with_torques(torques, through_gear=True)
 
 
 def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:

@@ -52,9 +52,8 @@ def why(model: Model, scene: Scene, zero_columns: ZeroColumns) -> Verdict:
 
 
 def add(terms: Terms, sample: Sample, scene: Scene) -> Terms:
-    return terms.with_torques(
-        (stop.body, stop.side * stop.torque(*stop.beyond(sample))) for stop in _stops(sample.model, scene)
-    )
+    torques = ((stop.body, stop.side * stop.torque(*stop.beyond(sample))) for stop in _stops(sample.model, scene))
+    return terms.with_torques(torques, through_gear=True)
 
 
 def stored(sample: Sample, terms: Terms, scene: Scene, motions: list[Motion]) -> Scalar:

@@ -8,7 +8,7 @@ import numpy as np
 
 from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew, vector
 from robodyn.robot.kinematics import Motion, Wrench, motions
-from robodyn.robot.model import Model
+from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.laws import Inertia
 
 
@@ -101,6 +101,12 @@ def euler(I: Array, w: Array, wd: Array) -> Array:
     )
 
 
+def along_joint(joint: Joint, reaction: Wrench) -> Scalar:
+    """Return the part of a wrench along a joint's axis: revolute `axis . n`, prismatic `axis . f`."""
+    along: Scalar = joint.axis @ (reaction.n if joint.kind == "revolute" else reaction.f)
+    return along
+
+
 def joint_torques(
     model: Model, motions: Sequence[Motion], reactions: Sequence[Wrench], at_joint: Mapping[int, Scalar]
 ) -> list[Scalar]:
@@ -123,7 +129,7 @@ def joint_torques(
             force = joint.R.T @ (motions[i].R @ reaction.f)
             tau[joint.rate : joint.rate + 6] = [*reaction.n, *force]
         elif joint.kind != "fixed":
-            along = joint.axis @ (reaction.n if joint.kind == "revolute" else reaction.f)
+            along = along_joint(joint, reaction)
             tau[joint.rate] = tau[joint.rate] + joint.multiplier * (along + at_joint.get(i, 0.0))
     return tau
 

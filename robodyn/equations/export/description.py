@@ -28,13 +28,21 @@ def title(model: Model, form: str) -> str:
 def description(plan: Plan, jobs: Iterable[Job]) -> str:
     """Return units, coordinates, effects and what derivatives mean, in lines."""
     parts = [
-        "tau = M(q) qdd + b(q, qd). SI units: q [rad or m], qd [rad/s or m/s], qdd [rad/s^2 or m/s^2],\n"
+        f"{_law(plan)} SI units: q [rad or m], qd [rad/s or m/s], qdd [rad/s^2 or m/s^2],\n"
         "tau and b [N m or N], M [kg m^2, kg m or kg]. tau is what the actuators supply along the joints' axes.",
         _coordinates(plan.model),
         _surroundings(plan),
         *_notes(plan, list(jobs)),
     ]
     return "\n\n".join(parts)
+
+
+def _law(plan: Plan) -> str:
+    """Return what holds of the torques."""
+    if not plan.scene.loaded:
+        return "tau = M(q) qdd + b(q, qd)."
+    growing = f"Friction of {listed(plan.scene.loaded)} grows with load, so that tau = M qdd + b does not hold"
+    return f"{growing};\nM of the derivatives is d tau / d qdd."
 
 
 def _coordinates(model: Model) -> str:
@@ -72,14 +80,14 @@ def _friction(plan: Plan) -> list[str]:
     rubs = [
         (joint.name, friction)
         for _, joint, friction in joints_with_friction(plan.model, plan.scene)
-        if friction.viscous or friction.dry
+        if friction.viscous or friction.dry or friction.load
     ]
     coupled = ((motor.name, motor.friction) for motor in plan.scene.coupled)
     rubs += [(name, friction) for name, friction in coupled if friction.viscous or friction.dry]
     if not rubs:
         return ["No friction."]
     lines = ["Friction, SI units:", *(f"  {name}: {_constants(friction)}" for name, friction in rubs)]
-    if any(friction.dry for _, friction in rubs):
+    if any(friction.dry or friction.load for _, friction in rubs):
         slip = plan.scene.slip_speed
         lines.append(f"Coulomb friction is smooth: {_SMOOTH} {slip!r}." if slip else _JUMPS)
     return lines

@@ -27,7 +27,7 @@ from robodyn.errors import InputError
 from robodyn.programs.vectors import narrowed_all
 from robodyn.robot.kinematics import Motion, accelerations, motions, poses, velocities
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_others
+from robodyn.scene.fit import refuse_load, refuse_others
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
 from robodyn.support.wording import figure, shown
@@ -60,6 +60,7 @@ def free_bodies(
     chains of up to 100 bodies.
     """
     refuse_others(model, scene)
+    refuse_load(scene)
     given: Mapping[str, ArrayLike] = columns or {}
     missing: Floats = np.zeros(model.n)
     if scene.constrained:

@@ -22,7 +22,7 @@ from robodyn.identify.excitation.search import on_grid, search
 from robodyn.identify.householder import triangular
 from robodyn.identify.structural import structural_base
 from robodyn.robot.model import Model
-from robodyn.scene.fit import refuse_constraints
+from robodyn.scene.fit import refuse_constraints, refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import LARGEST, Floats
 
@@ -79,6 +79,7 @@ def excite(
     """
     _check(scene, period, harmonics, rate)
     refuse_constraints(scene)
+    refuse_load(scene)
     bounds = bounds_of(model, scene, tuple(joints), max_acceleration)
     rows, rms = _random_rows(model, scene, bounds)
     base = structural_base(model, scene).within(rows, _APART)

@@ -27,7 +27,11 @@ def _columns(scene, rng):
     return {name: rng.normal(size=SAMPLES) for name in scene.columns}
 
 
-COUPLED_TOO = replace(BUSY_SCENE, coupled=(CoupledMotor("m", {"j1": 1.0, "j2": -0.5}, 1e-3, 20.0, Friction(0.3)),))
+COUPLED_TOO = replace(
+    BUSY_SCENE,
+    coupled=(CoupledMotor("m", {"j1": 1.0, "j2": -0.5}, 1e-3, 20.0, Friction(0.3)),),
+    friction={**BUSY_SCENE.friction, "j4": replace(BUSY_SCENE.friction["j4"], load=0.1)},
+)
 SYSTEMS = {
     "busy": lambda: (busy_robot(), BUSY_SCENE),
     "busy and coupled": lambda: (busy_robot(), COUPLED_TOO),

@@ -16,6 +16,7 @@ from robodyn.scene.scene import Scene
 NOTHING = {
     "viscous friction": Scene(friction={"shoulder": Friction()}),
     "coulomb friction": Scene(friction={"shoulder": Friction(stribeck=0.0)}),
+    "load friction": Scene(friction={"shoulder": Friction(load=0.0)}),
     "rotor inertia": Scene(rotor={"elbow": Rotor(0.0, -50.0), "waist": Rotor(1e-3, 0.0)}),
     "joint spring": Scene(spring={"elbow": Spring(0.0, 0.7)}),
     "payload": Scene(payloads=(Payload("flange", 0.0, (0.3, 0.2, 0.1)),)),
@@ -33,6 +34,7 @@ WHY = {
     "payload": "the scene has no payload",
     "external wrench": "the scene has no external wrench",
     "fluid": "the scene has no fluid",
+    "load friction": "no joint has friction that grows with load",
     "moving base": "the base is fixed",
     "mimic": "no joint mimics another",
 }
