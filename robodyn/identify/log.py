@@ -270,7 +270,7 @@ def noise_cutoff(tau: Floats, step: float) -> float:
 
     The amplitude spectrum (Welch's, Hann window) is above ten times that of the highest octave up to there, by
     medians over sixths of an octave, which see no single lines; and at least 1e-5 of the power is above. It lies
-    between 40 periods of the log, of which the filter leaves three quarters, and a fifth of the sampling rate.
+    between 60 periods of the log, of which the filter leaves five sixths, and a fifth of the sampling rate.
 
     Args:
         tau: (N, k) N m.
@@ -291,5 +291,5 @@ def noise_cutoff(tau: Floats, step: float) -> float:
         if band.any():
             loud = (np.median(power[band], axis=0) > floor) & (left[np.argmax(band)] > 1e-5 * left[0])
             found[loud] = high
-    lowest, highest = 40.0 / (len(tau) * step), 0.2 / step
+    lowest, highest = 60.0 / (len(tau) * step), 0.2 / step
     return float(f"{min(max(float(np.median(found)), lowest), highest):.2g}")

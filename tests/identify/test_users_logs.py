@@ -87,3 +87,7 @@ def test_what_explains_less_than_nothing_is_not_better(new, old, better):
 
 def test_joints_that_move_together_show_no_motor_of_their_difference(tmp_path):
     assert not identified(write(tmp_path / "log.csv", together=True))["coupled"]
+
+
+def test_a_short_log_is_compared_by_default(log):
+    assert "compared below 10 Hz over 3.9" in run("torques", URDF, log, "--measured").out
