@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
-from robodyn.dynamics.effects import coriolis, payload
+from robodyn.dynamics.effects import coriolis, gyroscopic_moment, payload
 from robodyn.dynamics.mass import mass_runner
 from robodyn.dynamics.plan import Plan, applied, loads, plan
 from robodyn.dynamics.runners import runner_of
@@ -40,7 +41,7 @@ def coriolis_matrix(
 
     Args:
         q: (..., nq), qd: (..., n), as for `inverse_dynamics`.
-        scene: its payloads; rotors, as they turn in place, add to M alone.
+        scene: its payloads, and rotors that have an axis; others, as they turn in place, add to M alone.
         executor, threads: as for `inverse_dynamics`.
 
     Returns:
@@ -65,7 +66,8 @@ def _runner(a_plan: Plan) -> Runner:
 def coriolis_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     """The program of C row by row."""
     model, sample = plan.model, plan.sample(tape)
-    terms = applied([coriolis.EFFECT, payload.EFFECT], sample, plan.scene)
+    sample = replace(sample, qdd=(0.0,) * model.n)
+    terms = applied([coriolis.EFFECT, payload.EFFECT, gyroscopic_moment.EFFECT], sample, plan.scene)
     rows = jacobian(loads(sample, terms).tau, [{rate: 1.0} for rate in sample.qd])
     rows = [[0.5 * x for x in row] for row in rows]
     mass = again(mass_runner(model, plan.scene).program, tape)

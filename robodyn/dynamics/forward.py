@@ -62,7 +62,8 @@ def accelerations(sample: Sample, terms: Terms, tau: Sequence[Scalar], scene: Sc
     free = floating_turns(model, joints)
 
     def solve(forces: Sequence[Scalar], rotors: Rotors) -> list[Scalar]:
-        qdd = articulated_body(model, joints, terms.inertias, biases, turned(forces, free, back=True), rotors)
+        own = turned(forces, free, back=True)
+        qdd = articulated_body(model, joints, terms.inertias, biases, own, rotors, terms.spins)
         return turned(qdd, free)
 
     if not terms.load:

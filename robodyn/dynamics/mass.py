@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results
 from robodyn.dynamics.effects import payload
-from robodyn.dynamics.effects.coupled_motor import reflected
+from robodyn.dynamics.effects.gyroscopic_moment import mass_entries
 from robodyn.dynamics.plan import applied, plan
 from robodyn.dynamics.recursions.newton_euler import mass_matrix as mass_matrix_of
 from robodyn.dynamics.runners import runner_of
@@ -47,11 +47,10 @@ def mass_matrix(
 def mass_runner(model: Model, scene: Scene) -> Runner:
     """Return the entries of M(q) row by row, ready to run."""
     a_plan = plan(model, scene)
-    armature = reflected(model, scene)
 
     def outputs(tape: Any) -> Any:
         sample = a_plan.sample(tape)
         inertias = applied([payload.EFFECT], sample, scene).inertias
-        return mass_matrix_of(model, sample.q, inertias, armature).ravel()
+        return mass_matrix_of(model, sample.q, inertias, mass_entries(sample, scene)).ravel()
 
     return runner_of(trace(outputs), a_plan)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robodyn.dynamics.arrays import arrays_of, results, zero_sources
-from robodyn.dynamics.effects import coupled_motor, rotor_inertia
+from robodyn.dynamics.effects import coupled_motor, gyroscopic_moment, rotor_inertia
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.recursions.momentum import momenta as momenta_of
 from robodyn.dynamics.runners import runner_of
@@ -100,7 +100,7 @@ def momenta(
         q, qd: (..., nq) and (..., n), as for `inverse_dynamics`.
         about: "origin" of the frame, "com", or (3,) the coordinates of a point in the frame [m].
         frame: "ground", whose axes gravity is given in, or the name of a link.
-        scene: its payloads and rotors count; gravity and springs make the potential energy.
+        scene: its payloads and rotors count, in L those with an axis; gravity and springs make the potential energy.
         executor, threads: as for `inverse_dynamics`.
 
     Raises:
@@ -134,6 +134,10 @@ def _point(about: ArrayLike) -> Point:
     return x, y, z
 
 
+_KINETIC = (rotor_inertia.EFFECT, coupled_motor.EFFECT, gyroscopic_moment.EFFECT)
+"""The effects that store kinetic energy."""
+
+
 def momentum_program(a_plan: Plan, view: View) -> Program:
     """Return the program of `COLUMNS`: mass centre, p, L, kinetic and potential energy."""
 
@@ -147,11 +151,12 @@ def momentum_program(a_plan: Plan, view: View) -> Program:
         kinetic, potential = whole.T, 0.0
         for effect in a_plan.effects:
             energy = effect.stored(sample, terms, a_plan.scene, joints)
-            if effect in (rotor_inertia.EFFECT, coupled_motor.EFFECT):
+            if effect in _KINETIC:
                 kinetic = kinetic + energy
             else:
                 potential = potential + energy
-        angular = whole.H - cross(about, whole.P)
+        spinning = gyroscopic_moment.angular_momentum(sample, a_plan.scene, joints)
+        angular = whole.H + spinning - cross(about, whole.P)
         return [*(R.T @ (centre - p)), *(R.T @ whole.P), *(R.T @ angular), kinetic, potential]
 
     return trace(outputs)

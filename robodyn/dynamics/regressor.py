@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
@@ -17,6 +17,7 @@ from robodyn.dynamics.effects import (
     coulomb_friction,
     coupled_motor,
     gravity,
+    gyroscopic_moment,
     inertia,
     moving_base,
     payload,
@@ -25,6 +26,7 @@ from robodyn.dynamics.effects import (
 )
 from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.effects.gyroscopic_moment import spins, with_spins
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.plan import Plan, applied, at_rest, loads, plan
@@ -77,7 +79,8 @@ def regressor(
 
     theta has ten parameters of each body (`INERTIAL`, with its payloads), of each hinge and slide `viscous`, `forward`
     and `backward` (Coulomb's torque at qd > 0 and, with its sign, at qd < 0) and, where the scene names it, `stribeck`;
-    and `rotor`, the inertia of its rotor times the square of the gear [kg m^2]; and the same of each coupled motor.
+    and `rotor`, the inertia of its rotor times the square of the gear [kg m^2], with its gyroscopic moments where the
+    scene says its axis; and the same of each coupled motor.
 
     Args:
         model, q, qd, qdd, scene, columns, executor, threads: as for `inverse_dynamics`.
@@ -108,7 +111,7 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
     refuse_constraints(plan.scene)
     theta = [tape.input("theta", k) for k, _ in enumerate(parameters(plan))]
     sample = plan.sample(tape)
-    linear = jacobian(_torques(plan, sample, iter(theta)), [{each: 1.0} for each in theta])
+    linear = jacobian(_torques(plan, sample, theta), [{each: 1.0} for each in theta])
     others = [effect for effect in plan.effects if effect not in _LINEAR and not effect.by_load]
     massless = replace(at_rest(sample), inertias=tuple(MASSLESS for _ in plan.model.bodies))
     for effect in others:
@@ -121,7 +124,8 @@ def regressor_program(plan: Plan, tape: Tape) -> Iterable[Scalar]:
 
 
 _MOTION = (gravity.EFFECT, inertia.EFFECT, coriolis.EFFECT, moving_base.EFFECT)
-_MOTORS = (viscous_friction.EFFECT, coulomb_friction.EFFECT, rotor_inertia.EFFECT, coupled_motor.EFFECT)
+_ROTORS = (rotor_inertia.EFFECT, coupled_motor.EFFECT, gyroscopic_moment.EFFECT)
+_MOTORS = (viscous_friction.EFFECT, coulomb_friction.EFFECT, *_ROTORS)
 _LINEAR = (*_MOTION, payload.EFFECT, *_MOTORS)
 """The effects that the parameters stand for."""
 
@@ -150,9 +154,10 @@ def _of_motor(name: str, friction: Friction, rotor: float) -> Iterator[tuple[str
     yield f"{name}.rotor", rotor
 
 
-def _torques(plan: Plan, sample: Sample, theta: Iterator[Scalar]) -> list[Scalar]:
+def _torques(plan: Plan, sample: Sample, values: Sequence[Scalar]) -> list[Scalar]:
     """Return the torques that parameters make."""
-    model, scene = plan.model, plan.scene
+    model, scene, theta = plan.model, plan.scene, iter(values)
+    of = dict(zip((name for name, _ in parameters(plan)), values, strict=True))
     inertias = []
     for _ in model.bodies:
         m, x, y, z, *moments = islice(theta, len(INERTIAL))
@@ -165,7 +170,8 @@ def _torques(plan: Plan, sample: Sample, theta: Iterator[Scalar]) -> list[Scalar
         moving = coupled_motor.speed_of(sample, turned), coupled_motor.acceleration_of(sample, turned)
         at_joint += coupled_motor.torques(turned, _motor_torque(theta, motor.friction, *moving, scene.slip_speed))
     terms = replace(applied(_MOTION, sample, scene), inertias=tuple(inertias)).with_torques(at_joint)
-    return loads(sample, terms).tau
+    spinning = ((spin, of[f"{spin.joint.name}.rotor"] * (1.0 / spin.gear)) for spin in spins(sample.model, scene))
+    return loads(sample, with_spins(terms, sample, spinning)).tau
 
 
 def _motor_torque(

@@ -8,6 +8,7 @@ from typing import Any
 
 from robodyn.dynamics.effects import coulomb_friction
 from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.gyroscopic_moment import spins, with_spins
 from robodyn.dynamics.plan import Plan, loads
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.dynamics.runners import runner_of
@@ -71,11 +72,15 @@ def _loads(plan: Plan, tape: Tape, theta: Sequence[Scalar], found: Variations) -
 def _with_joints(terms: Terms, sample: Sample, plan: Plan, x: Sequence[Scalar], each: Sequence[Variation]) -> Terms:
     """Return the terms with more friction, which is linear in its coefficients, and more inertia of rotors."""
     of = {body.joint.name: (i, body.joint) for i, body in enumerate(sample.model.bodies)}
-    torques = []
+    torques, spinning = [], []
+    rotors = {spin.joint.name: spin for spin in spins(sample.model, plan.scene)}
     for scalar, variation in zip(x, each, strict=True):
         i, joint = of[variation.joint]
         speed, friction = sample.speed(joint), variation.friction
         dry = coulomb_friction.torque(friction, speed, plan.scene.slip_speed) if friction.dry else 0.0
         torque = friction.viscous * speed + dry + variation.rotor * sample.acceleration(joint)
         torques.append((i, scalar * torque))
-    return terms.with_torques(torques)
+        if variation.rotor and joint.name in rotors:
+            spin = rotors[joint.name]
+            spinning.append((spin, scalar * (variation.rotor / spin.gear)))
+    return with_spins(terms.with_torques(torques), sample, spinning)

@@ -34,7 +34,8 @@ def calibrated(model: Model, names: Sequence[str], theta: Floats, scene: Scene =
         inertia, gear = rotor_of(joint, scene)
         reflected = found.get(f"{joint.name}.rotor", 0.0)
         if gear and (inertia or reflected):
-            rotors[joint.name] = Rotor(reflected / gear / gear, gear)
+            before = rotors.get(joint.name, Rotor(None))
+            rotors[joint.name] = replace(before, inertia=reflected / gear / gear, gear=gear)
     coupled = tuple(_coupled(motor, found) for motor in scene.coupled)
     return replace(scene, friction=friction, rotor=rotors, coupled=coupled)
 
@@ -64,13 +65,22 @@ def friction_toml(model: Model, scene: Scene, comment: Sequence[str] = ()) -> st
             blocks.append(_table(f"[friction.{key}]", _entries(friction_of(joint, scene))))
         if joint.name in scene.rotor:
             inertia, gear = rotor_of(joint, scene)
-            blocks.append(_table(f"[rotor.{key}]", (("inertia", repr(inertia)), ("gear", repr(gear)))))
+            values = (("inertia", repr(inertia)), ("gear", repr(gear)))
+            blocks.append(_table(f"[rotor.{key}]", (*values, *_carried(scene.rotor[joint.name]))))
     for motor in scene.coupled:
         turned = ", ".join(f"{toml_key(name)} = {part!r}" for name, part in motor.joints.items())
         rotor = ("inertia", repr(motor.inertia)), ("gear", repr(motor.gear))
         entries = ("name", toml_string(motor.name)), ("joints", f"{{ {turned} }}"), *rotor, *_entries(motor.friction)
         blocks.append(_table("[[coupled]]", entries))
     return "\n".join(blocks)
+
+
+def _carried(rotor: Rotor) -> Iterator[tuple[str, str]]:
+    """Yield keys and values of how a rotor stands, as far as it is said."""
+    if rotor.axis is not None:
+        yield "axis", repr([float(x) for x in rotor.axis])
+    if rotor.on:
+        yield "on", toml_string(rotor.on)
 
 
 def _entries(friction: Friction) -> Iterator[tuple[str, str]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robodyn.dynamics.effects.gyroscopic_moment import spins
 from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.errors import InputError
@@ -74,7 +75,8 @@ def identify(
         on_progress: called with a line at each stage.
 
     Raises:
-        InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice.
+        InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice; or the
+            scene says the axes of rotors.
     """
     refuse_load(scene)
     run = _begun(logs, validate, scene, 1.0 if validate else split, cutoff)
@@ -128,6 +130,9 @@ def _begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: fl
     """Go through the logs once for the largest speeds."""
     every = (*logs, *validate)
     model = every[0].model
+    for spin in spins(model, scene):
+        what = f"[rotor] {spin.joint.name} has an axis, and identify knows only rotors that turn in place"
+        raise InputError(what, remedy="leave axis and on out")
     measured = tuple(j for j in every[0].measured if all(j in log.measured for log in every))
     if not measured:
         raise InputError("the logs have no measured joint in common", remedy="identify them one by one")

@@ -41,7 +41,7 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
     """Return the motor and gear that drive a joint; None if the scene says nothing of them.
 
     Raises:
-        SceneError: the gear ratio of the description is 0.
+        SceneError: the gear ratio of the description is 0, or the rotor's gyroscopic moments count.
     """
     motor = scene.motor.get(joint.name)
     if motor is None:
@@ -52,6 +52,9 @@ def train_of(joint: Joint, scene: Scene) -> Train | None:
             f"[motor] {joint.name}: the gear ratio is 0", remedy="turns of the motor per turn of the joint"
         )
     rotor = scene.rotor.get(joint.name)
+    if rotor is not None and rotor.spins:
+        what = f"[motor] {joint.name}: its rotor has an axis, and motors are judged by rotors that turn in place"
+        raise SceneError(what, remedy="leave axis and on of [rotor] out, or [motor]")
     geared = joint.reduction != 1.0 or (rotor is not None and rotor.gear is not None)
     return Train(motor, gear, inertia, joint.kind != "prismatic" or geared)
 

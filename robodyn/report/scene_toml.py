@@ -36,6 +36,9 @@ def _sections(model: Model) -> Iterator[tuple[str, Sequence[str]]]:
     yield _FRICTION, _of_each("friction", single, lambda each: [("viscous", each.damping), ("coulomb", each.friction)])
     yield _SLIP, ["slip_speed = 0.001"]
     yield _ROTOR, _of_each("rotor", single, lambda each: [("inertia", each.rotor_inertia), ("gear", each.reduction)])
+    if carried := [joint for joint in single if joint.link]:
+        last, on = toml_key(carried[-1].name), toml_string(carried[-1].link)
+        yield _SPIN, [f"rotor.{last} = {{ inertia = 0.0001, gear = 100.0, axis = [0.0, 0.0, 1.0], on = {on} }}"]
     yield _MOTOR, _of_each("motor", own, _motor)
     if len(own) > 1:
         shares = ", ".join(f"{toml_key(joint.name)} = 1.0" for joint in own[-2:])
@@ -68,6 +71,8 @@ gear. For prismatic joints N and m/s."""
 _SLIP = "Coulomb friction grows over this speed, rad/s: f qd / sqrt(qd^2 + slip_speed^2)."
 _ROTOR = """Rotors, which add gear^2 inertia to a joint: inertia kg m^2 about the motor's axis, gear in turns of the
 motor per turn of the joint."""
+_SPIN = """Rotors whose gyroscopic moments count: on is the link that carries the rotor, without it the joint's parent;
+axis in the axes of that link, without it the joint's. One of them is enough."""
 _MOTOR = """Data sheets of motors, by which torques judges them: peak and continuous N m at the motor's shaft, a number
 or [[speed, torque], ...]; max_speed rad/s; efficiency of the gear; gear and inertia here or in rotor."""
 _COUPLED = """Motors that turn with a sum of joints, coefficient times speed, as in wrists: inertia kg m^2 of the rotor,

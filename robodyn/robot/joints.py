@@ -81,6 +81,7 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
     ranked = sorted(range(1, len(joints)), key=lambda i: order[joints[i].name])
     index = {joints[i].name: i for i in ranked}
     transmissions = {transmission.joint: transmission for transmission in description.transmissions}
+    links = {described.name: described.parent for described in description.joints}
     places: dict[int, tuple[int, int]] = {}
     coordinate = rate = 0
     for i in [0, *ranked]:
@@ -102,6 +103,7 @@ def numbered(joints: list[Joint], description: Description) -> list[Joint]:
                 offset=offset,
                 reduction=geared.reduction if geared else 1.0,
                 rotor_inertia=(geared.rotor_inertia or 0.0) if geared else 0.0,
+                link=links.get(joint.name, ""),
             )
         )
     return out

@@ -31,6 +31,7 @@ class Joint(Frozen):
         damping, friction: of the description [N m s/rad, N m].
         reduction: mechanical reduction of its transmission, 1 without one.
         rotor_inertia: of its transmission [kg m^2], 0 without one.
+        link: its parent link, "" where that is none of the description's.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Joint(Frozen):
     friction: float = 0.0
     reduction: float = 1.0
     rotor_inertia: float = 0.0
+    link: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,6 +55,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         for name in names:
             known(where, kind, name, valid, file)
     _check_loaded(scene, model, file)
+    _check_rotors(scene, model, file)
     _check_motors(scene, [body.joint.name for body in model.bodies], file)
     for loop in scene.loops:
         _check_loop(loop, model, file)
@@ -94,6 +95,8 @@ def _check_loaded(scene: Scene, model: Model, file: str | None) -> None:
             wrong = "is not known for a joint that a coupled motor turns"
         elif name in mimics:
             wrong = "is not known for a joint that follows another, or is followed"
+        elif name in scene.rotor and scene.rotor[name].spins:
+            wrong = "is not known for a joint whose rotor has an axis"
         elif scene.constrained:
             wrong = "is not known with loops, contacts or joints that do not drive"
         elif scene.uncertainty is not None:
@@ -170,6 +173,24 @@ def _check_motors(scene: Scene, joints: Collection[str], file: str | None) -> No
             what = f"[[coupled]] {shown(motor.name)}: a joint or another coupled motor has this name"
             raise SceneError(what, remedy="give each motor a name of its own", file=file)
         taken.add(motor.name)
+
+
+def _check_rotors(scene: Scene, model: Model, file: str | None) -> None:
+    """Raise unless it is clear which link carries each spinning rotor, and about which axis it spins."""
+    for i, body in enumerate(model.bodies):
+        joint, rotor = body.joint, scene.rotor.get(body.joint.name)
+        if rotor is None or not rotor.spins:
+            continue
+        where, on = f"[rotor] {joint.name}", rotor.on or joint.link
+        if not on:
+            raise SceneError(f'{where}: "on" is missing', remedy="name the link that carries the rotor", file=file)
+        known(where, "link", on, model.links, file)
+        if rotor.axis is None and model.links[on].body not in (i, body.parent):
+            what = f'{where}: "axis" is missing, and the joint is not on {shown(on)}'
+            raise SceneError(what, remedy="give it in the axes of that link", file=file)
+        if rotor.axis is not None and not (any(rotor.axis) and all(isfinite(x) for x in rotor.axis)):
+            what = f'{where}: "axis" is {list(rotor.axis)}'
+            raise SceneError(what, remedy="give a vector that is not zero", file=file)
 
 
 def _check_loop(loop: Loop, model: Model, file: str | None) -> None:

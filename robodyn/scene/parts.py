@@ -45,10 +45,19 @@ class Rotor(FrozenValue):
     Attributes:
         inertia: about its own axis [kg m^2]; None: that of the transmission, else 0.
         gear: turns of the motor per turn of the joint (rad/m if prismatic); None: that of the transmission, else 1.
+        axis: about which it spins at gear qd, in the axes of the link `on`; None: the joint's.
+        on: the link that carries it; "": the joint's parent.
     """
 
     inertia: float | None
     gear: float | None = None
+    axis: Vector | None = None
+    on: str = ""
+
+    @property
+    def spins(self) -> bool:
+        """Whether its gyroscopic moments count, as its axis or its carrier is said."""
+        return self.axis is not None or bool(self.on)
 
 
 @dataclass(frozen=True)

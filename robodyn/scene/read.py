@@ -125,7 +125,9 @@ def _coupled(table: SceneTable) -> CoupledMotor:
 
 
 def _rotor(table: SceneTable) -> Rotor:
-    rotor = Rotor(table.nonnegative("inertia"), table.number("gear", None))
+    inertia, gear, axis = table.nonnegative("inertia"), table.number("gear", None), table.vector("axis", None)
+    rotor = Rotor(inertia, gear, axis, table.text("on") if "on" in table.values else "")
+    table.known.append("on")
     table.finish()
     return rotor
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects.effect import Effect, Sample
+from robodyn.dynamics.effects.gyroscopic_moment import angular_momentum
 from robodyn.dynamics.effects.payload import EFFECT as PAYLOAD
 from robodyn.dynamics.plan import applied
 from robodyn.dynamics.recursions.momentum import momenta
@@ -85,7 +86,8 @@ def momentum(equations: Equations, q: Sequence[Scalar], qd: Sequence[Scalar]) ->
     sample = Sample(model, tuple(q), tuple(qd), (0.0,) * model.n)
     joints = sample.motions()
     whole, R = momenta(model.parents, joints, applied([PAYLOAD], sample, scene).inertias), joints[0].R
-    return Momentum(R @ whole.P, R @ (whole.H - cross(whole.mc, whole.P) / whole.m), whole.m)
+    spinning = angular_momentum(sample, scene, joints)
+    return Momentum(R @ whole.P, R @ (whole.H + spinning - cross(whole.mc, whole.P) / whole.m), whole.m)
 
 
 def kept(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from robodyn.dynamics.balance import power_lost, stored_energy
 from robodyn.dynamics.effects.effect import Effect, Sample
+from robodyn.dynamics.effects.gyroscopic_moment import angular_momentum
 from robodyn.dynamics.forward import accelerations
 from robodyn.dynamics.loops.closed_chain import ClosedChain
 from robodyn.dynamics.loops.local_coordinates import local_rates, moved, unit
@@ -171,7 +172,8 @@ class Equations:
         joints = sample.motions()
         energy = stored_energy(self.plan, sample, terms, joints)
         whole, R = momenta(self.model.parents, joints, terms.inertias), joints[0].R
-        P, H = R @ whole.P, R @ (whole.H - cross(whole.mc, whole.P) / whole.m)
+        spinning = angular_momentum(sample, self.scene, joints)
+        P, H = R @ whole.P, R @ (whole.H + spinning - cross(whole.mc, whole.P) / whole.m)
         return [*qdd, *self.drives(state.q, state.qd, given), energy, whole.T, *P, *H]
 
 

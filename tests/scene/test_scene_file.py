@@ -101,7 +101,7 @@ UNKNOWN = {
         *("actuated", "passive", "share", "weights", "contact", "contact_cost", "uncertainty"),
     ),
     "[friction]\na = { viscos = 1 }": ("viscous", "coulomb", "stribeck", "stribeck_velocity", "load"),
-    "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear"),
+    "[rotor]\na = { inertia = 1, ratio = 2 }": ("inertia", "gear", "axis", "on"),
     "[spring]\na = { stiffness = 1, k = 2 }": ("stiffness", "rest"),
     '[[payload]]\nlink = "a"\nmass = 1\ncentre = [0, 0, 0]': ("link", "mass", "com", "inertia"),
     '[[wrench]]\nlink = "a"\ntorque = [0, 0, 0]': ("link", "force", "moment", "point", "frame"),

@@ -44,7 +44,7 @@ KEYS += [
 KEYS += ["slip_speed", "initial", "drive", "joint_limits", "q", "qd", "torque", "kp", "kd", "reference", "contact"]
 KEYS += ["speed", "between_rows", "limit_spring", "damping"]
 KEYS += ["loop", "name", "kind", "to", "to_point", "axis", "to_axis", "rpy", "directions", "baumgarte"]
-KEYS += ["coupled", "joints", "uncertainty", "joint", "covariance"]
+KEYS += ["coupled", "joints", "on", "uncertainty", "joint", "covariance"]
 KEYS += ["frame", "motion", "density", "velocity", "volume", "centre", "drag_area", "", "é", "a b"]
 WORDS = ["5 %", "3 mm", "link", "base", "world", "moving", "fixed", "tool0", "fx", "", "\n", "\u202e"]
 DAMAGE = [b"[", b"]", b"{", b"=", b"'", b"1e999"]

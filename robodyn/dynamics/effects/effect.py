@@ -58,6 +58,8 @@ class Terms:
         at_joint: added to the torque at each body's joint.
         through_gear: the part of it that passes the gear: that of springs between links.
         load: by body, the share of the torque through the gear that friction adds, negative where qd is.
+        spins: (i, rate, moment) a unit of a rate's acceleration asks for this moment on body i, in its axes, besides
+            `inertias`; that of body i asks as much along the rate.
     """
 
     qd: tuple[Scalar, ...]
@@ -68,6 +70,7 @@ class Terms:
     at_joint: Mapping[int, Scalar] = field(default_factory=dict)
     through_gear: Mapping[int, Scalar] = field(default_factory=dict)
     load: Mapping[int, Scalar] = field(default_factory=dict)
+    spins: tuple[tuple[int, int, Array], ...] = ()
 
     def with_torques(self, torques: Iterable[tuple[int, Scalar]], through_gear: bool = False) -> Terms:
         """These terms with more torque at the joints of some bodies, given as (body, torque)."""

@@ -1,7 +1,7 @@
 """Rotor inertia: the motors' rotors turn G times as fast as their joints and add G^2 J qdd.
 
 The rotors' own gyroscopic moments on the links are not part of this model, as in MuJoCo's armature and the Robotics
-Toolbox.
+Toolbox; where a scene says a rotor's axis, `gyroscopic_moment` adds them.
 """
 
 from __future__ import annotations

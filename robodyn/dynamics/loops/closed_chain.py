@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robodyn.dynamics.effects import payload
-from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.gyroscopic_moment import mass_entries
 from robodyn.dynamics.forward import floating_turns, turned
 from robodyn.dynamics.loops.closure import Closure, Equations, held
 from robodyn.dynamics.loops.equation import Equation
@@ -127,7 +127,7 @@ class ClosedChain:
             InputError: nothing resists a joint.
         """
         n = self.model.n
-        M = composite_body(self.model, sample.motions(), terms.inertias, reflected(self.model, self.scene))
+        M = composite_body(self.model, sample.motions(), terms.inertias, mass_entries(sample, self.scene))
         root = Root(M, rates_inward(self.model), self.model.rates)
         columns = [root.inward([row.get(rate, 0.0) for rate in range(n)]) for row in J]
         rows = [{k: column[rate] for k, column in enumerate(columns)} for rate in range(n)]

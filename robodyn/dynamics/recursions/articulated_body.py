@@ -8,7 +8,7 @@ from math import hypot
 import numpy as np
 
 from robodyn.dynamics.recursions.elimination import Elimination
-from robodyn.programs.vectors import Array, Scalar, cross, skew
+from robodyn.programs.vectors import ZERO, Array, Scalar, cross, skew
 from robodyn.robot.kinematics import Motion, Wrench
 from robodyn.robot.model import Joint, Model
 from robodyn.solids.inertia.laws import Inertia, symmetric
@@ -85,13 +85,15 @@ def articulated_body(
     biases: Sequence[Wrench],
     forces: Sequence[Scalar],
     rotors: Mapping[tuple[int, int], float],
+    spins: Sequence[tuple[int, int, Array]] = (),
 ) -> list[Scalar]:
     """Return how much faster than in `motions` the coordinates accelerate: M^-1 (forces - J^T biases).
 
     Inward, from the tips to the base, a body answers to an acceleration x = (wd, a) with the wrench `A x + b`. Its
     joint, S being its axis, moves freely: with `U = A S`, `D = S . U + rotor` and `u = force - S . b` its parent feels
     `A - U U^T / D` and `b + U u / D`. Outward, `qdd = (u - U . x) / D`. A coordinate that moves several joints is
-    carried inward as a column of its own until a body carries them all, and so is one that a rotor couples with others.
+    carried inward as a column of its own until a body carries them all, and so is one that a rotor couples with others,
+    or with a body whose turning it resists.
 
     Source: Featherstone, *Rigid Body Dynamics Algorithms* (2008), table 7.1. Bodies accelerate here from what they do
     in `motions`, so that velocities are in `biases` alone; shared coordinates as in Jain, *Robot and Multibody
@@ -104,6 +106,8 @@ def articulated_body(
         biases: the wrench on each body, in its axes, that `motions` calls for and nothing else supplies.
         forces: n scalars, along the coordinates, those of a floating joint in the body's axes [N m or N].
         rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
+        spins: (i, rate, moment) what a unit of a coordinate's acceleration asks of body i, and that of body i of the
+            coordinate, besides: of rotors whose axes are fixed in body i [kg m^2].
 
     Returns:
         n scalars, those of a floating joint in the body's axes [rad/s^2 or m/s^2].
@@ -112,7 +116,9 @@ def articulated_body(
         InputError: nothing resists a joint.
     """
     A, b = [articulated(body) for body in inertias], [np.concatenate((bias.n, bias.f)) for bias in biases]
-    work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model, rotors)
+    work, joints_of, ends = Elimination(A, b, rotors, forces), *_coordinates(model, rotors, spins)
+    for i, rate, moment in spins:
+        work.G[i][rate] = work.G[i].get(rate, 0.0) + np.concatenate((moment, ZERO))
     for i, body in reversed(list(enumerate(model.bodies))):
         joint, (R, p, *_) = body.joint, motions[i]
         own = dict(enumerate(AXES[joint.kind], joint.rate))
@@ -139,11 +145,13 @@ def articulated_body(
     return y
 
 
-def _coordinates(model: Model, rotors: Mapping[tuple[int, int], float]) -> tuple[list[int], list[list[int]]]:
+def _coordinates(
+    model: Model, rotors: Mapping[tuple[int, int], float], spins: Sequence[tuple[int, int, Array]]
+) -> tuple[list[int], list[list[int]]]:
     """Return for each coordinate how many joints move with it, and for each body the shared ones that end there.
 
-    A shared coordinate ends at the outermost body that carries all the joints that it moves; coordinates that rotors
-    couple end together, where a body carries all their joints from below.
+    A shared coordinate ends at the outermost body that carries all the joints that it moves, and the rotors that spin
+    with it; coordinates that rotors couple end together, where a body carries all their joints from below.
     """
     bodies: dict[int, list[int]] = {}
     for i, body in enumerate(model.bodies):
@@ -155,6 +163,7 @@ def _coordinates(model: Model, rotors: Mapping[tuple[int, int], float]) -> tuple
         moved = [i for rate in group for i in bodies[rate]]
         if len(group) > 1:
             moved = [model.bodies[i].parent for i in moved]
+        moved += [i for i, rate, _ in spins if rate in group]
         for rate in group if len(moved) > 1 else ():
             counts[rate] = len(moved)
             ends[_common(model.parents, moved)].append(rate)

@@ -87,7 +87,7 @@ def _eliminated(unknown: int, rows: dict[int, dict[int, Scalar]], names: Sequenc
 
 
 def composite_body(
-    model: Model, motions: Sequence[Motion], inertias: Sequence[Inertia], rotors: Mapping[tuple[int, int], float]
+    model: Model, motions: Sequence[Motion], inertias: Sequence[Inertia], rotors: Mapping[tuple[int, int], Scalar]
 ) -> Entries:
     """M(q) as the entries (i, j), i <= j, that can be other than zero: pairs of joints of which one carries the other.
 
@@ -99,7 +99,7 @@ def composite_body(
     Args:
         model: of `aligned`.
         motions, inertias: of each body.
-        rotors: reflected rotor inertias, by coordinates i <= j [kg m^2 or kg].
+        rotors: what rotors add, by coordinates i <= j [kg m^2 or kg].
 
     Returns:
         A floating joint's entries are along its body's axes.
@@ -107,7 +107,7 @@ def composite_body(
     Accuracy: 1e-14 of the largest entry.
     """
     A: list[Array] = [articulated(body) for body in inertias]
-    entries: Entries = {pair: rotor for pair, rotor in rotors.items() if rotor}
+    entries: Entries = {pair: rotor for pair, rotor in rotors.items() if not known_zero(rotor)}
     for i, body in reversed(list(enumerate(model.bodies))):
         for rate, axis in enumerate(AXES[body.joint.kind], body.joint.rate):
             _column(entries, model, motions, i, rate, A[i][axis] * body.joint.multiplier)

@@ -135,7 +135,7 @@ def joint_torques(
 
 
 def mass_matrix(
-    model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Mapping[tuple[int, int], float]
+    model: Model, q: Sequence[Scalar], inertias: Sequence[Inertia], armature: Mapping[tuple[int, int], Scalar]
 ) -> Array:
     """M(q): column j is the torque of a unit acceleration of coordinate j alone, without speed or gravity.
 
@@ -145,7 +145,7 @@ def mass_matrix(
     Args:
         q: nq scalars.
         inertias: of each body.
-        armature: reflected rotor inertias, by coordinates i <= j [kg m^2].
+        armature: what rotors add, by coordinates i <= j [kg m^2].
 
     Returns:
         (n, n), symmetric by construction.

@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.coupled_motor import coupled_motors
 from robodyn.dynamics.effects.effect import Sample, Terms
+from robodyn.dynamics.effects.gyroscopic_moment import spins
 from robodyn.dynamics.effects.rotor_inertia import armatures
 from robodyn.dynamics.plan import applied
 from robodyn.equations.dae.connections import PLAIN, Anchors, Connection, directions, hinge, point, slide, weld
@@ -16,6 +17,7 @@ from robodyn.equations.dae.equations import Along, Equation, Sum, Turn
 from robodyn.equations.dae.state import State, state_of
 from robodyn.equations.dae.system import Matrices, System, matrices
 from robodyn.equations.ode import bias_plan
+from robodyn.errors import SceneError
 from robodyn.programs.vectors import IDENTITY, ZERO, Array, Scalar, length, product, rotation_from_rpy
 from robodyn.robot.model import Joint, Model
 from robodyn.scene.constraints import Loop
@@ -139,8 +141,11 @@ def posed(model: Model, scene: Scene, q: Sequence[Scalar], qd: Sequence[Scalar],
     """Return the robot in a state; `q`, `qd` and `tau` may be any scalar.
 
     Raises:
-        InputError: the scene does not fit the model.
+        InputError: the scene does not fit the model, or says the axes of rotors.
     """
+    for spin in spins(model, scene):
+        what = f"[rotor] {spin.joint.name} has an axis, and bodies on their own know only rotors that turn in place"
+        raise SceneError(what, remedy="leave axis and on out, or ask for another form of the equations")
     sample = Sample(model, tuple(q), tuple(qd), (0.0,) * model.n)
     terms = applied(bias_plan(model, scene).effects, sample, scene)
     centres = [inertia.centre_of_mass for inertia in terms.inertias]

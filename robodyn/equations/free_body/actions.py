@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.dynamics.effects import gyroscopic_moment
 from robodyn.dynamics.effects.effect import Effect, Sample
 from robodyn.dynamics.effects.external_wrench import acting
+from robodyn.dynamics.effects.gyroscopic_moment import spins
 from robodyn.dynamics.plan import at_rest
 from robodyn.dynamics.recursions.newton_euler import euler
 from robodyn.equations.free_body.types import Action, JointRow
@@ -20,11 +22,13 @@ from robodyn.scene.scene import Scene
 from robodyn.solids.inertia.laws import Inertia, about_centre
 from robodyn.support.floats import Floats
 
+SPINNING = gyroscopic_moment.EFFECT.name
 _LETTERS = {
     "viscous friction": "V",
     "coulomb friction": "C",
     "rotor inertia": "J",
-    "coupled motor": "M",
+    "coupled motor": "U",
+    SPINNING: "K",
     "joint spring": "S",
     "limit spring": "L",
 }
@@ -35,6 +39,7 @@ _OF_WRENCHES = {
     "loop forces": ("F", "G"),
     "contact forces": ("P", "Q"),
     "fluid": ("B", ""),
+    SPINNING: ("", "H"),
 }
 
 
@@ -60,9 +65,10 @@ class Applied(NamedTuple):
 
 
 def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) -> list[Applied]:
-    """Return the wrenches of the surroundings, of loops and of contacts, at the points of links where they act."""
+    """Return wrenches of the surroundings, of loops, of contacts and of spinning rotors, where they act on links."""
     places = {
         **{name: [(w.link, w.point) for w in acting(scene, cause)] for name, cause in _CAUSES.items()},
+        SPINNING: [(spin.link, (0.0, 0.0, 0.0)) for spin in spins(sample.model, scene) if spin.inertia],
         "fluid": [(immersed.link, immersed.centre) for immersed in scene.immersed],
     }
     out = []
@@ -73,12 +79,12 @@ def applied_wrenches(effects: tuple[Effect, ...], sample: Sample, scene: Scene) 
         letters = _OF_WRENCHES[effect.name]
         for k, ((i, loads), (link, point)) in enumerate(zip(found, places[effect.name], strict=True), 1):
             wrench = Wrench(*map(narrowed, loads))
-            symbols = (f"{letters[0]}{k}", f"{letters[1]}{k}" if letters[1] else "")
+            symbols = (f"{letters[0]}{k}" if letters[0] else "", f"{letters[1]}{k}" if letters[1] else "")
             _, R, p = sample.model.links[link]
             where = p + product(R, np.array(point))
             moment = wrench.n - np.cross(where, wrench.f)
             what = f"{effect.name} on {link}"
-            by = _CAUSES.get(effect.name, "surroundings")
+            by = "rotor" if effect.name == SPINNING else _CAUSES.get(effect.name, "surroundings")
             out.append(Applied(i, Action(effect.name, what, by, symbols, where, wrench.f, moment)))
     return out
 

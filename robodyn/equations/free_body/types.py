@@ -17,8 +17,8 @@ class Action:
     """A force and a moment on a body, in the body's axes.
 
     Attributes:
-        kind: "weight", "inertial", "reaction", "drive", "viscous friction", "coulomb friction", "rotor inertia", "joint
-            spring", "external wrench" or "fluid".
+        kind: "weight", "inertial", "reaction", "drive", "viscous friction", "coulomb friction", "rotor inertia",
+            "coupled motor", "gyroscopic moment", "joint spring", "external wrench" or "fluid".
         what: in words; by: the body, joint or thing that exerts it.
         symbols: of the force and of the moment; a joint's have its number, and a minus sign on the parent.
         point: (3,) where the force acts, from the body's origin [m].

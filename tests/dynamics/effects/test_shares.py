@@ -16,7 +16,7 @@ from robodyn.dynamics.effects.catalogue import EFFECTS
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.mass import mass_matrix
 from robodyn.dynamics.plan import Plan
-from robodyn.scene.parts import CoupledMotor, Friction
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.read import load_scene
 from robodyn.scene.scene import Scene
 
@@ -27,8 +27,10 @@ def _columns(scene, rng):
     return {name: rng.normal(size=SAMPLES) for name in scene.columns}
 
 
+SPINNING = {**BUSY_SCENE.rotor, "slide": Rotor(3e-4, -40.0, (0.0, 1.0, 0.2), "tool")}
 COUPLED_TOO = replace(
     BUSY_SCENE,
+    rotor=SPINNING,
     coupled=(CoupledMotor("m", {"j1": 1.0, "j2": -0.5}, 1e-3, 20.0, Friction(0.3)),),
     friction={**BUSY_SCENE.friction, "j4": replace(BUSY_SCENE.friction["j4"], load=0.1)},
 )

@@ -29,6 +29,7 @@ WHY = {
     "coulomb friction": "no joint has Coulomb friction",
     "rotor inertia": "neither the scene nor a transmission has a rotor inertia",
     "coupled motor": "the scene has no coupled motor",
+    "gyroscopic moment": "the scene says no rotor's axis",
     "joint spring": "the scene has no spring",
     "limit spring": "the scene has no springs at joint limits",
     "payload": "the scene has no payload",

@@ -1,0 +1,331 @@
+"""Gyroscopic moments: explicit rotors on mimic joints, closed forms, conservation, and every interface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.busy_robot import BUSY_SCENE, busy_parts, busy_robot
+from helpers.oracles import EPS, frictionless, random_state, robot, worst
+from helpers.small_robots import built, chain, joint, link
+
+import robodyn
+from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
+from robodyn.dynamics.effects import gyroscopic_moment, payload
+from robodyn.dynamics.effects.effect import Sample
+from robodyn.dynamics.plan import Plan, applied, plan
+from robodyn.dynamics.recursions.composite_body import composite_body
+from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.runners import runner_of
+from robodyn.dynamics.uncertain_parameters import variations
+from robodyn.dynamics.varied_loads import derivative_runner
+from robodyn.equations.dae.dae import dae_at
+from robodyn.errors import SceneError
+from robodyn.identify.calibrated_scene import calibrated, friction_toml
+from robodyn.loads.torques import torques
+from robodyn.scene.constraints import Loop
+from robodyn.scene.covariance import Covariance
+from robodyn.scene.motor import Motor
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor
+from robodyn.scene.read import parse_scene
+from robodyn.scene.scene import Scene
+from robodyn.scene.uncertainty import Uncertainty
+from robodyn.trajectory.robot_motion import motion
+
+SAMPLES = 20
+ROTORS = {
+    "j2": Rotor(0.04, -30.0, (0.3, -1.0, 0.5)),
+    "slide": Rotor(0.03, -40.0, (0.0, 1.0, 0.2), "tool"),
+    "j4": Rotor(0.2, 25.0, on="l1"),
+    "follower": Rotor(0.05, 12.0, (1.0, 2.0, -1.0), "l3"),
+    "finger": Rotor(0.08, 15.0, (1.0, 0.0, 0.0), "l4"),
+    "j1": Rotor(0.07, 20.0, on="l1"),
+}
+"""On parents, children, links beyond the joint, on another branch, and of mimic joints."""
+both = pytest.mark.parametrize("free", [False, True], ids=["fixed", "free"])
+
+
+def busy(free=False, **scene):
+    model, rng = busy_robot(free), np.random.default_rng(5)
+    surroundings = replace(BUSY_SCENE, rotor=ROTORS, **scene)
+    columns = {name: rng.normal(size=SAMPLES) for name in surroundings.columns}
+    return model, surroundings, random_state(model, rng, SAMPLES), columns
+
+
+def explicit(free=False):
+    """The busy robot with a body for each rotor, and payloads that take each one's inertia from its carrier."""
+    model, parts, taken = busy_robot(free), busy_parts(), []
+    for spin in gyroscopic_moment.spins(model, Scene(rotor=ROTORS)):
+        R = model.links[spin.link].R
+        a = R.T @ spin.axis
+        I = spin.inertia * np.outer(a, a)
+        name, moments = f"rotor {spin.joint.name}", I[np.triu_indices(3)]
+        ratio = spin.gear * spin.joint.multiplier
+        master = spin.joint.mimics or spin.joint.name
+        mimic = f'<mimic joint="{master}" multiplier="{ratio!r}"/>'
+        parts += [link(name, 0.0, inertia=moments), joint(f"spin {name}", spin.link, name, "continuous", a, more=mimic)]
+        taken.append(robodyn.Payload(spin.link, 0.0, inertia=tuple(-moments)))
+    scene = replace(BUSY_SCENE, rotor={}, payloads=(*BUSY_SCENE.payloads, *taken))
+    still = {name: Rotor(0.0, 1.0) for name in ROTORS}
+    return built(*parts, moving_base=free), replace(scene, rotor=still)
+
+
+@both
+def test_an_explicit_rotor_on_a_mimic_joint(free):
+    model, scene, (q, qd, qdd), columns = busy(free)
+    other, bare = explicit(free)
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
+    assert worst(robodyn.inverse_dynamics(other, q, qd, qdd, scene=bare, columns=columns), tau) <= 1e-12
+    M = robodyn.mass_matrix(model, q, scene=scene)
+    assert worst(robodyn.mass_matrix(other, q, scene=bare), M) <= 1e-12
+    found = robodyn.forward_dynamics(model, q, qd, tau, scene=scene, columns=columns)
+    assert worst(robodyn.forward_dynamics(other, q, qd, tau, scene=bare, columns=columns), found) <= 1e-11
+    C = robodyn.coriolis_matrix(model, q, qd, scene=scene)
+    assert worst(robodyn.coriolis_matrix(other, q, qd, scene=bare), C) <= 1e-12
+    one, two = robodyn.momenta(model, q, qd, scene=scene), robodyn.momenta(other, q, qd, scene=bare)
+    for part in ("linear", "angular", "kinetic", "potential"):
+        assert worst(getattr(two, part), getattr(one, part)) <= 1e-12
+
+
+def test_it_makes_a_difference():
+    model, scene, state, columns = busy()
+    plain = replace(scene, rotor={name: replace(rotor, axis=None, on="") for name, rotor in ROTORS.items()})
+    tau, without = (robodyn.inverse_dynamics(model, *state, scene=each, columns=columns) for each in (scene, plain))
+    assert worst(without, tau) >= 1e-3
+
+
+def test_closed_form():
+    """A turntable that carries a rotor across its axis: it tilts about the third with J G qd w."""
+    parts = [link("base"), link("table"), link("arm")]
+    parts += [joint("turn", "base", "table"), joint("spin", "table", "arm", axis=(1, 0, 0))]
+    model, scene = built(*parts), Scene(rotor={"spin": Rotor(2e-3, 50.0, (2.0, 0.0, 0.0))})
+    tau = robodyn.inverse_dynamics(model, [0.3, 0.1], [1.5, 4.0], [0.0, 2.0], scene=scene)
+    assert worst(tau, [0.0, 2500 * 2e-3 * 2.0]) <= 8 * EPS
+    wrench = runner_of(Plan(model, scene).wrenches(), Plan(model, scene))
+    sources = {"q": [[0.3, 0.1]], "qd": [[1.5, 4.0]], "qdd": [[0.0, 2.0]], "columns": np.empty((1, 0))}
+    values = wrench({name: np.array(each) for name, each in sources.items()}, 1, executor="numpy")[0]
+    c, s = np.cos(0.3), np.sin(0.3)
+    rate, across = 0.1 * 2.0, 0.1 * 1.5 * 4.0
+    assert worst(values[5:], [c * rate - s * across, s * rate + c * across, 0.0]) <= 8 * EPS
+
+
+@both
+def test_forward_is_the_inverse_of_inverse(free):
+    motors = (CoupledMotor("crossed", {"j4": 0.5, "follower": 0.7, "finger": -0.2}, 1e-3, 20.0),)
+    model, scene, state, columns = busy(free, coupled=motors)
+    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
+    for executor in ("numpy", "compiled"):
+        qdd = robodyn.forward_dynamics(model, *state[:2], tau, scene=scene, columns=columns, executor=executor)
+        assert worst(qdd, state[2]) <= 1e-11
+    M = robodyn.mass_matrix(model, state[0], scene=scene)
+    b = robodyn.bias_forces(model, *state[:2], scene=scene, columns=columns)
+    assert worst(np.einsum("kij,kj->ki", M, state[2]) + b, tau) <= 1e-13
+
+
+def test_composite_bodies():
+    model, scene, state, _ = busy()
+    straight = aligned(model)
+    for q in state[0][:3]:
+        sample = Sample(straight, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
+        inertias = applied([payload.EFFECT], sample, scene).inertias
+        M = np.zeros((model.n, model.n))
+        rotors = gyroscopic_moment.mass_entries(sample, scene)
+        for (i, j), value in composite_body(straight, sample.motions(), inertias, rotors).items():
+            M[i, j] = M[j, i] = value
+        assert worst(M, robodyn.mass_matrix(model, q, scene=scene)) <= 1e-13
+
+
+def test_beside_friction_that_grows_with_load():
+    """Of another joint: what the carrier's joint passes on has the rotor's moment in it."""
+    model, rotor = chain(3, skew=True), {"j3": Rotor(0.02, 30.0, (1.0, 0.0, 0.5)), "j2": Rotor(0.01, 10.0)}
+    scene = frictionless(model, rotor=rotor)
+    scene = replace(scene, friction={**scene.friction, "j2": Friction(load=0.2), "j1": Friction(load=0.1)})
+    q, qd, qdd = random_state(model, np.random.default_rng(4), SAMPLES)
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), qdd) <= 1e-11
+
+
+@both
+def test_derivatives(free):
+    model, scene, (q, qd, qdd), columns = busy(free, slip_speed=0.2)
+    inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene, columns=columns)
+    assert worst(inverse.dqdd, robodyn.mass_matrix(model, q, scene=scene)) <= 1e-13
+    step = 1e-6
+    for k in range(model.n):
+        move = step * np.eye(model.n)[k]
+        up, down = (
+            robodyn.inverse_dynamics(model, q, qd + sign * move, qdd, scene=scene, columns=columns) for sign in (1, -1)
+        )
+        assert worst(inverse.dqd[..., k], (up - down) / (2 * step), np.abs(inverse.dqd).max()) <= 1e-8
+        if not free:
+            up, down = (
+                robodyn.inverse_dynamics(model, q + sign * move, qd, qdd, scene=scene, columns=columns)
+                for sign in (1, -1)
+            )
+            assert worst(inverse.dq[..., k], (up - down) / (2 * step), np.abs(inverse.dq).max()) <= 1e-8
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
+    forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene, columns=columns)
+    found = np.einsum("kij,kjl->kil", inverse.dqdd, forward.dtau)
+    assert worst(found, np.broadcast_to(np.eye(model.n), found.shape)) <= 1e-9
+
+
+@both
+def test_regressor(free):
+    """All is in the columns of rotors; another inertia is theirs alone."""
+    model, scene, state, columns = busy(free)
+    found = robodyn.regressor(model, *state, scene=scene, columns=columns)
+    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
+    assert worst(found.Y @ found.theta + found.rest, tau) <= 1e-13
+    without = robodyn.regressor(model, *state, scene=replace(scene, rotor={}), columns=columns)
+    assert worst(found.rest, without.rest) <= 4 * EPS
+    theta = found.theta.copy()
+    theta[found.names.index("j4.rotor")] *= 1.7
+    heavier = {**ROTORS, "j4": replace(ROTORS["j4"], inertia=1.7 * ROTORS["j4"].inertia)}
+    tau = robodyn.inverse_dynamics(model, *state, scene=replace(scene, rotor=heavier), columns=columns)
+    assert worst(found.Y @ theta + found.rest, tau) <= 1e-13
+
+
+def test_a_calibrated_scene_keeps_axis_and_carrier():
+    model, scene, state, columns = busy()
+    found = robodyn.regressor(model, *state, scene=scene, columns=columns)
+    written = parse_scene(friction_toml(model, calibrated(model, found.names, found.theta, scene)).encode())
+    for name, rotor in ROTORS.items():
+        assert (written.rotor[name].axis, written.rotor[name].on) == (rotor.axis, rotor.on)
+        assert abs(written.rotor[name].inertia - rotor.inertia) <= 4 * EPS * rotor.inertia
+
+
+def test_its_share_is_what_it_adds():
+    model, scene, state, columns = busy()
+    plain = replace(scene, rotor={name: replace(rotor, axis=None, on="") for name, rotor in ROTORS.items()})
+    tau, without = (robodyn.inverse_dynamics(model, *state, scene=each, columns=columns) for each in (scene, plain))
+    a_plan = Plan(model, replace(scene, wrenches=()))
+    sources = dict(zip(("q", "qd", "qdd"), state, strict=True)) | {"columns": np.empty((SAMPLES, 0))}
+    share = runner_of(a_plan.share(gyroscopic_moment.EFFECT), a_plan)(sources, SAMPLES, executor="numpy")
+    assert worst(share, tau - without, np.abs(tau).max()) <= 1e-14
+
+
+@both
+def test_free_bodies_and_laws_balance(free):
+    model, scene, state, columns = busy(free)
+    found = robodyn.free_bodies(
+        model, *(each[0] for each in state), scene=scene, columns={name: x[0] for name, x in columns.items()}
+    )
+    assert max(found.residual_force, found.residual_moment) <= 1e-13
+    assert {action.kind for body in found.bodies for action in body.actions} >= {"gyroscopic moment"}
+    checks = torques(model, motion(model, np.arange(SAMPLES) * 1.0, *state, columns=columns), scene).checks
+    assert max(checks.first_law, checks.second_law, checks.power) <= 1e-13
+
+
+def test_kinetic_energy_is_that_of_the_mass_matrix():
+    model, scene, (q, qd, _), _ = busy()
+    M = robodyn.mass_matrix(model, q, scene=scene)
+    kinetic = robodyn.momenta(model, q, qd, scene=scene).kinetic
+    assert worst(kinetic, 0.5 * np.einsum("ki,kij,kj->k", qd, M, qd)) <= 1e-13
+
+
+def test_coriolis_matrix_is_christoffels():
+    model, scene, (q, qd, _), _ = busy()
+    C = robodyn.coriolis_matrix(model, q, qd, scene=scene)
+    step = 1e-6
+    ahead, behind = (robodyn.mass_matrix(model, q + sign * step * qd, scene=scene) for sign in (1, -1))
+    skew = (ahead - behind) / (2 * step) - 2.0 * C
+    assert worst(skew, -skew.transpose(0, 2, 1), np.abs(C).max()) <= 1e-8
+
+
+def test_simulation_balances_energy():
+    model = chain(3, skew=True)
+    one, two, three = model.joint_names
+    rotors = {three: Rotor(2e-3, 30.0, (1.0, 0.0, 0.0)), two: Rotor(1e-3, 20.0, on="l2")}
+    scene = frictionless(model, rotor=rotors, joint_limits="ignore", initial_qd={one: 1.0, three: 2.0})
+    result = robodyn.simulate(model, scene, duration=0.5, step=1e-3)
+    assert result.energy_drift <= 1e-9 * result.figures.energy.max()
+
+
+def test_a_free_robot_keeps_its_angular_momentum():
+    """A gyroscope in a free box: turned about its gimbal, the box precesses; the momentum of both stays."""
+    parts = [
+        link("box", 5.0, inertia=(0.2, 0, 0, 0.3, 0, 0.25)),
+        link("frame", 0.5, inertia=(0.01, 0, 0, 0.01, 0, 0.01)),
+    ]
+    parts += [link("mark", 0.1, (0.1, 0, 0), (1e-3, 0, 0, 1e-3, 0, 1e-3))]
+    parts += [joint("gimbal", "box", "frame", axis=(0, 1, 0)), joint("wheel", "frame", "mark", "continuous")]
+    model = built(*parts, moving_base=True)
+    rotor = {"wheel": Rotor(2e-3, 80.0, (0.0, 0.6, 0.8), "frame")}
+    initial = {"gimbal": 0.7, "wheel": 3.0, "base_wx": 0.2, "base_vy": 0.1}
+    scene = Scene((0.0, 0.0, 0.0), rotor=rotor, moving_base=True, joint_limits="ignore", initial_qd=initial)
+    result = robodyn.simulate(model, scene, duration=0.5, step=1e-3)
+    L = robodyn.momenta(model, result.q, result.qd, scene=scene).angular
+    assert np.abs(L).max() >= 0.1
+    assert worst(L, np.broadcast_to(L[0], L.shape)) <= 1e-9
+
+
+def test_a_closed_chain_balances_energy():
+    model = chain(3)
+    ends = Loop("closure", "l3", (1.0, 0.0, 0.0), to_point=(1.2, 0.9, 0.0), directions=((1, 0, 0), (0, 1, 0)))
+    rotors = {"j3": Rotor(2e-3, 30.0, on="l3"), "j2": Rotor(1e-3, -20.0, (1.0, 0.0, 1.0), "l2")}
+    initial = {"initial_q": {"j1": 0.3, "j2": 0.9, "j3": 0.9}, "initial_qd": {"j1": 1.0}}
+    scene = frictionless(model, rotor=rotors, loops=(ends,), joint_limits="ignore", **initial)
+    result = robodyn.simulate(model, scene, duration=0.3, step=1e-3)
+    assert np.ptp(result.q[:, 0]) >= 0.1
+    assert result.energy_drift <= 1e-9 * result.figures.energy.max()
+
+
+def test_scene_file():
+    text = (
+        b'[rotor]\nelbow = { inertia = 1e-4, gear = 50, axis = [0, 1, 0], on = "upper arm" }\nwaist = { inertia = 1 }'
+    )
+    rotors = parse_scene(text).rotor
+    assert rotors == {"elbow": Rotor(1e-4, 50.0, (0.0, 1.0, 0.0), "upper arm"), "waist": Rotor(1.0)}
+    assert [rotor.spins for rotor in rotors.values()] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("rotor", "says"),
+    [
+        (Rotor(1e-4, 1.0, (0.0, 0.0, 0.0)), '[rotor] j2: "axis" is [0.0, 0.0, 0.0]'),
+        (Rotor(1e-4, 1.0, on="l9"), "[rotor] j2: the robot has no link 'l9'"),
+        (Rotor(1e-4, 1.0, on="tool"), "\"axis\" is missing, and the joint is not on 'tool'"),
+    ],
+)
+def test_what_is_wrong_is_said(rotor, says):
+    with pytest.raises(SceneError) as caught:
+        robodyn.inverse_dynamics(busy_robot(), 0.0, 0.0, 0.0, scene=Scene(rotor={"j2": rotor}))
+    assert says in str(caught.value)
+
+
+def test_where_it_is_not_known_it_is_refused():
+    model = chain(2, skew=True)
+    scene = frictionless(model, rotor={"j2": Rotor(1e-3, 10.0, (1.0, 0.0, 0.0))}, motor={"j2": Motor(peak=1.0)})
+    state, loaded = np.ones((9, 2)), {"j2": Friction(load=0.1)}
+    for ask in (
+        lambda: dae_at(model, replace(scene, motor={}), *state[:3]),
+        lambda: torques(model, motion(model, np.arange(9) * 0.1, state, state, state), scene),
+        lambda: robodyn.inverse_dynamics(model, *state[:3], scene=replace(scene, friction=loaded)),
+    ):
+        with pytest.raises(SceneError) as caught:
+            ask()
+        assert "j2" in str(caught.value)
+        assert "axis" in str(caught.value)
+
+
+@both
+def test_uncertain_rotors_move_loads_as_the_regressor_says(free):
+    model, scene, state, columns = busy(free)
+    Y, theta, names, _ = robodyn.regressor(model, *state, scene=scene, columns=columns)
+    some = [k for k, name in enumerate(names) if name.endswith(".rotor")]
+    known = Covariance(tuple(names[k] for k in some), theta[some], np.diag(theta[some] ** 2))
+    uncertain = replace(scene, uncertainty=Uncertainty(covariance=known))
+    found = variations(model, uncertain)
+    runner = derivative_runner(plan(model, uncertain), found, [[(k, 1.0)] for k in range(model.n)])
+    sources = dict(zip(("q", "qd", "qdd"), state, strict=True))
+    sources |= {"columns": np.array([*columns.values()]).T, "theta": np.zeros((SAMPLES, len(found.jacobian)))}
+    by_theta = runner(sources, SAMPLES).reshape(SAMPLES, model.n, -1) @ found.jacobian
+    moving = [k for k in some if theta[k]]
+    assert worst(by_theta, Y[..., moving] * theta[moving]) <= 1e-13
+
+
+def test_absent_or_idle_it_costs_nothing():
+    model = robot("puma560")
+    idle = Scene(rotor={"elbow": Rotor(0.0, 50.0, (1.0, 0.0, 0.0))})
+    assert Plan(model, idle).torques() == Plan(model, Scene(rotor={"elbow": Rotor(0.0, 50.0)})).torques()
