@@ -18,7 +18,6 @@ from helpers.program_values import evaluated
 from helpers.small_robots import body_numbers, built, joint, link, numbers, random_tree
 
 from robodyn.dynamics.effects.catalogue import EFFECTS
-from robodyn.dynamics.effects.coupled_motor import reflected
 from robodyn.dynamics.effects.effect import Sample
 from robodyn.dynamics.forward import acceleration_program, accelerations, forward_dynamics
 from robodyn.dynamics.inverse import inverse_dynamics
@@ -46,7 +45,7 @@ def _qdd(model, q, qd, tau, scene, columns=None):
     terms = applied(EFFECTS, sample, scene)
     if isinstance(tau[0], mpmath.mpf):
         terms = replace(terms, inertias=tuple(Inertia(*(x * mpmath.mpf(1) for x in body)) for body in terms.inertias))
-    return accelerations(sample, terms, list(tau), reflected(model, scene))
+    return accelerations(sample, terms, list(tau), scene)
 
 
 def _tau(model, q, qd, qdd, scene, columns=None):
