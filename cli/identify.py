@@ -108,6 +108,8 @@ def _refusal(found: Identified) -> tuple[str, str] | None:
     """Return why nothing is to be written, and a remedy."""
     if found.faults:
         return "; ".join(found.faults), "mend the columns, see --map"
+    if not found.explains:
+        return "most of the torques is left unexplained", "are torques in N m, and is it a log of this robot?"
     if not found.better:
         return "held-out torques are explained no better than by the description", "log a more exciting motion"
     return None

@@ -52,7 +52,8 @@ NO_DIGITS = {
     "identify.consistent": "the same",
     "identify.structure": "least squares of torques that are measured to four digits",
     "identify.triangle": "the same",
-    "identify.identify": "whether bodies can exist, and sums of filters",
+    "identify.conclude": "whether bodies can exist",
+    "identify.run": "a first guess, by which outliers are told",
     "identify.link_inertias": "a sign, and a share of three digits",
     "scene.covariance": "a sign",
 }

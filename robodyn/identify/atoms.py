@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.regressor import INERTIAL, Regressor, regressor
-from robodyn.identify.log import Samples
 from robodyn.identify.motors import Motor
+from robodyn.identify.samples import Samples
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats

@@ -128,7 +128,7 @@ def compare(
         channels=right,
         faults=found.faults,
         gross=_explained(difference, found.difference),
-        notes=(*log.notes, *notes),
+        notes=(*log.notes, *log.doubts, *notes),
         curves=Curves(time[inside] - log.start, routed.measured[inside], computed, explained, speed, friction),
     )
 

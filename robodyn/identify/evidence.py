@@ -9,8 +9,9 @@ import numpy as np
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import TrajectoryError
 from robodyn.identify.fault_columns import Evidence
-from robodyn.identify.log import Log, Samples
+from robodyn.identify.log import Log
 from robodyn.identify.rows import filtered
+from robodyn.identify.samples import Samples
 from robodyn.robot.model import Model
 from robodyn.support.floats import Floats
 

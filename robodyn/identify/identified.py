@@ -10,6 +10,8 @@ from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
 
+_HALF = 0.5
+
 
 @dataclass(frozen=True)
 class Errors:
@@ -70,7 +72,8 @@ class Identified:
         consistent: whether every body that is shown can exist.
         unseen: bodies of which no torque of the log shows anything.
         rows: that were compared, of all joints; samples: rows of the logs.
-        faults: torques that are exchanged or have the wrong sign, a line each, which are among the warnings.
+        faults: torques that are exchanged or have the wrong sign, and units that are doubtful, a line each, which are
+            among the warnings.
         warnings: one line each.
     """
 
@@ -99,6 +102,11 @@ class Identified:
     hashes: Mapping[str, str]
     faults: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    @property
+    def explains(self) -> bool:
+        """Whether less than half of held-out torques (of all, where none are held out) is left."""
+        return (self.held_out or self.train).relative_error < _HALF
 
     @property
     def better(self) -> bool:

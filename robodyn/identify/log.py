@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from robodyn.errors import TrajectoryError
+from robodyn.identify.noise_cutoff import noise_cutoff
+from robodyn.identify.samples import Grid, Samples
 from robodyn.identify.spikes import limits, mended
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
@@ -25,34 +26,10 @@ GAP = 4.5
 """So many steps without a row part a log in stretches."""
 _EVEN = 1e-3
 """Stamps that are off an even grid by less than this part of a step are taken for even."""
-_LOUD = 10.0
-"""Times the noise: torques that are compared."""
-_HALO = 8
-"""Rows on either side that an interpolated value sees."""
 _FEWEST = 64
 """Rows below which nothing is compared."""
 _SIGHT, _NOISE = 1 << 17, 1 << 13
 """Samples from whose torques, and from whose positions, the noise is told."""
-
-
-class Samples(NamedTuple):
-    """Consecutive samples on an even grid.
-
-    Attributes:
-        time: (k,) s; q: (k, nq); qd, qdd: (k, n); tau: (k, n) N m, zero where nothing is measured.
-        begins: whether a stretch begins with them.
-    """
-
-    time: Floats
-    q: Floats
-    qd: Floats
-    qdd: Floats
-    tau: Floats
-    begins: bool
-
-    def cut(self, rows: slice, begins: bool) -> Samples:
-        """Return some of the samples."""
-        return Samples(self.time[rows], self.q[rows], self.qd[rows], self.qdd[rows], self.tau[rows], begins)
 
 
 @dataclass(frozen=True)
@@ -67,7 +44,8 @@ class Log:
         derived: whether velocities or accelerations are missing.
         cutoff: above which torques are noise [Hz].
         spikes: (n,) how far off their neighbours torques are left out [N m].
-        notes: what was assumed and left out, one line each.
+        held: joints without columns, and where.
+        notes: what was assumed and left out, one line each; doubts: why its units may be others.
     """
 
     path: str
@@ -84,7 +62,9 @@ class Log:
     derived: bool
     cutoff: float
     spikes: Floats
+    held: Mapping[str, float]
     notes: tuple[str, ...]
+    doubts: tuple[str, ...]
 
     @property
     def noisy(self) -> bool:
@@ -148,63 +128,104 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
     if any(body.joint.kind == "floating" for body in model.bodies):
         raise TrajectoryError("the base moves freely, and what carries it is not measured", remedy="fix the base")
     options = {**options, "hold": options.get("hold") or "rest", "measured": True}
-    time: list[Floats] = []
-    seen: list[Trajectory] = []
-    first: Floats | None = None
-    varying = np.zeros(model.n, dtype=bool)
+    scan = _Scan(model)
     with _reader(path, model, scene, {**options, "derivatives": "none"}) as reader:
         for block in reader.blocks():
-            time.append(block.time)
-            tau = measured_torques(block, model)
-            first = tau[0] if first is None else first
-            varying |= (tau != first).any(axis=0)
-            if sum(map(len, seen)) < _SIGHT:
-                seen.append(block)
-            last = block
+            scan.add(block)
         notes, missing = reader.notes, reader.missing
     derive = bool(missing) and options.get("derivatives", "auto") == "auto"
-    noise = _noise(seen[0]) if derive else 0.0
+    noise = _noise(scan.seen[0]) if derive else 0.0
     if noise:
         options["derivatives"] = "none"
-    measured = tuple(i for i, name in enumerate(model.rates) if f"tau_{name}" in last.extra)
-    if not measured:
-        what = "gives no torque of a joint: no column tau_<joint> and no effort"
-        raise TrajectoryError(what, remedy="name one by --map tau_JOINT=COLUMN", file=path)
-    constant = [i for i in measured if not varying[i]]
-    if len(constant) == len(measured):
-        what = "no measured torque ever changes: nothing was measured"
-        raise TrajectoryError(what, remedy="is it the right log, and are torques recorded?", file=path)
-    measured = tuple(i for i in measured if varying[i])
-    stamps = np.concatenate(time)
-    steps = np.diff(stamps)
-    if len(steps) < _FEWEST:
-        raise TrajectoryError(f"has {len(steps) + 1} rows, too few to compare", remedy=f"give {_FEWEST}", file=path)
-    step = float(np.median(steps))
-    near = steps[steps < GAP * step]
-    step = float(near.mean())
-    tau = np.concatenate([measured_torques(block, model) for block in seen])[:_SIGHT]
+    measured, constant = scan.measured(path)
+    step, even = scan.grid(path)
+    tau = np.concatenate([measured_torques(block, model) for block in scan.seen])[:_SIGHT]
     spikes = limits(tau)
-    constants = [f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant]
-    spiked = [f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf]
-    tau = mended(tau, spikes)[:, measured]
-    held = tuple(f"{name} is held at {position:.6g}" for name, position in last.held.items())
-    return Log(
-        path,
-        model,
-        scene,
-        options,
-        measured,
-        float(stamps[0]),
-        float(stamps[-1]),
-        step,
-        len(steps) + 1,
-        bool(np.abs(near - step).max() < _EVEN * step),
-        noise,
-        bool(missing),
-        noise_cutoff(tau, step) if cutoff is None else cutoff,
-        spikes,
-        (*notes, *held, *constants, *spiked, *(doubt.said for doubt in last.doubts)),
+    notes = (
+        *notes,
+        *(f"{name} is held at {position:.6g}" for name, position in scan.last.held.items()),
+        *(f"the torque of {model.rates[i]} is {tau[0, i]:.6g} throughout: it is left out" for i in constant),
+        *(f"the torque of {model.rates[i]} has spikes, which are left out" for i in measured if spikes[i] < np.inf),
     )
+    return Log(
+        path=path,
+        model=model,
+        scene=scene,
+        options=options,
+        measured=measured,
+        start=scan.start,
+        stop=scan.stop,
+        step=step,
+        samples=scan.rows,
+        even=even,
+        noise=noise,
+        derived=bool(missing),
+        cutoff=noise_cutoff(mended(tau, spikes)[:, measured], step) if cutoff is None else cutoff,
+        spikes=spikes,
+        held=scan.last.held,
+        notes=notes,
+        doubts=tuple(doubt.said for doubt in scan.last.doubts),
+    )
+
+
+@dataclass
+class _Scan:
+    """What a first pass over a log tells, in memory that does not grow with it.
+
+    Attributes:
+        seen: the first blocks; last: the last one; rows: of the table.
+    """
+
+    model: Model
+    seen: list[Trajectory] = field(default_factory=list)
+    rows: int = 0
+    start: float = 0.0
+    stop: float = 0.0
+    _first: Floats | None = None
+    _varying: Floats | None = None
+    _typical: float = 0.0
+    _steps: list[float] = field(default_factory=lambda: [0.0, 0.0, np.inf, 0.0])
+
+    def add(self, block: Trajectory) -> None:
+        """Take in the next block."""
+        tau = measured_torques(block, self.model)
+        if self._first is None or self._varying is None:
+            self._first, self._varying, self.start = tau[0], np.zeros(self.model.n), float(block.time[0])
+            self._typical = float(np.median(np.diff(block.time))) if len(block) > 1 else 0.0
+        steps = np.diff(block.time, prepend=self.stop) if self.rows else np.diff(block.time)
+        near = steps[steps < GAP * self._typical]
+        if len(near):
+            count, total, least, most = self._steps
+            self._steps = [
+                count + len(near),
+                total + float(near.sum()),
+                min(least, float(near.min())),
+                max(most, float(near.max())),
+            ]
+        self._varying = np.maximum(self._varying, np.abs(tau - self._first).max(axis=0))
+        self.rows, self.stop, self.last = self.rows + len(block), float(block.time[-1]), block
+        if sum(map(len, self.seen)) < _SIGHT:
+            self.seen.append(block)
+
+    def measured(self, path: str) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Return which torques are measured, as places in the rates, and which of the columns never change."""
+        there = [i for i, name in enumerate(self.model.rates) if f"tau_{name}" in self.last.extra]
+        if not there or self._varying is None:
+            what = "gives no torque of a joint: no column tau_<joint> and no effort"
+            raise TrajectoryError(what, remedy="name one by --map tau_JOINT=COLUMN", file=path)
+        varying = tuple(i for i in there if self._varying[i] > 0.0)
+        if not varying:
+            what = "no measured torque ever changes: nothing was measured"
+            raise TrajectoryError(what, remedy="is it the right log, and are torques recorded?", file=path)
+        return varying, tuple(i for i in there if i not in varying)
+
+    def grid(self, path: str) -> tuple[float, bool]:
+        """Return the mean step where there is no gap [s], and whether all such steps are alike."""
+        if self.rows <= _FEWEST:
+            raise TrajectoryError(f"has {self.rows} rows, too few to compare", remedy=f"give {_FEWEST}", file=path)
+        count, total, least, most = self._steps
+        step = total / count
+        return step, max(step - least, most - step) < _EVEN * step
 
 
 def _noise(block: Trajectory) -> float:
@@ -216,80 +237,3 @@ def _noise(block: Trajectory) -> float:
 
 def _reader(path: str, model: Model, scene: Scene, options: Mapping[str, Any]) -> TrajectoryReader:
     return read_motion(path, model, scene, **options)
-
-
-class Grid:
-    """Puts rows with uneven stamps onto an even grid: motion by cubic splines, torques by straight lines."""
-
-    def __init__(self, step: float) -> None:
-        self._step, self._next, self._begins = step, 0.0, True
-        self._rows: Samples | None = None
-
-    def feed(self, part: Samples) -> Iterator[Samples]:
-        """Yield the samples up to some rows before the end of a part."""
-        if part.begins:
-            yield from self.finish()
-            self._rows, self._next, self._begins = None, float(part.time[0]), True
-        rows = part if self._rows is None else joined(self._rows, part)
-        self._rows = rows
-        if len(rows.time) > _HALO:
-            yield from self._until(float(rows.time[-_HALO]))
-            first = max(0, int(np.searchsorted(rows.time, self._next)) - _HALO)
-            self._rows = rows.cut(slice(first, None), False)
-
-    def finish(self) -> Iterator[Samples]:
-        """Yield what is left of a stretch."""
-        if self._rows is not None:
-            yield from self._until(float(self._rows.time[-1]))
-
-    def _until(self, stop: float) -> Iterator[Samples]:
-        from scipy.interpolate import CubicSpline
-
-        rows = self._rows
-        count = int(np.floor((stop - self._next) / self._step * (1.0 + 1e-12))) + 1
-        if rows is None or count < 1 or len(rows.time) < 4:
-            return
-        time: Floats = np.asarray(self._next + self._step * np.arange(count))
-        motion = CubicSpline(rows.time, np.concatenate([rows.q, rows.qd, rows.qdd], axis=1))(time)
-        q, qd, qdd = np.split(motion, [rows.q.shape[1], rows.q.shape[1] + rows.qd.shape[1]], axis=1)
-        tau = np.stack([np.interp(time, rows.time, column) for column in rows.tau.T], axis=1)
-        yield Samples(time, q, qd, qdd, tau, self._begins)
-        self._next, self._begins = float(time[-1]) + self._step, False
-
-
-def joined(first: Samples, second: Samples) -> Samples:
-    """Return consecutive samples as one."""
-    time, q, qd, qdd, tau = (
-        np.concatenate([getattr(part, name) for part in (first, second)]) for name in Samples._fields[:-1]
-    )
-    return Samples(time, q, qd, qdd, tau, first.begins)
-
-
-def noise_cutoff(tau: Floats, step: float) -> float:
-    """Return the frequency [Hz] above which torques are noise, rounded to two digits: the median of the joints.
-
-    The amplitude spectrum (Welch's, Hann window) is above ten times that of the highest octave up to there, by
-    medians over sixths of an octave, which see no single lines; and at least 1e-5 of the power is above. It lies
-    between 60 periods of the log, of which the filter leaves five sixths, and a fifth of the sampling rate.
-
-    Args:
-        tau: (N, k) N m.
-    """
-    length = max(64, 1 << int(np.log2(max(len(tau) // 4, 1))))
-    window = np.hanning(length)[:, None]
-    power = np.zeros((length // 2 + 1, tau.shape[1]))
-    for start in range(0, max(1, len(tau) - length + 1), length // 2):
-        part = tau[start : start + length]
-        power += np.abs(np.fft.rfft(window[: len(part)] * (part - part.mean(axis=0)), length, axis=0)) ** 2
-    frequency = np.fft.rfftfreq(length, step)
-    floor = _LOUD**2 * np.median(power[len(power) // 2 :], axis=0)
-    left = np.cumsum(power[::-1], axis=0)[::-1]
-    found = np.zeros(tau.shape[1])
-    edges = frequency[1] * 2.0 ** np.arange(0.0, np.log2(len(power) - 1), 1.0 / 6.0)
-    for low, high in pairwise(edges):
-        band = (frequency >= low) & (frequency < high)
-        if band.any():
-            loud = (np.median(power[band], axis=0) > floor) & (left[np.argmax(band)] > 1e-5 * left[0])
-            found[loud] = high
-    lowest, highest = 60.0 / (len(tau) * step), 0.2 / step
-    return float(f"{min(max(float(np.median(found)), lowest), highest):.2g}")

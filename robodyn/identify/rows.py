@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from robodyn.identify.filters import convolved, decimation, kernel, rates
-from robodyn.identify.log import Log, Samples
+from robodyn.identify.log import Log
+from robodyn.identify.samples import Samples
 from robodyn.support.floats import Floats
 
 POSITIONS = 2.5

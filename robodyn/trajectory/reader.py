@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 BLOCK_ROWS = 1 << 15
 _PIECES, _PIECE_ROWS = 16, 4096
+_FEW, _OFTEN = 3, 0.9
 
 
 class TrajectoryReader:
@@ -122,7 +123,7 @@ class TrajectoryReader:
             if len(samples) < needed:
                 self._refuse_short(len(samples), needed)
             block = self._derived(samples, self._plan, start, stop) if self._plan else cut(samples, start, stop)
-            plausible.update(block)
+            plausible.update(block if self._plan or not self.missing else _with_rough_speeds(block))
             self.doubts = plausible.doubts()
             yield replace(block, derivation=self.derivation, notes=self.notes, doubts=self.doubts)
 
@@ -172,6 +173,15 @@ class TrajectoryReader:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _with_rough_speeds(block: Trajectory) -> Trajectory:
+    """Return a block with high differences of its positions, which no turn of 2 pi is among, for velocities of zero."""
+    if len(block) < _FEW or block.q.shape != block.qd.shape:
+        return block
+    steps = np.quantile(np.abs(np.diff(block.q, axis=0)), _OFTEN, axis=0)
+    rough = steps / float(np.median(np.diff(block.time)))
+    return replace(block, qd=np.where(block.qd.any(axis=0), block.qd, rough))
 
 
 def _begun(layout: Layout, table: Table) -> Layout:

@@ -13,7 +13,7 @@ from robodyn.identify.choose import joint_motors
 from robodyn.identify.correlated import covariance
 from robodyn.identify.filters import convolved, decimation, kernel
 from robodyn.identify.gather import Gathered, Guess
-from robodyn.identify.log import Samples
+from robodyn.identify.samples import Samples
 from robodyn.identify.structure import Structure, fitted, system
 from robodyn.scene.scene import DEFAULT
 

@@ -9,7 +9,8 @@ from helpers.command_line import ROBOTS
 import robodyn
 from robodyn.errors import TrajectoryError
 from robodyn.identify.filters import convolved, decimation, kernel, rates
-from robodyn.identify.log import noise_cutoff, read_log
+from robodyn.identify.log import read_log
+from robodyn.identify.noise_cutoff import noise_cutoff
 from robodyn.identify.rows import filtered, states
 
 ARM = ROBOTS / "two_link_planar.urdf"

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import polars
+import polars.selectors
 import pytest
 from helpers.command_line import ROBOTS, run
 
@@ -13,6 +16,8 @@ import robodyn
 from robodyn import Friction, Scene
 from robodyn.identify.identified import Errors, Identified
 
+DATA = Path(__file__).parents[1] / "data" / "tx40_log"
+TX40 = str(DATA / "tx40.urdf")
 URDF = str(ROBOTS / "scara.urdf")
 JOINTS = ("shoulder", "elbow", "quill")
 FRICTION = {
@@ -91,3 +96,37 @@ def test_joints_that_move_together_show_no_motor_of_their_difference(tmp_path):
 
 def test_a_short_log_is_compared_by_default(log):
     assert "compared below 10 Hz over 3.9" in run("torques", URDF, log, "--measured").out
+
+
+@pytest.mark.parametrize(
+    ("factors", "said"),
+    [({"time": 1e3}, "are the stamps milliseconds?"), ({"q_": np.degrees(1.0)}, "are these degrees?")],
+)
+def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):
+    log, out = tx40(tmp_path, factors), tmp_path / "out.urdf"
+    outcome = run("identify", TX40, log, "--out", str(out))
+    assert outcome.status == 2
+    assert said in outcome.err
+    assert not out.exists()
+
+
+def test_torques_in_other_units_weigh_too_much(tmp_path):
+    outcome = run("identify", TX40, tx40(tmp_path, {"tau_": 1e3}), "--cutoff", "40")
+    assert "times what is described: are torques in N m?" in outcome.out
+
+
+def test_joints_that_are_held_are_told_once(tmp_path):
+    outcome = run("identify", TX40, tx40(tmp_path, {}, leave_out="joint_6"), "--cutoff", "40")
+    assert [line.rpartition(": ")[2] for line in outcome.out.splitlines() if "joint_6" in line] == [
+        "joint_6 is held at 0"
+    ]
+
+
+def tx40(folder, factors, leave_out="nothing"):
+    """The real log with columns in other units."""
+    table = polars.read_parquet(DATA / "log.parquet")
+    for begin, factor in factors.items():
+        table = table.with_columns(polars.selectors.starts_with(begin) * factor)
+    path = folder / "log.parquet"
+    table.drop(polars.selectors.ends_with(leave_out)).write_parquet(path)
+    return str(path)
