@@ -19,7 +19,7 @@ from robodyn.errors import InputError
 from robodyn.support.files import whole_file
 
 if TYPE_CHECKING:
-    from robodyn.identify.identified import Identified
+    from robodyn.identification.identified import Identified
     from robodyn.robot.model import Model
 
 SPLIT = 0.7
@@ -56,8 +56,8 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
       robodyn identify robot.urdf log.parquet --out calibrated.urdf
       robodyn identify robot.urdf 1.mcap 2.mcap --validate 3.mcap --out calibrated.urdf --scene-out friction.toml
     """
-    from robodyn.identify.identify import identify
-    from robodyn.identify.log import Log, read_log
+    from robodyn.identification.identify import identify
+    from robodyn.identification.log import Log, read_log
     from robodyn.report.identified import identified_page, identified_sections
     from robodyn.report.json.identified import identified_json
 
@@ -123,8 +123,8 @@ def _progress(stage: str) -> None:
 
 def _write(found: Identified, model: Model, outputs: dict[str, str | None], payloads: Any) -> str:
     """Write what is asked for, after all of it is made; return lines that say so."""
-    from robodyn.identify.calibrated_scene import friction_toml
-    from robodyn.identify.calibrated_urdf import calibrated_urdf, lost_meshes
+    from robodyn.identification.calibrated_scene import friction_toml
+    from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
 
     comment = _comment(found)
     files: list[tuple[str, bytes]] = []
@@ -138,7 +138,7 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None], payl
     if out := outputs["scene_out"]:
         files.append((out, friction_toml(model, found.scene, comment).encode()))
     if out := outputs["covariance"]:
-        from robodyn.identify.outcome import covariance
+        from robodyn.identification.outcome import covariance
         from robodyn.scene.covariance import covariance_json
 
         files.append((out, covariance_json(covariance(found))))

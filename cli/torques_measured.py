@@ -8,7 +8,7 @@ from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect,
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready
 from robodyn.errors import InputError
-from robodyn.identify.compare import compare
+from robodyn.identification.compare import compare
 from robodyn.report.json.measured import measured_json
 from robodyn.report.measured import measured_page, measured_sections
 

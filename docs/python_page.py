@@ -34,6 +34,8 @@ TOPICS = {
         "linearize",
         "export",
         "excite",
+        "read_log",
+        "identify",
         "mass_properties",
         "check",
     ),

@@ -35,7 +35,9 @@ if TYPE_CHECKING:
     from robodyn.equations.free_body.bodies import free_bodies as free_bodies
     from robodyn.equations.linearized.linearize import linearize as linearize
     from robodyn.errors import RobodynError as RobodynError
-    from robodyn.identify.excitation.excite import excite as excite
+    from robodyn.identification.excitation.excite import excite as excite
+    from robodyn.identification.identify import identify as identify
+    from robodyn.identification.log import read_log as read_log
     from robodyn.loads.torques import torques as torques
     from robodyn.robot.assemble import load as load
     from robodyn.robot.model import Model as Model
@@ -82,7 +84,9 @@ _HOMES = {
     "equations.free_body.bodies": ("free_bodies",),
     "equations.linearized.linearize": ("linearize",),
     "errors": ("RobodynError",),
-    "identify.excitation.excite": ("excite",),
+    "identification.excitation.excite": ("excite",),
+    "identification.identify": ("identify",),
+    "identification.log": ("read_log",),
     "loads.torques": ("torques",),
     "robot.assemble": ("load",),
     "robot.model": ("Model",),

@@ -20,7 +20,7 @@ ORDER = [
     ("robot",),
     ("scene",),
     ("dynamics", "trajectory"),
-    ("equations", "identify", "loads", "simulation"),
+    ("equations", "identification", "loads", "simulation"),
     ("checks", "measure"),
     ("report",),
     ("cli",),

@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from math import inf
 
-from robodyn.identify.excitation.bounds import MARGIN
-from robodyn.identify.excitation.result import Excitation, Information, JointSwing
+from robodyn.identification.excitation.bounds import MARGIN
+from robodyn.identification.excitation.result import Excitation, Information, JointSwing
 from robodyn.report.document import (
     Block,
     Document,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robodyn.identify.identified import Errors, Identified, MotorFit
+from robodyn.identification.identified import Errors, Identified, MotorFit
 from robodyn.report.document import Block, Document, Section, Table, Verdict, data_blocks, on_page, paragraphs, remarks
 from robodyn.report.json.identified import identified_json
 from robodyn.support.wording import count, figure, listed

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from robodyn.identify.compare import Comparison
-from robodyn.identify.fault_columns import DELAY, GAIN, OWN
+from robodyn.identification.compare import Comparison
+from robodyn.identification.fault_columns import DELAY, GAIN, OWN
 from robodyn.report.document import (
     Block,
     Document,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robodyn.identify.compare import Comparison, JointComparison
-from robodyn.identify.faults import Fault
+from robodyn.identification.compare import Comparison, JointComparison
+from robodyn.identification.faults import Fault
 from robodyn.report.table import printable
 
 _TOLD = 0.01

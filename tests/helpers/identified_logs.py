@@ -7,14 +7,14 @@ from itertools import pairwise
 import numpy as np
 
 from helpers import motion_classes
-from robodyn.identify.atoms import Atoms
-from robodyn.identify.base import base_of
-from robodyn.identify.choose import joint_motors
-from robodyn.identify.correlated import covariance
-from robodyn.identify.filters import convolved, decimation, kernel
-from robodyn.identify.gather import Gathered, Guess
-from robodyn.identify.samples import Samples
-from robodyn.identify.structure import Structure, fitted, system
+from robodyn.identification.atoms import Atoms
+from robodyn.identification.base import base_of
+from robodyn.identification.choose import joint_motors
+from robodyn.identification.correlated import covariance
+from robodyn.identification.filters import convolved, decimation, kernel
+from robodyn.identification.gather import Gathered, Guess
+from robodyn.identification.samples import Samples
+from robodyn.identification.structure import Structure, fitted, system
 from robodyn.scene.scene import DEFAULT
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import parameters
-from robodyn.identify.prior import prior_of
-from robodyn.identify.pseudo_inertia import parameters_of, pseudo_inertia
+from robodyn.identification.prior import prior_of
+from robodyn.identification.pseudo_inertia import parameters_of, pseudo_inertia
 from robodyn.scene.scene import DEFAULT
 
 SIGNS = {"viscous": 1.0, "forward": 1.0, "backward": -1.0, "rotor": 1.0}

@@ -14,9 +14,9 @@ from helpers.sampled import sampled
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
-from robodyn.identify.base import base_of
-from robodyn.identify.householder import solved, triangular
-from robodyn.identify.structural import random_rows, structural_base
+from robodyn.identification.base import base_of
+from robodyn.identification.householder import solved, triangular
+from robodyn.identification.structural import random_rows, structural_base
 from robodyn.robot.assemble import load
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene

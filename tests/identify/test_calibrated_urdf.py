@@ -14,8 +14,8 @@ from helpers.small_robots import joint, link, urdf
 from robodyn.checks.finding import Severity
 from robodyn.checks.run import check_one
 from robodyn.errors import InputError
-from robodyn.identify.calibrated_urdf import calibrated_urdf, lost_meshes
-from robodyn.identify.pseudo_inertia import parameters_of, pseudo_inertia
+from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes
+from robodyn.identification.pseudo_inertia import parameters_of, pseudo_inertia
 from robodyn.robot.assemble import assemble, load
 from robodyn.robot.masses.declared import declared
 from robodyn.robot.urdf.description import load_description

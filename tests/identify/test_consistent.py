@@ -13,10 +13,10 @@ from helpers.small_robots import built, joint, link, random_tree
 
 import robodyn
 from robodyn.errors import InputError
-from robodyn.identify.cones import BASIS, coordinates
-from robodyn.identify.consistent import MARGIN, consistent_parameters
-from robodyn.identify.prior import Prior, PriorBody, ellipsoid, prior_of
-from robodyn.identify.pseudo_inertia import divergence, parameters_of, pseudo_inertia
+from robodyn.identification.cones import BASIS, coordinates
+from robodyn.identification.consistent import MARGIN, consistent_parameters
+from robodyn.identification.prior import Prior, PriorBody, ellipsoid, prior_of
+from robodyn.identification.pseudo_inertia import divergence, parameters_of, pseudo_inertia
 from robodyn.solids.inertia.validity import Box
 
 NAMES = tuple(f"b.{part}" for part in ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"))

@@ -15,12 +15,12 @@ from helpers.oracles import ROBOTS, robot, worst
 import robodyn
 from robodyn.dynamics.plan import plan
 from robodyn.errors import InputError
-from robodyn.identify.excitation.bounds import bounds_of
-from robodyn.identify.excitation.excite import excite
-from robodyn.identify.excitation.fourier import Fourier
-from robodyn.identify.excitation.landscape import Landscape
-from robodyn.identify.excitation.programs import programs_of
-from robodyn.identify.structural import structural_base
+from robodyn.identification.excitation.bounds import bounds_of
+from robodyn.identification.excitation.excite import excite
+from robodyn.identification.excitation.fourier import Fourier
+from robodyn.identification.excitation.landscape import Landscape
+from robodyn.identification.excitation.programs import programs_of
+from robodyn.identification.structural import structural_base
 from robodyn.robot.assemble import load
 from robodyn.scene.parts import ExternalWrench, Friction
 from robodyn.scene.scene import DEFAULT, Scene

@@ -9,11 +9,11 @@ from helpers.identified_logs import quintics, waves, write_log
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
-from robodyn.identify.atoms import Atoms
-from robodyn.identify.choose import joint_motors
-from robodyn.identify.gather import Gathered, Guess, gather
-from robodyn.identify.identify import identify
-from robodyn.identify.log import read_log
+from robodyn.identification.atoms import Atoms
+from robodyn.identification.choose import joint_motors
+from robodyn.identification.gather import Gathered, Guess, gather
+from robodyn.identification.identify import identify
+from robodyn.identification.log import read_log
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
 

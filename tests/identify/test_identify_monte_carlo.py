@@ -16,9 +16,9 @@ from helpers.oracles import ROBOTS
 
 import robodyn
 from robodyn.dynamics.regressor import regressor
-from robodyn.identify.identify import identify
-from robodyn.identify.log import read_log
-from robodyn.identify.outcome import covariance
+from robodyn.identification.identify import identify
+from robodyn.identification.log import read_log
+from robodyn.identification.outcome import covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 

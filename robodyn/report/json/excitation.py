@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.identify.excitation.result import Excitation, Information
+from robodyn.identification.excitation.result import Excitation, Information
 from robodyn.report.json.encode import finite, select, written
 
 

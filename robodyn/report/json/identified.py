@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from robodyn.identify.identified import Errors, Identified
+from robodyn.identification.identified import Errors, Identified
 from robodyn.report.json.encode import encode, finite, select, written
 
 

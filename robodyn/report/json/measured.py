@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identify.compare import Comparison, JointComparison
-from robodyn.identify.fault_columns import OWN
-from robodyn.identify.faults import Fault
+from robodyn.identification.compare import Comparison, JointComparison
+from robodyn.identification.fault_columns import OWN
+from robodyn.identification.faults import Fault
 from robodyn.report.json.encode import select, written
 from robodyn.report.measured_words import fault_words
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from robodyn.identify.compare import Comparison
+from robodyn.identification.compare import Comparison
 from robodyn.report.document import Figure
 from robodyn.report.pictures.figures import BAD, SERIES, dots, few_ticks, plot
 from robodyn.report.pictures.panels import WIDE, panel, zero_lines

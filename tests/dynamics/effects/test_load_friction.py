@@ -17,7 +17,7 @@ from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
-from robodyn.identify.identify import identify
+from robodyn.identification.identify import identify
 from robodyn.report.scene_toml import scene_toml
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.read import parse_scene

@@ -1,0 +1,100 @@
+"""The columns that are filtered along a log: those of bodies, from the traced recursion, and those of motors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.regressor import INERTIAL, Regressor, regressor
+from robodyn.identification.motors import Motor
+from robodyn.identification.samples import Samples
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+_SEED, _STATES = 20, 8
+
+
+class Atoms:
+    """Columns by joint: of each joint those alone that its torque can show.
+
+    Attributes:
+        bodies: (b,) names of the parameters of bodies, as `robodyn.regressor` has them; described: their values.
+        names: (a,) of all columns: those of bodies, then `MOTOR.ATOM` of every motor.
+        used: for each measured joint the columns that are not always zero, as places in `names`.
+    """
+
+    def __init__(
+        self, model: Model, scene: Scene, measured: Sequence[int], motors: Sequence[Motor], slip_speed: float
+    ) -> None:
+        self.model, self.measured, self.motors, self.slip_speed = model, tuple(measured), tuple(motors), slip_speed
+        self._described = scene
+        self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={}, coupled=())
+        self._payloads = scene.payloads
+        rng = np.random.default_rng(_SEED)
+        found = self._regressor(*(rng.uniform(-2.0, 2.0, (_STATES, model.n)) for _ in range(3)))
+        self._inertial = [k for k, name in enumerate(found.names) if name.rpartition(".")[2] in INERTIAL]
+        self.bodies = tuple(found.names[k] for k in self._inertial)
+        self.described = found.theta[self._inertial]
+        seen = np.asarray(found.Y[:, :, self._inertial].any(axis=0))
+        self._of_bodies = [np.flatnonzero(seen[j]) for j in self.measured]
+        self.names = (*self.bodies, *(f"{motor.name}.{atom}" for motor in self.motors for atom in motor.atoms))
+        self.used = [
+            np.concatenate([of_bodies, *(each for _, _, each in self._of_motors(j))]).astype(int)
+            for j, of_bodies in zip(self.measured, self._of_bodies, strict=True)
+        ]
+
+    @property
+    def own(self) -> list[list[int]]:
+        """For each measured joint where in `used` its own motor's friction is, viscous and Coulomb's, and its rotor."""
+        wanted = [[f"{self.model.rates[j]}.{atom}" for atom in ("viscous", "sign", "rotor")] for j in self.measured]
+        places = [{self.names[k]: place for place, k in enumerate(used)} for used in self.used]
+        return [[place[name] for name in names] for place, names in zip(places, wanted, strict=True)]
+
+    def _of_motors(self, j: int) -> Iterator[tuple[int, float, NDArray[np.intp]]]:
+        """Yield place, share and columns of each motor that acts on a joint."""
+        start = len(self.bodies)
+        for k, motor in enumerate(self.motors):
+            stop = start + len(motor.atoms)
+            if motor.direction[j]:
+                yield k, float(motor.direction[j]), np.arange(start, stop)
+            start = stop
+
+    def _regressor(self, q: Floats, qd: Floats, qdd: Floats) -> Regressor:
+        return regressor(self.model, q, qd, qdd, scene=self._scene)
+
+    @property
+    def widths(self) -> list[int]:
+        """How many columns of `compute` belong to each measured joint: those in `used`, and two more."""
+        return [len(each) + 2 for each in self.used]
+
+    def compute(self, samples: Samples) -> Floats:
+        """Return (k, sum of widths): of each measured joint its columns, what is known, and the description's torque.
+
+        Springs, wrenches and payloads are known. All of the description's torque is `inverse_dynamics` in the scene.
+        """
+        found = self._regressor(samples.q, samples.qd, samples.qdd)
+        Y, known = found.Y, found.rest
+        if self._payloads:
+            known = known + self._of_payloads(samples)
+        described = inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=self._described)
+        motors = [list(motor.columns(samples.qd, samples.qdd, self.slip_speed)) for motor in self.motors]
+        columns: list[Floats] = []
+        for j, of_bodies in zip(self.measured, self._of_bodies, strict=True):
+            columns.append(Y[:, j, np.asarray(self._inertial)[of_bodies]])
+            columns += [share * column[:, None] for k, share, _ in self._of_motors(j) for column in motors[k]]
+            columns += [known[:, j : j + 1], described[:, j : j + 1]]
+        return np.concatenate(columns, axis=1)
+
+    def _of_payloads(self, samples: Samples) -> Floats:
+        """Return (k, n) the torques of the payloads alone."""
+        bare = Scene(gravity=self._scene.gravity)
+        loaded = replace(bare, payloads=self._payloads)
+        torques = (
+            inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=scene) for scene in (loaded, bare)
+        )
+        return next(torques) - next(torques)

@@ -1,0 +1,156 @@
+"""How a log is explained: which motors are coupled, how friction decays, how strongly the description draws."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.identification.consistent import consistent_parameters
+from robodyn.identification.gather import Gathered
+from robodyn.identification.motors import Motor
+from robodyn.identification.prior import Prior
+from robodyn.identification.structure import (
+    Structure,
+    counts,
+    fitted,
+    least_squares,
+    left_out,
+    squares,
+    system,
+    without_one,
+)
+from robodyn.robot.model import Model
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+SPEEDS = (0.01, 0.03, 0.1, 0.2, 0.4)
+"""Speeds of Stribeck's excess that are compared, in parts of a motor's largest."""
+_ROUNDED = 5.0
+"""Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
+_COUPLED = 0.5
+"""A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
+_WORTH, _CHANCE = 0.97, 15.0
+"""Stribeck's excess counts if it makes the squares of what is left so much less, and by so many mean squares: of five
+speeds the best takes more than that from noise in one of a thousand logs."""
+STRENGTHS = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
+"""Of the prior, in units of one standard deviation, that are compared."""
+
+
+def joint_motors(model: Model, largest: Floats) -> list[Motor]:
+    """Return the motor of every joint; `largest` (n,) is its largest speed."""
+    axes = np.eye(model.n)
+    return [
+        Motor(name, axes[j], float(largest[j]), tuple(part * float(largest[j]) for part in SPEEDS if largest[j]))
+        for j, name in enumerate(model.rates)
+    ]
+
+
+def scene_motors(model: Model, scene: Scene) -> list[Motor]:
+    """Return the coupled motors of a scene."""
+    return [
+        Motor(motor.name, np.array([motor.joints.get(name, 0.0) for name in model.rates]), 0.0)
+        for motor in scene.coupled
+    ]
+
+
+def coupled_motors(model: Model, measured: Sequence[int], known: Sequence[Motor]) -> list[Motor]:
+    """Return motors that turn with the sum or the difference of two joints, one after another in a chain.
+
+    Args:
+        known: coupled motors that are there already: none is tried that acts on a joint of theirs.
+    """
+    found = []
+    axes = np.eye(model.n)
+    taken = {int(j) for motor in known for j in np.flatnonzero(motor.direction)}
+    open_rates = set(measured) - taken
+    order = [body.joint.rate for body in model.bodies[1:]]
+    parents = {body.joint.rate: model.bodies[body.parent].joint.rate for body in model.bodies[1:] if body.parent > 0}
+    for j in dict.fromkeys(order):
+        i = parents.get(j)
+        if i is not None and i != j and {i, j} <= open_rates:
+            for sign, mark in ((1.0, "+"), (-1.0, "-")):
+                name = f"{model.rates[i]}{mark}{model.rates[j]}"
+                found.append(Motor(name, axes[i] + sign * axes[j], 0.0))
+    return found
+
+
+def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[tuple[Motor, float]]:
+    """Return the motors of two joints that explain much of what is left, and what part of its squares stays.
+
+    Of motors that share a joint the one that explains most.
+    """
+    _, sigma = fitted(gathered, folds, plain)
+    before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
+    ranked = []
+    measured = plain.atoms.measured
+    for k, motor in enumerate(plain.atoms.motors):
+        if k not in plain.stribeck:
+            other = plain.with_stribeck({k: None})
+            joints = [place for place, j in enumerate(measured) if motor.direction[j]]
+            part = float((left_out(gathered, folds, other, sigma) / before)[joints].mean())
+            if part < _COUPLED and _resists(gathered, folds, other, motor, sigma):
+                ranked.append((part, motor))
+    found: list[tuple[Motor, float]] = []
+    taken = np.zeros(plain.atoms.model.n)
+    for part, motor in sorted(ranked, key=lambda pair: pair[0]):
+        if not (taken * motor.direction).any():
+            found.append((motor, part))
+            taken += np.abs(motor.direction)
+    return found
+
+
+def _resists(gathered: Gathered, folds: Sequence[int], structure: Structure, motor: Motor, sigma: Floats) -> bool:
+    """Return whether a motor's friction, as least squares find it, slows it down."""
+    theta = dict(zip(structure.names, least_squares(*system(gathered, folds, structure, sigma)).tolist(), strict=True))
+    return bool(theta[f"{motor.name}.viscous"] > 0.0 and theta[f"{motor.name}.coulomb"] > 0.0)
+
+
+def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
+    """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
+    _, sigma = fitted(gathered, folds, plain)
+    best = {k: (1.0, plain.stribeck[k]) for k in plain.stribeck}
+    before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
+    places = {j: place for place, j in enumerate(plain.atoms.measured)}
+    worth = np.minimum(_WORTH, 1.0 - _CHANCE / np.maximum(counts(gathered, folds), 1.0))
+    for step in range(1, len(SPEEDS) + 1):
+        speeds = {
+            k: motor.stribeck[-step] for k in plain.stribeck if step <= len((motor := plain.atoms.motors[k]).stribeck)
+        }
+        ratio = left_out(gathered, folds, plain.with_stribeck(dict(speeds)), sigma) / before
+        for k, speed in speeds.items():
+            own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
+            if own and ratio[own[-1]] < min(float(worth[own[-1]]), best[k][0]):
+                best[k] = float(ratio[own[-1]]), speed
+    return plain.with_stribeck({k: speed for k, (_, speed) in best.items()})
+
+
+class Strength(NamedTuple):
+    """How strongly the description draws, and the relative error of what was left out for each strength."""
+
+    value: float
+    errors: dict[float, float]
+
+
+def strength(
+    gathered: Gathered, plain: Gathered, folds: Sequence[int], structure: Structure, prior: Prior, sigma: Floats
+) -> Strength:
+    """Return the strength whose fits of all folds but one explain that one best."""
+    errors: dict[float, float] = {}
+    rows = without_one(gathered, folds, structure, sigma)
+    total = float((plain.squares[list(folds)] / sigma**2).sum())
+    for value in STRENGTHS:
+        off = 0.0
+        for fold, (R, z) in zip(folds, rows, strict=True):
+            theta = consistent_parameters(R, z, prior, value).theta
+            off += float((squares(plain, fold, structure, theta) / sigma**2).sum())
+        errors[value] = float(np.sqrt(off / total))
+    return Strength(min(errors, key=lambda each: errors[each]), errors)
+
+
+def with_speeds(motor: Motor, largest: float, slip_speed: float) -> Motor:
+    """Return a motor whose largest speed is known; breakaway decays over more than a sign does that is rounded off."""
+    speeds = (part * largest for part in SPEEDS)
+    return replace(motor, scale=largest, stribeck=tuple(speed for speed in speeds if speed > _ROUNDED * slip_speed))

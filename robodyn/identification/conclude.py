@@ -1,0 +1,124 @@
+"""What was fitted, told: errors of what is fitted and held out, whether bodies can exist, warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robodyn.identification.gather import Gathered
+from robodyn.identification.identified import BaseFit, Errors, Identified
+from robodyn.identification.outcome import motor_fits, outcome
+from robodyn.identification.prior import Prior, PriorBody
+from robodyn.identification.pseudo_inertia import pseudo_inertia
+from robodyn.identification.run import FOLDS, RESTS, Run
+from robodyn.identification.structure import Structure, counts, squares
+from robodyn.support.floats import Floats
+
+_COSTLY, _ROUNDING, _UNLIKELY = 1.5, 1e-6, 5.0
+
+
+def _errors(run: Run, off: Floats, of: Floats) -> Errors:
+    """Return relative errors of sums of squares by joint."""
+    joints = {
+        run.model.rates[j]: _ratio(*pair) for j, *pair in zip(run.measured, off.tolist(), of.tolist(), strict=True)
+    }
+    return Errors(_ratio(float(off.sum()), float(of.sum())), joints)
+
+
+def _ratio(off: float, of: float) -> float:
+    return float(np.sqrt(off / of)) if of > 0.0 else 0.0
+
+
+def identified(
+    run: Run,
+    structure: Structure,
+    plain: Gathered,
+    fits: tuple[Floats, Floats],
+    base: BaseFit,
+    prior: Prior,
+    chosen: float,
+    ratios: dict[str, float],
+    faults: list[str],
+) -> Identified:
+    theta, _ = fits
+    train = list(range(FOLDS))
+
+    def errors(folds: list[int]) -> list[Errors]:
+        of = plain.squares[folds].sum(axis=0)
+        sums = [sum(squares(plain, fold, structure, each) for fold in folds) for each in fits]
+        return [_errors(run, np.asarray(off), of) for off in (*sums, plain.described[folds].sum(axis=0))]
+
+    fitted_errors = errors(train)
+    held = errors([FOLDS]) if run.holds and plain.squares[FOLDS].any() else [None] * 3
+    found = outcome(run.model, run.scene, structure, theta, run.slip_speed)
+    return Identified(
+        run.model,
+        found.scene,
+        found.names,
+        found.described,
+        found.theta,
+        base,
+        motor_fits(structure, theta),
+        ratios,
+        fitted_errors[0],
+        held[0],
+        fitted_errors[1],
+        held[1],
+        fitted_errors[2],
+        held[2],
+        chosen,
+        run.cutoff,
+        run.slip_speed,
+        _possible([body for body in prior.bodies if base.base.matrix[:, body.columns].any()], theta),
+        tuple(body.name for body in prior.bodies if not base.base.matrix[:, body.columns].any()),
+        int(counts(plain, range(FOLDS + 1)).sum()),
+        sum(log.samples for log in run.logs),
+        sum(log.stop - log.start for log in run.logs),
+        {log.path: log.sha256 for log in run.logs},
+        tuple(faults),
+        (
+            *faults,
+            *_warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
+            *_weights(prior, np.asarray(base.base.matrix.any(axis=0)), theta),
+        ),
+    )
+
+
+def _possible(bodies: Sequence[PriorBody], theta: Floats) -> bool:
+    """Return whether the pseudo-inertia of every body that is shown is positive definite."""
+    return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in bodies)
+
+
+def _weights(prior: Prior, shown: NDArray[np.bool_], theta: Floats) -> Iterator[str]:
+    """Yield a warning if the bodies that the log shows weigh far more or less than described."""
+    places = [body.columns.start for body in prior.bodies if shown[body.columns].any()]
+    described, found = (float(np.sum(each[places])) for each in (prior.theta, theta))
+    if places and not 1.0 / _UNLIKELY < found / described < _UNLIKELY:
+        yield f"bodies weigh {found / described:.3g} times what is described: are torques in N m?"
+
+
+def _warnings(
+    run: Run, prior: Prior, ratios: dict[str, float], off: tuple[Errors, Errors], held: bool
+) -> tuple[str, ...]:
+    """Return what was assumed and what cannot be told, a line each."""
+    lines = [f"{log.path}: {note}" for log in run.logs for note in log.notes]
+    names = run.model.rates
+    still = {name for log in run.logs for name in log.held}
+    unmeasured = [name for j, name in enumerate(names) if j not in run.measured and name not in still]
+    lines += [f"joint {name} has no measured torque" for name in unmeasured]
+    resting = [name for name in names if run.directions[name].scale <= RESTS and name not in still]
+    lines += [f"joint {name} rests: nothing is shown of its friction" for name in resting]
+    for name, part in ratios.items():
+        lines.append(
+            f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"
+        )
+    if off[0].relative_error > _COSTLY * off[1].relative_error + _ROUNDING:
+        lines.append(
+            f"least squares fit {100.0 * off[1].relative_error:.2f}%, bodies and motors that can exist no better than "
+            f"{100.0 * off[0].relative_error:.2f}%: an effect is missing, or a torque has the wrong sign or joint"
+        )
+    if not held:
+        lines.append("nothing is held out: the errors are of what was fitted")
+    return (*lines, *prior.notes)

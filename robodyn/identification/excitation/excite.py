@@ -1,0 +1,216 @@
+"""A motion that shows a robot's parameters: what `robodyn excite` finds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from robodyn.dynamics.inverse import inverse_dynamics
+from robodyn.dynamics.plan import plan
+from robodyn.dynamics.regressor import regressor
+from robodyn.errors import InputError
+from robodyn.identification.base import Base
+from robodyn.identification.excitation.bounds import Bounds, bounds_of
+from robodyn.identification.excitation.fourier import Fourier
+from robodyn.identification.excitation.landscape import Landscape
+from robodyn.identification.excitation.motion import PERIOD_SAMPLES, Motion, sine, within_limits
+from robodyn.identification.excitation.programs import programs_of
+from robodyn.identification.excitation.result import Excitation, Information, JointSwing
+from robodyn.identification.excitation.search import on_grid, search
+from robodyn.identification.householder import triangular
+from robodyn.identification.structural import structural_base
+from robodyn.robot.model import Model
+from robodyn.scene.fit import refuse_constraints, refuse_load
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import LARGEST, Floats
+
+PERIOD, HARMONICS, RATE = 10.0, 5, 200.0
+"""[s], of the series, and rows per second."""
+MOST_HARMONICS = 20
+NOISE = 0.01
+"""Of the effort limit: standard deviation of a torque that is measured, where none is given."""
+_STARTS, _MANY = 4, 32
+"""Places where the search begins, at most; fewer where so many joints move in all of them together."""
+_FINE = 32
+"""Samples of a period per harmonic of the search."""
+_ROOM = 0.99
+"""Of the effort limits that the search may use, so that what lies between its samples keeps them too."""
+_SLIP = 0.02
+"""Of the lowest speed limit: where Coulomb friction turns in the search, which needs slopes."""
+_APART = 1e-5
+"""Of a column's length: what a motion shows less of depends on the others, see `Base.within`."""
+
+
+def excite(
+    model: Model,
+    scene: Scene = DEFAULT,
+    *,
+    period: float = PERIOD,
+    harmonics: int = HARMONICS,
+    rate: float = RATE,
+    joints: Sequence[str] = (),
+    max_acceleration: float | None = None,
+    noise: Sequence[float] | Mapping[str, float] | None = None,
+    seed: int = 0,
+) -> Excitation:
+    """Return a motion whose torques tell the base parameters well, within all limits, at rest at both ends.
+
+    Method: Fourier series (Swevers and others 1997) with the largest `log det sum Y^T W Y` of base columns Y that is
+    found (D-optimality; W = 1 / noise^2), by a barrier method with exact slopes from up to four places.
+
+    Args:
+        model, scene: a tree on a fixed base; Coulomb friction and springs of the scene count.
+        period: [s], of one period, which is the motion. harmonics: of the series, 2 to `MOST_HARMONICS`.
+        rate: rows per second.
+        joints: those that move; all if none is named. The others are held at 0, or mid-range where 0 is beyond limits.
+        max_acceleration: of every joint [rad/s^2, m/s^2]; None: the speed limit over 0.25 s.
+        noise: standard deviation of measured torques [N m, N], one for all, one each, or by joint; else 1 % of the
+            effort limit, or of the root mean square at random states where there is none.
+        seed: of the places where the search begins.
+
+    Raises:
+        InputError: the base floats, no joint can move, or efforts allow no motion; numbers that make no sense.
+        SceneError: closed chains and contacts.
+
+    Accuracy: |q - middle|, |qd|, |qdd| at no time exceed their bounds (Ehlich and Zeller's bound between samples);
+        torques neither, as far as second differences tell what lies between samples.
+    """
+    _check(scene, period, harmonics, rate)
+    refuse_constraints(scene)
+    refuse_load(scene)
+    bounds = bounds_of(model, scene, tuple(joints), max_acceleration)
+    rows, rms = _random_rows(model, scene, bounds)
+    base = structural_base(model, scene).within(rows, _APART)
+    if not base.rank:
+        raise InputError("no parameter shows in the torques of such motions", remedy="move other joints: --joints")
+    deviations = _deviations(model, bounds, noise, rms)
+    series = Fourier(period, harmonics)
+    slip = max(scene.slip_speed, _SLIP * float(bounds.speed[list(bounds.moving)].min()))
+    programs = programs_of(plan(model, replace(scene, slip_speed=slip)), base.independent, len(base.names))
+    landscape = Landscape(programs, bounds, series, deviations, _FINE * harmonics, _ROOM)
+    starts = max(1, min(_STARTS, _MANY // len(bounds.moving)))
+    x = on_grid(landscape.combinations(search(landscape, starts, seed)))
+    found = within_limits(Motion(model, scene, bounds, series, x))
+    count = max(2 * harmonics + 1, round(period * rate))
+    plain = sine(model, scene, bounds, series, found.centre)
+    motion = found.at(series.even(count + 1) * ((count + 1) / count))
+    return Excitation(
+        model,
+        series,
+        count / period,
+        _swings(model, bounds, found, deviations),
+        base,
+        base.values(_theta(model, scene)),
+        _information(model, scene, base, found, deviations, count),
+        _information(model, scene, base, plain, deviations, count),
+        bounds.notes,
+        motion,
+        inverse_dynamics(model, *motion, scene=scene, executor="numpy"),
+    )
+
+
+def _check(scene: Scene, period: float, harmonics: int, rate: float) -> None:
+    if scene.columns:
+        remedy = "leave such wrenches out, or give them numbers"
+        raise InputError(f"the scene takes {scene.columns[0]!r} from a motion that is still to be found", remedy=remedy)
+    if not 2 <= harmonics <= MOST_HARMONICS:
+        what = (
+            f"{harmonics} harmonics: one cannot begin and end at rest, and more than {MOST_HARMONICS} are not offered"
+        )
+        raise InputError(what, remedy=f"2 to {MOST_HARMONICS}")
+    if not (period > 0.0 and rate > 0.0 and np.isfinite(period * rate)):
+        raise InputError(f"a period of {period:g} s at {rate:g} /s is none", remedy="give positive numbers")
+    if not 4 * harmonics <= period * rate <= 1e7:
+        what = f"a period of {period:g} s at {rate:g} /s has {period * rate:.4g} rows"
+        raise InputError(what, remedy=f"{4 * harmonics} rows, four of the fastest wave, to ten million")
+
+
+def _random_rows(model: Model, scene: Scene, bounds: Bounds) -> tuple[Floats, Floats]:
+    """Return rows of the regressor at random states that a motion may have, and the root mean square of the torques."""
+    rng = np.random.default_rng(4)
+    k = list(bounds.moving)
+    samples = 3 * 13 * len(model.bodies) // len(k) + 20
+    motion = np.zeros((3, samples, model.n))
+    motion[0] = bounds.home
+    limits = np.array([bounds.half, bounds.speed, bounds.acceleration])[:, None, k]
+    motion[:, :, k] = limits * rng.uniform(-1.0, 1.0, (3, samples, len(k)))
+    motion[0][:, k] += bounds.middle[k]
+    found = regressor(model, *motion, scene=scene, executor="numpy")
+    tau = np.einsum("tip,p->ti", found.Y, found.theta) + found.rest
+    if not (np.isfinite(tau).all() and np.abs(found.Y).max(initial=0.0) < LARGEST):
+        raise InputError("the torques of such motions are beyond all numbers", remedy="check gravity and limits")
+    return triangular(found.Y.reshape(-1, len(found.names))), np.sqrt((tau * tau).mean(axis=0))
+
+
+def _theta(model: Model, scene: Scene) -> Floats:
+    still = np.zeros(model.n)
+    return regressor(model, still, still, still, scene=scene, executor="numpy").theta
+
+
+def _deviations(
+    model: Model, bounds: Bounds, noise: Sequence[float] | Mapping[str, float] | None, rms: Floats
+) -> Floats:
+    """Return the standard deviation of every joint's torque."""
+    size = np.where(np.isfinite(bounds.effort), bounds.effort, rms)
+    found = NOISE * np.where(size > 0.0, size, 1.0)
+    if isinstance(noise, Mapping):
+        if unknown := [name for name in noise if name not in model.joint_names]:
+            raise InputError(
+                f"noise is given for {unknown[0]!r}, which is no joint", remedy=", ".join(model.joint_names)
+            )
+        found = np.array([noise.get(name, own) for name, own in zip(model.joint_names, found.tolist(), strict=True)])
+    elif noise is not None:
+        if len(noise) not in (1, model.n):
+            raise InputError(f"noise has {len(noise)} numbers, the robot {model.n} joints", remedy="one, or one each")
+        found = np.zeros(model.n) + np.array(noise, dtype=float)
+    if not (found > 0.0).all():
+        raise InputError(f"noise is {found.min():g}", remedy="it is positive [N m, N]")
+    return found
+
+
+def _information(model: Model, scene: Scene, base: Base, motion: Motion, deviations: Floats, rows: int) -> Information:
+    """Return what a motion tells, as if its rows were so many."""
+    samples = min(rows, PERIOD_SAMPLES * motion.series.harmonics)
+    Y = regressor(model, *motion.at(motion.series.even(samples)), scene=scene, executor="numpy").Y
+    R = triangular((Y / deviations[:, None]).reshape(-1, len(base.names)) * np.sqrt(rows / samples))
+    shown = base.within(R, _APART)
+    if shown.rank < base.rank:
+        return Information(shown.rank, np.inf, -np.inf, np.full(base.rank, np.inf))
+    diagonal = np.einsum("ii->i", triangular(R[:, base.independent]))
+    errors = base.estimate(R, np.zeros(len(R))).standard_errors
+    return Information(base.rank, shown.condition, 2.0 * float(np.log(np.abs(diagonal)).sum()), errors)
+
+
+def _swings(model: Model, bounds: Bounds, found: Motion, deviations: Floats) -> tuple[JointSwing, ...]:
+    """Return what each joint does."""
+    peaks = found.peaks()
+    c, a, b = found.series.coefficients(found.x)
+    nothing = (0.0,) * found.series.harmonics
+    out = []
+    for k, joint in enumerate(model.independent):
+        moves = k in bounds.moving
+        i = bounds.moving.index(k) if moves else 0
+        middle, half = bounds.middle[k], bounds.half[k]
+        out.append(
+            JointSwing(
+                name=joint.name,
+                unit="N" if joint.kind == "prismatic" else "N m",
+                moves=moves,
+                centre=float(c[i]) if moves else float(bounds.home[k]),
+                sine=tuple(a[i].tolist()) if moves else nothing,
+                cosine=tuple(b[i].tolist()) if moves else nothing,
+                least=float(peaks.least[k]),
+                largest=float(peaks.largest[k]),
+                bounds=(float(middle - half), float(middle + half)) if half > 0.0 else None,
+                speed=float(peaks.speed[k]),
+                speed_limit=float(bounds.speed[k]),
+                acceleration=float(peaks.acceleration[k]),
+                acceleration_limit=float(bounds.acceleration[k]),
+                effort=float(peaks.effort[k]),
+                effort_limit=float(bounds.effort[k]) if np.isfinite(bounds.effort[k]) else None,
+                noise=float(deviations[k]),
+            )
+        )
+    return tuple(out)

@@ -1,0 +1,237 @@
+"""Least squares of many effects at once, and the honest covariance of what they come to."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.identification.fault_columns import DELAY, GAIN, OFFSET, OWN, Evidence, columns, rms
+from robodyn.identification.long_run import score_covariance
+from robodyn.support.floats import Floats
+
+TOGETHER = 0.1
+"""The probability with which noise must explain all effects that are taken for zero."""
+BLURRED = 0.03
+"""Standard error of a gain, were it the only effect, beyond which neither it nor a delay is looked for."""
+CLEAR = 0.05
+"""Of a step, the standard error of a delay up to which it is looked for all the same."""
+_ROUNDS, _SETTLED = 12, 1e-4
+_DEPENDENT = 1e-6
+ROUNDING = 1e-5
+"""Of the measured torques: none is known better, nor are accelerations from positions."""
+_LEAST = 0.2
+"""Of the variance of noise that is taken to be left by a fit, at least."""
+_FAR = 2.0
+"""Samples that a delay may move from where the search begins."""
+
+
+class Effect(NamedTuple):
+    """What may explain residuals.
+
+    Attributes:
+        kind: one of `OWN`, or "payload".
+        joint: whose; None of a payload.
+        places: of its parameters among all (see `Evidence`).
+    """
+
+    kind: str
+    joint: int | None
+    places: tuple[int, ...]
+
+
+def blurred(evidence: Evidence, start: Floats) -> set[int]:
+    """Return the places of gains and delays that can hardly be told: where computed torques are next to nothing.
+
+    As the torque that they change is itself estimated there, tests of them would mean nothing. The noise is what each
+    joint by itself leaves, with a payload of its own.
+    """
+    found: set[int] = set()
+    for j, each in enumerate(columns(evidence, start)[0]):
+        size = rms(each)
+        basis, values, _ = np.linalg.svd(each / np.where(size > 0.0, size, 1.0), full_matrices=False)
+        basis = basis[:, values > _DEPENDENT * values[0]]
+        target = evidence.shifted(j, start[len(OWN) * j + DELAY])[:, None]
+        rest = target - np.einsum("ka,ia,ib->kb", basis, basis, target, optimize=True)
+        two = each[:, [GAIN, DELAY]]
+        scores = np.diag(score_covariance([two], rest, [(0, 1)], 2))
+        errors = np.sqrt(np.abs(scores)) / np.maximum(len(two) * rms(two) ** 2, 1e-300)
+        if errors[0] > BLURRED or size[GAIN] == 0.0:
+            found |= {len(OWN) * j + GAIN, len(OWN) * j + DELAY}
+        elif errors[1] > 0.5 * evidence.step or size[DELAY] == 0.0:
+            found.add(len(OWN) * j + DELAY)
+    return found
+
+
+def _precedence(effect: Effect) -> bool:
+    """Return False for what is told where effects cannot be told apart: the offset of a joint with a constant load."""
+    return effect.kind != OWN[OFFSET]
+
+
+class Fit:
+    """The parameters of some faults, fitted.
+
+    Attributes:
+        theta, covariance: of all parameters, zero of those that are not fitted or cannot be told.
+        told: the places of those that are; residual: (N, n).
+        heights: where the rows of each joint begin in `rows`, and where those of the last end.
+    """
+
+    def __init__(self, evidence: Evidence, start: Floats, faults: Sequence[Effect], rounds: int = _ROUNDS) -> None:
+        wanted = [place for effect in sorted(faults, key=_precedence) for place in effect.places]
+        self._places = [evidence.places(j) for j in range(evidence.joints)]
+        self.heights = np.cumsum([0, *(len(each) + 1 for each in self._places)])
+        self.theta = np.where(np.isin(np.arange(len(start)), wanted), start, 0.0)
+        self.residual = columns(evidence, self.theta)[1]
+        for _ in range(rounds):
+            weights = weights_of(self.residual, evidence.measured)
+            found, left = columns(evidence, self.theta)
+            rows = self.rows(found, left, weights)
+            self.told = _independent(rows, wanted)
+            step = solved(rows, self.told)
+            moved = rows[:, :-1] * step
+            self.theta = np.where(np.isin(np.arange(len(start)), [*self.told]), self.theta + step, 0.0)
+            lost = self._away(evidence, self.theta, start)
+            wanted = [place for place in wanted if place not in lost]
+            self.theta[lost] = 0.0
+            self.residual = columns(evidence, self.theta)[1]
+            if np.abs(moved).max(initial=0.0) <= _SETTLED * np.sqrt(len(left)):
+                break
+        found, self.residual = columns(evidence, self.theta)
+        self._triangles = self.rows(found, self.residual, weights)
+        scaled = [each / weight for each, weight in zip(found, weights, strict=True)]
+        scores = score_covariance(scaled, self.residual / weights, self._places, len(start))
+        grow = self._grown(scaled, self.residual / weights)
+        rounding = np.repeat(ROUNDING * rms(evidence.measured) / weights, np.diff(self.heights))
+        rounded = self._triangles[:, :-1] * rounding[:, None]
+        self._scores = scores * np.outer(grow, grow) + np.einsum("ka,kb->ab", rounded, rounded)
+        self.covariance = self._covariance(self.told)
+
+    def _grown(self, scaled: Sequence[Floats], residual: Floats) -> Floats:
+        """Return by how much each score is to grow, because the fit has taken its part of the noise.
+
+        Of the variance of a joint's noise it took `trace((X'X)^-1 X'CX) / c(0)` samples' worth.
+        """
+        grow = np.ones(len(self._places))
+        for j, places in enumerate(self._places):
+            here = [k for k, place in enumerate(places) if place in self.told]
+            basis = np.linalg.qr(scaled[j][:, here])[0] if here else np.empty((len(residual), 0))
+            scores = score_covariance([basis], residual[:, [j]], [range(len(here))], len(here))
+            taken = np.trace(scores) / max(float(np.einsum("k,k", residual[:, j], residual[:, j])), 1e-300)
+            grow[j] = 1.0 / np.sqrt(max(1.0 - taken, _LEAST))
+        found = np.full(len(self.theta), grow.max(initial=1.0))
+        found[: len(OWN) * len(grow)] = np.repeat(grow, len(OWN))
+        return found
+
+    def clear_delays(self, evidence: Evidence) -> set[int]:
+        """Return the places of delays that the torque of fitted effects shows well."""
+        errors = self._alone()
+        delays = range(DELAY, len(OWN) * evidence.joints, len(OWN))
+        return {place for place in delays if errors[place] < CLEAR * evidence.step}
+
+    def _alone(self) -> Floats:
+        """Return the standard error of each parameter, were it the only one."""
+        sizes = np.einsum("ij,ij->j", self._triangles, self._triangles)[:-1]
+        return np.asarray(np.sqrt(np.abs(np.diag(self._scores))) / np.where(sizes > 0.0, sizes, 1e-300))
+
+    @staticmethod
+    def _away(evidence: Evidence, theta: Floats, start: Floats) -> list[int]:
+        """Return the places of delays that left the place where the search began: nothing there tells of one."""
+        delays = range(DELAY, len(OWN) * evidence.joints, len(OWN))
+        return [place for place in delays if abs(theta[place] - start[place]) > _FAR * evidence.step]
+
+    def rows(self, found: Sequence[Floats], left: Floats, weights: Floats) -> Floats:
+        """Return a triangular factor of each joint's columns and residual, below each other, among all parameters."""
+        rows = []
+        for j, (each, places) in enumerate(zip(found, self._places, strict=True)):
+            factor = np.linalg.qr(np.column_stack((each, left[:, j])) / weights[j], mode="r")
+            row = np.zeros((len(factor), len(self.theta) + 1))
+            row[:, [*places, len(self.theta)]] = factor
+            rows.append(row)
+        return np.concatenate(rows)
+
+    def _covariance(self, told: Collection[int]) -> Floats:
+        places = sorted(told)
+        found = np.zeros((len(self.theta), len(self.theta)))
+        if places:
+            inverse = _pinv(self._triangles[:, places])
+            bread = np.einsum("ia,ja->ij", inverse, inverse)
+            found[np.ix_(places, places)] = bread @ self._scores[np.ix_(places, places)] @ bread
+            found[places, places] = np.abs(found[places, places])  # tapers may leave what is next to 0 negative
+        return found
+
+    def needed(self, faults: Sequence[Effect]) -> list[Effect]:
+        """Return the faults that are left when as many as possible are taken for zero, all together by Wald's test."""
+        kept, dropped = list(faults), list[Effect]()
+        while kept:
+            chances = [self._log_chance([*dropped, effect]) for effect in kept]
+            best = int(np.argmax(chances))
+            if chances[best] < log(TOGETHER):
+                break
+            dropped.append(kept.pop(best))
+        return kept
+
+    def sure(self, faults: Sequence[Effect], level: float) -> bool:
+        """Return whether noise makes some faults with less than this probability."""
+        return self._log_chance(faults) < log(level)
+
+    def _log_chance(self, faults: Sequence[Effect]) -> float:
+        """Return the logarithm of the probability that noise alone makes estimates as large (Wald's test)."""
+        from scipy.stats import chi2
+
+        places = sorted({place for effect in faults for place in effect.places} & self.told)
+        return float(chi2.logsf(*_wald(self.theta, self.covariance, places)))
+
+
+def _wald(estimate: Floats, covariance: Floats, places: Sequence[int]) -> tuple[float, int]:
+    """Return the square of an estimate in units of its covariance, and how many numbers it has."""
+    if not places:
+        return 0.0, 1
+    part = covariance[np.ix_(places, places)]
+    size = np.sqrt(np.clip(np.diag(part), 1e-300, None))
+    values, vectors = np.linalg.eigh(part / np.outer(size, size))
+    along = np.einsum("ia,i->a", vectors, estimate[places] / size)
+    good = values > 1e-9 * values[-1]
+    return float((along[good] ** 2 / values[good]).sum()), int(good.sum())
+
+
+def weights_of(left: Floats, measured: Floats) -> Floats:
+    """Return the RMS of each joint's residual, at least `ROUNDING` of its measured torque."""
+    size, floor = rms(left), ROUNDING * rms(measured)
+    return np.where(size > floor, size, np.where(floor > 0.0, floor, 1.0))
+
+
+def _independent(rows: Floats, wanted: Sequence[int]) -> set[int]:
+    """Return those of the wanted columns that do not depend on the wanted ones before them."""
+    basis: list[Floats] = []
+    found = set()
+    for place in wanted:
+        column = rows[:, place]
+        size = np.sqrt(np.einsum("i,i", column, column))
+        if size == 0.0:
+            continue
+        rest = column / size
+        for _ in range(2):
+            for each in basis:
+                rest = rest - np.einsum("i,i", each, rest) * each
+        left = np.sqrt(np.einsum("i,i", rest, rest))
+        if left > _DEPENDENT:
+            basis.append(rest / left)
+            found.add(place)
+    return found
+
+
+def _pinv(matrix: Floats) -> Floats:
+    size = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
+    size = np.where(size > 0.0, size, 1.0)
+    return np.linalg.pinv(matrix / size, rcond=1e-10) / size[:, None]
+
+
+def solved(rows: Floats, told: Collection[int]) -> Floats:
+    """Return the least squares solution in these columns, zero elsewhere; the last column is the right side."""
+    found, places = np.zeros(rows.shape[1] - 1), sorted(told)
+    if places:
+        found[places] = np.einsum("ij,j->i", _pinv(rows[:, places]), rows[:, -1])
+    return found

@@ -1,0 +1,131 @@
+"""Which faults explain what measured torques have beyond computed ones: least squares with honest errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from robodyn.identification.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
+from robodyn.identification.fault_fit import Effect, Fit, blurred, solved, weights_of
+from robodyn.support.floats import Floats
+
+LEVEL = 0.01
+"""The probability that noise alone makes any fault be told."""
+LEAST = 1e-4
+"""Of the measured torque: what explains less of its residual is of no use, and may be of derivatives from positions."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """An effect that the model lacks, or a fault of a sensor.
+
+    Attributes:
+        effect: which.
+        values, covariance: of its parameters.
+        certain: whether it is told apart from all other effects; else it is one that would do, with those before it.
+        shares: (n,) of each joint's residual, how much it explains beyond those before it, as a sum of squares.
+    """
+
+    effect: Effect
+    values: Floats
+    covariance: Floats
+    certain: bool
+    shares: Floats
+
+
+@dataclass(frozen=True)
+class Explained:
+    """What explains the difference of measured and computed torques.
+
+    Attributes:
+        faults: those that noise does not explain, in the order in which each explains most of what is left.
+        theta, covariance: of all parameters (see `Evidence`) with every effect that can be told, whether noise explains
+            it or not; zero where it cannot.
+        told: the places of those parameters that the log can tell.
+        difference, residual: (N, n) measured less computed torques, before and after.
+    """
+
+    faults: tuple[Fault, ...]
+    theta: Floats
+    covariance: Floats
+    told: frozenset[int]
+    difference: Floats
+    residual: Floats
+
+
+def explain(evidence: Evidence) -> Explained:
+    """Return what explains the difference of measured and computed torques.
+
+    1. All effects of all joints and a payload are fitted at once: Gauss-Newton, joints weighted by their residuals;
+       the search for delays begins where `first_delays` finds them. Gains and delays of joints whose computed torque
+       hardly stands out of what is left are not looked for (`blurred`).
+    2. The covariance of the estimates is that of least squares under the autocorrelation, and the correlation between
+       joints, of what this fit leaves (`score_covariance`).
+    3. An effect is told where noise makes its estimate with less than `LEVEL` over the number of effects (Wald's test,
+       Bonferroni): beside all others, so that no other is left out that could stand for it.
+    4. If the others together are more than noise, but none alone, as many as possible of them are taken for zero, and
+       the rest is fitted: effects that would do.
+    5. Effects are ranked: each explains most of what those before it left.
+
+    Friction, rotors and payload are those of the robot; a gain that is told, which scales them too, and the offset are
+    the sensor's.
+
+    Accuracy: 95 % intervals hold 93 to 97 %.
+    """
+    start = np.zeros(evidence.parameters)
+    start[DELAY : len(OWN) * evidence.joints : len(OWN)] = first_delays(evidence)
+    every = effects(evidence)
+    hidden = blurred(evidence, start)
+    fitted = Fit(evidence, start, [effect for effect in every if not hidden & {*effect.places}], rounds=4)
+    hidden -= fitted.clear_delays(evidence)
+    every = [effect for effect in every if not hidden & {*effect.places}]
+    level = LEVEL / len(every)
+    whole = Fit(evidence, start, every)
+    sure = [effect for effect in every if whole.sure([effect], level)]
+    others = [effect for effect in every if effect not in sure]
+    needed = whole.needed(others) if whole.sure(others, LEVEL) else []
+    final = Fit(evidence, whole.theta, [*sure, *needed])
+    told = [*sure, *(effect for effect in needed if final.sure([effect], level))]
+    gains = {effect.joint for effect in told if effect.joint is not None and effect.kind == OWN[GAIN]}
+    difference = (evidence.measured - evidence.computed)[evidence.inside]
+    physical = {fit: of_robot(fit.theta, fit.covariance, gains) for fit in (whole, final)}
+    faults = [
+        Fault(effect, *_part(effect, *physical[whole if effect in sure else final]), effect in sure, shares)
+        for effect, shares in _ranked(evidence, final, told)
+        if (shares * rms(difference) ** 2 >= (LEAST * rms(evidence.measured)) ** 2).any()
+    ]
+    return Explained(tuple(faults), *physical[whole], frozenset(whole.told), difference, final.residual)
+
+
+def _part(effect: Effect, theta: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+    places = [*effect.places]
+    return theta[places], covariance[np.ix_(places, places)]
+
+
+def effects(evidence: Evidence) -> list[Effect]:
+    """Return all that may explain residuals: `OWN` of each joint, and a payload."""
+    n, m = evidence.joints, evidence.load.shape[2]
+    found = [Effect(kind, j, (len(OWN) * j + k,)) for j in range(n) for k, kind in enumerate(OWN)]
+    return found + ([Effect("payload", None, tuple(range(len(OWN) * n, len(OWN) * n + m)))] if m else [])
+
+
+def _ranked(evidence: Evidence, fit: Fit, told: Sequence[Effect]) -> list[tuple[Effect, Floats]]:
+    """Return the effects in the order in which each explains most of what those before it left, with their shares."""
+    found, difference = additive(evidence, fit.theta)
+    rows = fit.rows(found, difference, weights_of(difference, evidence.measured))
+
+    def left(places: set[int]) -> Floats:
+        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], solved(rows, places & fit.told))
+        return np.add.reduceat(rest * rest, fit.heights[:-1])
+
+    whole = left(set())
+    now, places, ranked, waiting = whole, set[int](), list[tuple[Effect, Floats]](), list(told)
+    while waiting:
+        after = [left(places | set(effect.places)) for effect in waiting]
+        best = int(np.argmin([each.sum() for each in after]))
+        effect = waiting.pop(best)
+        ranked.append((effect, (now - after[best]) / np.where(whole > 0.0, whole, 1.0)))
+        now, places = after[best], places | set(effect.places)
+    return ranked

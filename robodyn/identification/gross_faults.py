@@ -1,0 +1,106 @@
+"""Gross faults of logs: torques of joints exchanged, and torques with the wrong sign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.identification.fault_columns import Evidence
+from robodyn.support.floats import Floats
+
+_CLEAR = 0.25
+"""Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
+_LESS = 0.7
+"""What each of them leaves at most."""
+
+
+class Channels(NamedTuple):
+    """Which measured torque is that of which joint.
+
+    Attributes:
+        source: for each joint the channel that has its torque; sign: 1 or -1 of each.
+    """
+
+    source: tuple[int, ...]
+    sign: tuple[int, ...]
+
+    @property
+    def exchanged(self) -> list[tuple[int, ...]]:
+        """Return the joints that have each other's torques: in each group each of the next, the last of the first."""
+        left, found = [j for j, source in enumerate(self.source) if source != j], []
+        while left:
+            group = [left[0]]
+            while self.source[group[-1]] != group[0]:
+                group.append(self.source[group[-1]])
+            found.append(tuple(group))
+            left = [j for j in left if j not in group]
+        return found
+
+    @property
+    def reversed(self) -> list[int]:
+        return [j for j, sign in enumerate(self.sign) if sign < 0]
+
+    def words(self, names: Sequence[str]) -> list[str]:
+        """Return a line of each fault."""
+        groups = [" and ".join((", ".join(names[j] for j in group[:-1]), names[group[-1]])) for group in self.exchanged]
+        lines = [f"the measured torques of {group} are exchanged" for group in groups]
+        return lines + [f"the measured torque of {names[j]} has the wrong sign" for j in self.reversed]
+
+
+def channels(evidence: Evidence) -> Channels:
+    """Return `told` of evidence."""
+    parts = zip(evidence.own.swapaxes(0, 1), evidence.computed.T, strict=True)
+    return told([np.column_stack((own, computed, evidence.measured)) for own, computed in parts])
+
+
+def told(rows: Sequence[Floats]) -> Channels:
+    """Return which measured torque is that of which joint, and with which sign.
+
+    With friction and rotor inertia, which cannot be negative, each measured torque is fitted to each computed one with
+    either sign. Channels are those for which the product of what is left is least
+    (assignment problem). They differ from those of the log only where they leave less than `_CLEAR` of what the
+    joints' own channels leave with their better signs, and a sign only where it does so beside the other one.
+
+    Args:
+        rows: of each joint (k, 4 + n), or their triangular factor: torques per unit of its viscous friction, Coulomb
+            friction and rotor inertia, its computed torque, and all n measured ones.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    cost = _costs(rows)
+    best = cost.min(axis=2)
+    own = np.arange(len(rows))
+    source = linear_sum_assignment(np.log(best))[1]
+    found = own.copy()
+    for group in Channels(tuple(map(int, source)), ()).exchanged:
+        ratio = np.array([best[j, source[j]] / best[j, j] for j in group])
+        if np.log(ratio).mean() < np.log(_CLEAR) and (ratio < _LESS).all():
+            found[list(group)] = source[list(group)]
+    plus, minus = cost[own, found].T
+    sign = np.where(minus < _CLEAR * plus, -1, 1)
+    return Channels(tuple(map(int, found)), tuple(map(int, sign)))
+
+
+def _costs(rows: Sequence[Floats]) -> Floats:
+    """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
+    from scipy.optimize import nnls
+
+    n = len(rows)
+    found = np.empty((n, n, 2))
+    for i, each in enumerate(rows):
+        factor = np.asarray(np.linalg.qr(each, mode="r"))
+        size = np.sqrt(np.einsum("ij,ij->j", factor, factor))
+        scale = np.where(size[:3] > 0.0, size[:3], 1.0)
+        for j in range(n):
+            least = 1e-12 * (size[3] ** 2 + size[4 + j] ** 2) + 1e-300
+            for k, sign in enumerate((1.0, -1.0)):
+                found[i, j, k] = nnls(factor[:, :3] / scale, sign * factor[:, 4 + j] - factor[:, 3])[1] ** 2 + least
+    return found
+
+
+def rerouted(evidence: Evidence, right: Channels) -> Evidence:
+    """Return evidence whose measured torques are those of the right channels."""
+    measured = evidence.measured[:, list(right.source)] * np.array(right.sign, dtype=float)
+    return Evidence(evidence.step, measured, evidence.computed, evidence.own, evidence.load)

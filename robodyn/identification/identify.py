@@ -1,0 +1,95 @@
+"""Logs -> a description that explains them: the door to this package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from robodyn.dynamics.effects.rotor_inertia import rotor_of
+from robodyn.dynamics.effects.viscous_friction import joints_with_friction
+from robodyn.errors import InputError
+from robodyn.identification.base import base_of
+from robodyn.identification.choose import strength, with_stribeck
+from robodyn.identification.conclude import identified
+from robodyn.identification.consistent import consistent_parameters
+from robodyn.identification.correlated import covariance
+from robodyn.identification.identified import BaseFit, Identified
+from robodyn.identification.log import Log
+from robodyn.identification.moments import Moments
+from robodyn.identification.motors import PARAMETERS
+from robodyn.identification.prior import Prior, prior_of
+from robodyn.identification.run import FOLDS, Run, begun, motors_of, weighted_rows
+from robodyn.identification.structure import Structure, fitted, system
+from robodyn.scene.fit import refuse_load
+from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.support.floats import Floats
+
+
+def identify(
+    logs: Sequence[Log],
+    scene: Scene = DEFAULT,
+    *,
+    validate: Sequence[Log] = (),
+    split: float = 0.7,
+    cutoff: float | None = None,
+    shapes: bool = True,
+    on_progress: Callable[[str], None] = lambda _: None,
+) -> Identified:
+    """Return the parameters of bodies and motors that explain measured torques, physically consistent.
+
+    Rows of the regressor and torques pass the same zero-phase filter (`rows.filtered`), in blocks, and are kept as
+    triangular factors by joint and fold. Joints weigh by their residuals; outliers as Huber has them. Stribeck's
+    speeds, coupled motors and the strength of the prior are chosen by cross-validation over `FOLDS` parts of it.
+
+    Args:
+        logs: of `read_log`, of one model.
+        validate: logs that are held out; without any, what comes after the part `split` of each log is.
+        cutoff: of the filter [Hz]; None: the lowest of the logs' own.
+        shapes: whether bodies lie within ellipsoids around their shapes.
+        on_progress: called with a line at each stage.
+
+    Raises:
+        InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice; or the
+            scene says the axes of rotors.
+    """
+    refuse_load(scene)
+    run = begun(logs, validate, scene, 1.0 if validate else split, cutoff)
+    on_progress("comparing motors")
+    motors, ratios, guess, faults = motors_of(run)
+    on_progress("fitting")
+    plain, weighted, moments = weighted_rows(run, motors, guess)
+    atoms, folds = plain.atoms, range(FOLDS)
+    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(motors)))))
+    loose, sigma = fitted(weighted, folds, structure)
+    on_progress("choosing the strength of the prior")
+    prior = _prior(run, structure, shapes)
+    chosen = strength(weighted, plain, folds, structure, prior, sigma).value
+    R, z = system(weighted, folds, structure, sigma)
+    fit = consistent_parameters(R, z, prior, chosen)
+    theta = fit.theta
+    if not np.isfinite(fit.gap):
+        raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
+    base = _base(structure, R, z, moments, sigma, theta)
+    return identified(run, structure, plain, (theta, loose), base, prior, chosen, ratios, faults)
+
+
+def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
+    """Return the prior of the structure's parameters: what the description and the scene say."""
+    values = dict(zip(structure.atoms.bodies, structure.atoms.described.tolist(), strict=True))
+    motors = [(motor.name, motor.friction, motor.reflected) for motor in run.scene.coupled]
+    for _, joint, friction in joints_with_friction(run.model, run.scene):
+        rotor, gear = rotor_of(joint, run.scene)
+        motors.append((joint.name, friction, rotor * gear * gear))
+    for motor, friction, reflected in motors:
+        coulomb, offset = (friction.forward - friction.backward) / 2, (friction.forward + friction.backward) / 2
+        own = (friction.viscous, coulomb, offset, friction.dry, reflected)
+        values |= {f"{motor}.{kind}": value for kind, value in zip(PARAMETERS, own, strict=True)}
+    theta = np.array([values.get(name, 0.0) for name in structure.names])
+    return prior_of(run.model, structure.names, theta, shapes=shapes)
+
+
+def _base(structure: Structure, R: Floats, z: Floats, moments: Moments, sigma: Floats, theta: Floats) -> BaseFit:
+    base = base_of(R, structure.names)
+    C = covariance(moments, structure, base, R, sigma)
+    return BaseFit(base, base.estimate(R, z).values, np.sqrt(np.einsum("ii->i", C)), base.values(theta), C)

@@ -1,0 +1,106 @@
+"""What was fitted, in the words of descriptions and scenes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from robodyn.dynamics.effects.viscous_friction import friction_of
+from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.identification.calibrated_scene import calibrated
+from robodyn.identification.identified import Identified, MotorFit
+from robodyn.identification.structure import Structure
+from robodyn.robot.model import Model
+from robodyn.scene.covariance import Covariance
+from robodyn.scene.parts import CoupledMotor, Friction
+from robodyn.scene.scene import Scene
+from robodyn.support.floats import Floats
+
+
+class Outcome(NamedTuple):
+    """Parameters of `robodyn.regressor` in `scene` before and after, and the scene with what was found."""
+
+    names: tuple[str, ...]
+    described: Floats
+    theta: Floats
+    scene: Scene
+
+
+def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
+    """Return what was found of every motor."""
+    found = dict(zip(structure.names, theta.tolist(), strict=True))
+    fits = {}
+    for k, speed in structure.stribeck.items():
+        motor = structure.atoms.motors[k]
+        joints = {structure.atoms.model.rates[j]: float(motor.direction[j]) for j in np.flatnonzero(motor.direction)}
+        values = {name.rpartition(".")[2]: found[name] for name in motor.parameters(speed)}
+        fits[motor.name] = MotorFit(joints, stribeck_velocity=speed, **values)
+    return fits
+
+
+def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, slip_speed: float) -> Outcome:
+    """Return what was found, as `robodyn.regressor` names it, in the scene without its payloads.
+
+    Args:
+        theta: of `structure.names`.
+    """
+    joints = {body.joint.name: body.joint for body in model.bodies}
+    motors = motor_fits(structure, theta)
+    friction, coupled = dict(scene.friction), {motor.name: motor for motor in scene.coupled}
+    for name, fit in motors.items():
+        if name in joints:
+            old = friction_of(joints[name], scene)
+            friction[name] = _as_shaped(old, fit)
+        else:
+            before = coupled.get(name, CoupledMotor(name, fit.joints))
+            coupled[name] = replace(before, friction=_as_shaped(before.friction, fit))
+    bare = replace(scene, payloads=(), friction=friction, coupled=tuple(coupled.values()))
+    zero = np.zeros(model.n)
+    found = regressor(model, zero, zero, zero, scene=bare)
+    values = dict(zip(found.names, found.theta.tolist(), strict=True))
+    pairs = zip(structure.names, theta.tolist(), strict=True)
+    values |= {name: value for name, value in pairs if name.rpartition(".")[2] in INERTIAL}
+    for name, fit in motors.items():
+        values |= {f"{name}.viscous": fit.viscous, f"{name}.rotor": fit.rotor}
+        values |= {f"{name}.forward": fit.offset + fit.coulomb, f"{name}.backward": fit.offset - fit.coulomb}
+        if fit.stribeck is not None:
+            values[f"{name}.stribeck"] = fit.stribeck
+    after = np.array([values[name] for name in found.names])
+    whole = calibrated(model, found.names, after, bare)
+    return Outcome(found.names, found.theta, after, replace(whole, slip_speed=slip_speed, payloads=scene.payloads))
+
+
+def _as_shaped(old: Friction, fit: MotorFit) -> Friction:
+    """Return a friction that has Stribeck's excess, or none, as what was fitted."""
+    if fit.stribeck is None:
+        return replace(old, stribeck=None)
+    return replace(old, stribeck=old.stribeck or old.dry, stribeck_velocity=fit.stribeck_velocity or 0.0)
+
+
+def covariance(found: Identified) -> Covariance:
+    """Return the calibrated parameters with the covariance of the base parameters, carried by those that name groups.
+
+    The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
+    """
+    base = found.base.base
+    places = {name: k for k, name in enumerate(found.names)}
+    carried = np.zeros((len(found.names), base.rank))
+    for column, k in enumerate(base.independent):
+        for name, part in _meant(base.names[k]):
+            if name in places:
+                carried[places[name], column] = part
+    own = np.flatnonzero(carried.any(axis=1))
+    names = tuple(found.names[k] for k in own)
+    carried = carried[own]
+    C = np.einsum("ar,rs,bs->ab", carried, found.base.covariance, carried)
+    return Covariance(names, found.theta[own], (C + C.T) / 2.0)
+
+
+def _meant(name: str) -> tuple[tuple[str, float], ...]:
+    """Return the parameters of `robodyn.regressor` that one of a motor stands for, and how much of each."""
+    motor, _, kind = name.rpartition(".")
+    if kind in ("coulomb", "offset"):
+        return (f"{motor}.forward", 1.0), (f"{motor}.backward", 1.0 if kind == "offset" else -1.0)
+    return ((name, 1.0),)

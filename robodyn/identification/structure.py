@@ -1,0 +1,129 @@
+"""Which parameters a log is explained by: those of bodies, and of motors with or without Stribeck's excess."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robodyn.identification.atoms import Atoms
+from robodyn.identification.gather import Gathered
+from robodyn.identification.triangle import stacked
+from robodyn.support.floats import Floats
+
+_RIDGE = 1e-4
+"""Of a column's length: what is shown by less is left where it is in comparisons."""
+_ROUNDS = 6
+_LEAST = 1e-13
+"""Of a joint's torques: residuals are not taken for smaller."""
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Parameters as sums of atoms.
+
+    Attributes:
+        atoms: the columns; stribeck: of each motor that counts, by its place, the speed of Stribeck's excess, or None.
+    """
+
+    atoms: Atoms
+    stribeck: dict[int, float | None]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """(p,) of the parameters: those of bodies, then of motors (`motors.PARAMETERS`)."""
+        motors = (self.atoms.motors[k].parameters(speed) for k, speed in self.stribeck.items())
+        return (*self.atoms.bodies, *(name for names in motors for name in names))
+
+    @property
+    def shape(self) -> Floats:
+        """(a, p): which sums of atoms the parameters stand for."""
+        bodies = len(self.atoms.bodies)
+        found = np.zeros((len(self.atoms.names), len(self.names)))
+        found[np.arange(bodies), np.arange(bodies)] = 1.0
+        starts = np.cumsum([bodies, *(len(motor.atoms) for motor in self.atoms.motors)])
+        column = bodies
+        for k, speed in self.stribeck.items():
+            part = self.atoms.motors[k].shape(speed)
+            found[starts[k] : starts[k + 1], column : column + part.shape[1]] = part
+            column += part.shape[1]
+        return found
+
+    def with_stribeck(self, speeds: dict[int, float | None]) -> Structure:
+        """Return the structure with other speeds of some motors."""
+        return replace(self, stribeck={**self.stribeck, **speeds})
+
+
+def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats) -> tuple[Floats, Floats]:
+    """Return R (k, p) and z (k,) with |R theta - z|^2 = sum over joints of (|Y_j theta - tau_j| / sigma_j)^2.
+
+    Args:
+        sigma: (joints,) N m.
+    """
+    whole = stacked([_of_fold(gathered, fold, structure, sigma) for fold in folds])
+    return whole[:, :-1], whole[:, -1]
+
+
+def without_one(
+    gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats
+) -> list[tuple[Floats, Floats]]:
+    """Return for each fold the `system` of all others."""
+    parts = [_of_fold(gathered, fold, structure, sigma) for fold in folds]
+    wholes = [stacked([part for k, part in enumerate(parts) if k != left]) for left in range(len(parts))]
+    return [(whole[:, :-1], whole[:, -1]) for whole in wholes]
+
+
+def _of_fold(gathered: Gathered, fold: int, structure: Structure, sigma: Floats) -> Floats:
+    """Return the triangular factor of [columns of the parameters, torques] of all joints of a fold, weighted."""
+    shape, rows = structure.shape, []
+    for used, triangle, scale in zip(structure.atoms.used, gathered.parts[fold], sigma, strict=True):
+        own = triangle.R[:, :-1] @ shape[used]
+        rows.append(np.concatenate([own, triangle.R[:, -1:]], axis=1) / scale)
+    return stacked(rows)
+
+
+def squares(gathered: Gathered, fold: int, structure: Structure, theta: Floats) -> Floats:
+    """Return (joints,) the sums of squares of the residuals of a fold [N^2 m^2]."""
+    values = structure.shape @ theta
+    found = []
+    for used, triangle in zip(structure.atoms.used, gathered.parts[fold], strict=True):
+        off = triangle.R[:, :-1] @ values[used] - triangle.R[:, -1]
+        found.append(float(off @ off))
+    return np.array(found)
+
+
+def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
+    """Return (joints,) how many rows there are."""
+    return np.asarray(np.sum([[float(each.count) for each in gathered.parts[fold]] for fold in folds], axis=0))
+
+
+def least_squares(R: Floats, z: Floats) -> Floats:
+    """Return the theta that minimises |R theta - z|^2, short where next to nothing is shown."""
+    lengths = np.linalg.norm(R, axis=0)
+    lengths[lengths == 0.0] = 1.0
+    count = R.shape[1]
+    rows = np.concatenate([R / lengths, _RIDGE * np.eye(count)])
+    whole = stacked([np.concatenate([rows, np.pad(z, (0, count))[:, None]], axis=1)])
+    return np.asarray(np.linalg.solve(whole[:count, :count], whole[:count, count]) / lengths)
+
+
+def fitted(gathered: Gathered, folds: Sequence[int], structure: Structure) -> tuple[Floats, Floats]:
+    """Return theta (p,) and each joint's sigma by iterated weights: the least of the sum of the logarithms of sigma."""
+    rows = np.maximum(counts(gathered, folds), 1.0)
+    sigma = np.sqrt(gathered.squares[list(folds)].sum(axis=0) / rows)
+    least = np.maximum(_LEAST * sigma, 1e-300)
+    sigma = np.maximum(sigma, least)
+    theta = np.zeros(len(structure.names))
+    for _ in range(_ROUNDS):
+        theta = least_squares(*system(gathered, folds, structure, sigma))
+        off = np.asarray(sum(squares(gathered, fold, structure, theta) for fold in folds))
+        sigma = np.maximum(np.sqrt(off / rows), least)
+    return theta, sigma
+
+
+def left_out(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats) -> Floats:
+    """Return (joints,) the sums of squares in each fold of the fit of the others: cross-validation."""
+    rest = without_one(gathered, folds, structure, sigma)
+    parts = [squares(gathered, fold, structure, least_squares(*each)) for fold, each in zip(folds, rest, strict=True)]
+    return np.asarray(sum(parts))
