@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -29,8 +30,20 @@ class Atoms:
     """
 
     def __init__(
-        self, model: Model, scene: Scene, measured: Sequence[int], motors: Sequence[Motor], slip_speed: float
+        self,
+        model: Model,
+        scene: Scene,
+        measured: Sequence[int],
+        motors: Sequence[Motor],
+        slip_speed: float,
+        bodies: Floats | None = None,
     ) -> None:
+        """Take the columns of a model in a scene.
+
+        Args:
+            measured: rates; slip_speed: below which signs are smoothed.
+            bodies: their parameters, by which torques through gears are known; None: the description's.
+        """
         self.model, self.measured, self.motors, self.slip_speed = model, tuple(measured), tuple(motors), slip_speed
         self._described = scene
         self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={}, coupled=())
@@ -40,6 +53,8 @@ class Atoms:
         self._inertial = [k for k, name in enumerate(found.names) if name.rpartition(".")[2] in INERTIAL]
         self.bodies = tuple(found.names[k] for k in self._inertial)
         self.described = found.theta[self._inertial]
+        self._transmitting = self.described if bodies is None else bodies
+        self._loads: dict[int, float] = {}
         seen = np.asarray(found.Y[:, :, self._inertial].any(axis=0))
         self._of_bodies = [np.flatnonzero(seen[j]) for j in self.measured]
         self.names = (*self.bodies, *(f"{motor.name}.{atom}" for motor in self.motors for atom in motor.atoms))
@@ -47,6 +62,19 @@ class Atoms:
             np.concatenate([of_bodies, *(each for _, _, each in self._of_motors(j))]).astype(int)
             for j, of_bodies in zip(self.measured, self._of_bodies, strict=True)
         ]
+
+    def near(self, bodies: Floats, loads: Mapping[int, float]) -> Atoms:
+        """Return the columns that are linear near a fit, where friction grows with load.
+
+        With m = load sign(s) and t = Y theta + what is known: t + m |t| is, to first order, (1 + m0 sign(t0)) t
+        + (m - m0) |t0|, and exact at the fit.
+
+        Args:
+            bodies: (b,) parameters of bodies; loads: by the place of a motor.
+        """
+        found = copy(self)
+        found._transmitting, found._loads = bodies, dict(loads)
+        return found
 
     @property
     def own(self) -> list[list[int]]:
@@ -82,7 +110,14 @@ class Atoms:
         if self._payloads:
             known = known + self._of_payloads(samples)
         described = inverse_dynamics(self.model, samples.q, samples.qd, samples.qdd, scene=self._described)
-        motors = [list(motor.columns(samples.qd, samples.qdd, self.slip_speed)) for motor in self.motors]
+        passed = known + np.einsum("kjb,b->kj", Y[:, :, self._inertial], self._transmitting)
+        for k, load in self._loads.items():
+            j = int(np.flatnonzero(self.motors[k].direction)[0])
+            m = load * self.motors[k].sign(samples.qd, self.slip_speed)
+            along = 1.0 + m * np.sign(passed[:, j])
+            Y[:, j] *= along[:, None]
+            known[:, j] = known[:, j] * along - m * np.abs(passed[:, j])
+        motors = [list(motor.columns(samples.qd, samples.qdd, self.slip_speed, passed)) for motor in self.motors]
         columns: list[Floats] = []
         for j, of_bodies in zip(self.measured, self._of_bodies, strict=True):
             columns.append(Y[:, j, np.asarray(self._inertial)[of_bodies]])

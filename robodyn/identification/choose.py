@@ -10,7 +10,7 @@ import numpy as np
 
 from robodyn.identification.consistent import consistent_parameters
 from robodyn.identification.gather import Gathered
-from robodyn.identification.motors import Motor
+from robodyn.identification.motors import PLAIN, Motor, Shape
 from robodyn.identification.prior import Prior
 from robodyn.identification.structure import (
     Structure,
@@ -87,8 +87,8 @@ def coupled(gathered: Gathered, folds: Sequence[int], plain: Structure) -> list[
     ranked = []
     measured = plain.atoms.measured
     for k, motor in enumerate(plain.atoms.motors):
-        if k not in plain.stribeck:
-            other = plain.with_stribeck({k: None})
+        if k not in plain.shapes:
+            other = plain.reshaped({k: PLAIN})
             joints = [place for place, j in enumerate(measured) if motor.direction[j]]
             part = float((left_out(gathered, folds, other, sigma) / before)[joints].mean())
             if part < _COUPLED and _resists(gathered, folds, other, motor, sigma):
@@ -110,21 +110,35 @@ def _resists(gathered: Gathered, folds: Sequence[int], structure: Structure, mot
 
 def with_stribeck(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
     """Return the structure with Stribeck's excess of those motors whose joint it explains, each at its best speed."""
+    tried = []
+    for step in range(1, len(SPEEDS) + 1):
+        motors = ((k, plain.atoms.motors[k].stribeck) for k in plain.shapes)
+        tried.append(
+            {k: replace(plain.shapes[k], stribeck=speeds[-step]) for k, speeds in motors if step <= len(speeds)}
+        )
+    return _best(gathered, folds, plain, tried)
+
+
+def with_load(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Structure:
+    """Return the structure with friction that grows with load in those motors whose joint it explains."""
+    loaded = {k: replace(shape, load=True) for k, shape in plain.shapes.items() if plain.atoms.motors[k].loaded}
+    return _best(gathered, folds, plain, [loaded])
+
+
+def _best(gathered: Gathered, folds: Sequence[int], plain: Structure, tried: Sequence[dict[int, Shape]]) -> Structure:
+    """Return the structure with every motor shaped as explains its joint best, if by more than chance."""
     _, sigma = fitted(gathered, folds, plain)
-    best = {k: (1.0, plain.stribeck[k]) for k in plain.stribeck}
+    best = {k: (1.0, shape) for k, shape in plain.shapes.items()}
     before = np.maximum(left_out(gathered, folds, plain, sigma), 1e-300)
     places = {j: place for place, j in enumerate(plain.atoms.measured)}
     worth = np.minimum(_WORTH, 1.0 - _CHANCE / np.maximum(counts(gathered, folds), 1.0))
-    for step in range(1, len(SPEEDS) + 1):
-        speeds = {
-            k: motor.stribeck[-step] for k in plain.stribeck if step <= len((motor := plain.atoms.motors[k]).stribeck)
-        }
-        ratio = left_out(gathered, folds, plain.with_stribeck(dict(speeds)), sigma) / before
-        for k, speed in speeds.items():
+    for shapes in tried:
+        ratio = left_out(gathered, folds, plain.reshaped(shapes), sigma) / before
+        for k, shape in shapes.items():
             own = [places[int(j)] for j in np.flatnonzero(plain.atoms.motors[k].direction) if int(j) in places]
             if own and ratio[own[-1]] < min(float(worth[own[-1]]), best[k][0]):
-                best[k] = float(ratio[own[-1]]), speed
-    return plain.with_stribeck({k: speed for k, (_, speed) in best.items()})
+                best[k] = float(ratio[own[-1]]), shape
+    return plain.reshaped({k: shape for k, (_, shape) in best.items()})
 
 
 class Strength(NamedTuple):

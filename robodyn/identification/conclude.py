@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.identification.gather import Gathered
-from robodyn.identification.identified import BaseFit, Errors, Identified
+from robodyn.identification.identified import BaseFit, Errors, Identified, MotorFit
 from robodyn.identification.outcome import motor_fits, outcome
 from robodyn.identification.prior import Prior, PriorBody
 from robodyn.identification.pseudo_inertia import pseudo_inertia
@@ -81,6 +81,7 @@ def identified(
         (
             *faults,
             *_warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
+            *_offsets(motor_fits(structure, theta)),
             *_weights(prior, np.asarray(base.base.matrix.any(axis=0)), theta),
         ),
     )
@@ -89,6 +90,14 @@ def identified(
 def _possible(bodies: Sequence[PriorBody], theta: Floats) -> bool:
     """Return whether the pseudo-inertia of every body that is shown is positive definite."""
     return all(np.linalg.eigvalsh(pseudo_inertia(theta[body.columns])).min() > 0.0 for body in bodies)
+
+
+def _offsets(motors: Mapping[str, MotorFit]) -> Iterator[str]:
+    """Yield a warning for each motor with an offset that is no friction."""
+    for name, fit in motors.items():
+        beyond = abs(fit.offset) - fit.coulomb
+        if beyond > 0.0:
+            yield f"{name}: {beyond:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
 
 
 def _weights(prior: Prior, shown: NDArray[np.bool_], theta: Floats) -> Iterator[str]:

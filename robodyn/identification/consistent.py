@@ -19,7 +19,7 @@ MARGIN = 1e-6
 """P - MARGIN P0 is positive definite, so that rounding in print makes no body impossible."""
 _FLOOR = 1e-12
 """The least strength, in parts of ||z||^2."""
-_SIGNS = {"viscous": 1.0, "coulomb": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "rotor": 1.0}
+_SIGNS = {"viscous": 1.0, "coulomb": 1.0, "forward": 1.0, "backward": -1.0, "stribeck": 1.0, "load": 1.0, "rotor": 1.0}
 
 
 class ConsistentFit(NamedTuple):

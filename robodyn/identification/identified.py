@@ -29,6 +29,7 @@ class MotorFit:
         joints: how it turns with joints: {"wrist": 1.0}; of a joint's own motor that joint alone.
         viscous: N m s/rad; coulomb, offset: half the difference and half the sum of friction forwards and backwards
             [N m]; rotor: reflected inertia [kg m^2].
+        load: friction as a part of the torque that passes the gear, None without.
         stribeck: torque of breakaway [N m], None without, which decays with `stribeck_velocity` [rad/s].
     """
 
@@ -39,6 +40,7 @@ class MotorFit:
     rotor: float
     stribeck: float | None = None
     stribeck_velocity: float | None = None
+    load: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

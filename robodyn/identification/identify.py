@@ -10,20 +10,22 @@ from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.errors import InputError
 from robodyn.identification.base import base_of
-from robodyn.identification.choose import strength, with_stribeck
+from robodyn.identification.choose import strength, with_load, with_stribeck
 from robodyn.identification.conclude import identified
 from robodyn.identification.consistent import consistent_parameters
 from robodyn.identification.correlated import covariance
 from robodyn.identification.identified import BaseFit, Identified
 from robodyn.identification.log import Log
 from robodyn.identification.moments import Moments
-from robodyn.identification.motors import PARAMETERS
+from robodyn.identification.motors import PARAMETERS, PLAIN
 from robodyn.identification.prior import Prior, prior_of
-from robodyn.identification.run import FOLDS, Run, begun, motors_of, weighted_rows
+from robodyn.identification.run import FOLDS, Run, begun, motors_of, repeated, weighted_rows
 from robodyn.identification.structure import Structure, fitted, system
-from robodyn.scene.fit import refuse_load
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+
+_REPEATED = 3
+"""Gauss-Newton's steps where friction grows with load, which is not linear in the parameters."""
 
 
 def identify(
@@ -53,15 +55,18 @@ def identify(
         InputError: no joint moves, the logs measure different joints, leave too few rows, or one is given twice; or the
             scene says the axes of rotors.
     """
-    refuse_load(scene)
     run = begun(logs, validate, scene, 1.0 if validate else split, cutoff)
     on_progress("comparing motors")
     motors, ratios, guess, faults = motors_of(run)
     on_progress("fitting")
     plain, weighted, moments = weighted_rows(run, motors, guess)
     atoms, folds = plain.atoms, range(FOLDS)
-    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(motors)))))
+    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(motors)), PLAIN)))
+    structure = with_load(weighted, folds, structure)
     loose, sigma = fitted(weighted, folds, structure)
+    for _ in range(_REPEATED if structure.loaded else 0):
+        structure, plain, weighted, moments = repeated(run, structure, loose, sigma)
+        loose, sigma = fitted(weighted, folds, structure)
     on_progress("choosing the strength of the prior")
     prior = _prior(run, structure, shapes)
     chosen = strength(weighted, plain, folds, structure, prior, sigma).value
@@ -71,6 +76,8 @@ def identify(
     if not np.isfinite(fit.gap):
         raise InputError("no consistent parameters were found near the description", remedy="mend its inertials first")
     base = _base(structure, R, z, moments, sigma, theta)
+    if structure.loaded:
+        structure, plain, *_ = repeated(run, structure, theta, sigma)
     return identified(run, structure, plain, (theta, loose), base, prior, chosen, ratios, faults)
 
 
@@ -83,7 +90,7 @@ def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:
         motors.append((joint.name, friction, rotor * gear * gear))
     for motor, friction, reflected in motors:
         coulomb, offset = (friction.forward - friction.backward) / 2, (friction.forward + friction.backward) / 2
-        own = (friction.viscous, coulomb, offset, friction.dry, reflected)
+        own = (friction.viscous, coulomb, offset, friction.dry, reflected, friction.load)
         values |= {f"{motor}.{kind}": value for kind, value in zip(PARAMETERS, own, strict=True)}
     theta = np.array([values.get(name, 0.0) for name in structure.names])
     return prior_of(run.model, structure.names, theta, shapes=shapes)

@@ -32,11 +32,11 @@ def motor_fits(structure: Structure, theta: Floats) -> dict[str, MotorFit]:
     """Return what was found of every motor."""
     found = dict(zip(structure.names, theta.tolist(), strict=True))
     fits = {}
-    for k, speed in structure.stribeck.items():
+    for k, shape in structure.shapes.items():
         motor = structure.atoms.motors[k]
         joints = {structure.atoms.model.rates[j]: float(motor.direction[j]) for j in np.flatnonzero(motor.direction)}
-        values = {name.rpartition(".")[2]: found[name] for name in motor.parameters(speed)}
-        fits[motor.name] = MotorFit(joints, stribeck_velocity=speed, **values)
+        values = {name.rpartition(".")[2]: found[name] for name in shape.names(motor)}
+        fits[motor.name] = MotorFit(joints, stribeck_velocity=shape.stribeck, **values)
     return fits
 
 
@@ -64,7 +64,8 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
     values |= {name: value for name, value in pairs if name.rpartition(".")[2] in INERTIAL}
     for name, fit in motors.items():
         values |= {f"{name}.viscous": fit.viscous, f"{name}.rotor": fit.rotor}
-        values |= {f"{name}.forward": fit.offset + fit.coulomb, f"{name}.backward": fit.offset - fit.coulomb}
+        forward, backward = max(fit.offset + fit.coulomb, 0.0), min(fit.offset - fit.coulomb, 0.0)
+        values |= {f"{name}.forward": forward, f"{name}.backward": backward}
         if fit.stribeck is not None:
             values[f"{name}.stribeck"] = fit.stribeck
     after = np.array([values[name] for name in found.names])
@@ -73,10 +74,11 @@ def outcome(model: Model, scene: Scene, structure: Structure, theta: Floats, sli
 
 
 def _as_shaped(old: Friction, fit: MotorFit) -> Friction:
-    """Return a friction that has Stribeck's excess, or none, as what was fitted."""
+    """Return a friction that grows with load, and has Stribeck's excess or none, as what was fitted."""
+    new = replace(old, load=fit.load or 0.0, stribeck=None)
     if fit.stribeck is None:
-        return replace(old, stribeck=None)
-    return replace(old, stribeck=old.stribeck or old.dry, stribeck_velocity=fit.stribeck_velocity or 0.0)
+        return new
+    return replace(new, stribeck=old.stribeck or old.dry, stribeck_velocity=fit.stribeck_velocity or 0.0)
 
 
 def covariance(found: Identified) -> Covariance:

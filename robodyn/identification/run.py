@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.dynamics.effects.gyroscopic_moment import spins
+from robodyn.dynamics.regressor import INERTIAL
 from robodyn.errors import InputError
 from robodyn.identification.atoms import Atoms
 from robodyn.identification.choose import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
@@ -16,7 +17,7 @@ from robodyn.identification.gather import Gathered, Guess, gather
 from robodyn.identification.gross_faults import told
 from robodyn.identification.log import Log
 from robodyn.identification.moments import Moments
-from robodyn.identification.motors import Motor
+from robodyn.identification.motors import PLAIN, Motor
 from robodyn.identification.refusals import check_files, check_rows
 from robodyn.identification.rows import POSITIONS, states
 from robodyn.identification.structure import Structure, fitted
@@ -116,12 +117,12 @@ def motors_of(run: Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, 
     atoms = Atoms(run.model, run.scene, run.measured, bare, run.slip_speed)
     plain, _ = run.gathered(atoms)
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
-    first = Structure(atoms, dict.fromkeys(joints))
+    first = Structure(atoms, dict.fromkeys(joints, PLAIN))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
     faults = told([triangle.R for triangle in plain.channels]).words([names[j] for j in run.measured])
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
-    second = Structure(atoms, dict.fromkeys(chosen))
+    second = Structure(atoms, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
     doubts = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
@@ -133,6 +134,23 @@ def weighted_rows(
 ) -> tuple[Gathered, Gathered, Moments]:
     """Return factors of all columns, plain and with outliers weighing less, and what tells how rows are correlated."""
     values, sigma = first
-    atoms = Atoms(run.model, run.scene, run.measured, motors, run.slip_speed)
+    shared = {
+        int(j) for motor in motors for j in np.flatnonzero(motor.direction) if np.count_nonzero(motor.direction) > 1
+    }
+    alone = [motor.name in run.model.rates and run.model.rates.index(motor.name) not in shared for motor in motors]
+    motors = [replace(motor, loaded=own) for motor, own in zip(motors, alone, strict=True)]
+    bodies = np.array([value for name, value in values.items() if name.rpartition(".")[2] in INERTIAL])
+    atoms = Atoms(run.model, run.scene, run.measured, motors, run.slip_speed, bodies)
     guess = Guess(atoms, np.array([values.get(name, 0.0) for name in atoms.names]), sigma)
     return *run.gathered(atoms, guess), guess.moments
+
+
+def repeated(
+    run: Run, structure: Structure, theta: Floats, sigma: Floats
+) -> tuple[Structure, Gathered, Gathered, Moments]:
+    """Return the structure and what `weighted_rows` returns, linear near theta (p,): see `Atoms.near`."""
+    found = dict(zip(structure.names, theta.tolist(), strict=True))
+    loads = {k: found[f"{structure.atoms.motors[k].name}.load"] for k, shape in structure.shapes.items() if shape.load}
+    atoms = structure.atoms.near(theta[: len(structure.atoms.bodies)], loads)
+    guess = Guess(atoms, structure.shape @ theta, sigma)
+    return replace(structure, atoms=atoms), *run.gathered(atoms, guess), guess.moments

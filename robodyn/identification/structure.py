@@ -9,6 +9,7 @@ import numpy as np
 
 from robodyn.identification.atoms import Atoms
 from robodyn.identification.gather import Gathered
+from robodyn.identification.motors import Shape
 from robodyn.identification.triangle import stacked
 from robodyn.support.floats import Floats
 
@@ -24,16 +25,16 @@ class Structure:
     """Parameters as sums of atoms.
 
     Attributes:
-        atoms: the columns; stribeck: of each motor that counts, by its place, the speed of Stribeck's excess, or None.
+        atoms: the columns; shapes: of each motor that counts, by its place, how it is modelled.
     """
 
     atoms: Atoms
-    stribeck: dict[int, float | None]
+    shapes: dict[int, Shape]
 
     @property
     def names(self) -> tuple[str, ...]:
         """(p,) of the parameters: those of bodies, then of motors (`motors.PARAMETERS`)."""
-        motors = (self.atoms.motors[k].parameters(speed) for k, speed in self.stribeck.items())
+        motors = (shape.names(self.atoms.motors[k]) for k, shape in self.shapes.items())
         return (*self.atoms.bodies, *(name for names in motors for name in names))
 
     @property
@@ -44,15 +45,20 @@ class Structure:
         found[np.arange(bodies), np.arange(bodies)] = 1.0
         starts = np.cumsum([bodies, *(len(motor.atoms) for motor in self.atoms.motors)])
         column = bodies
-        for k, speed in self.stribeck.items():
-            part = self.atoms.motors[k].shape(speed)
+        for k, shape in self.shapes.items():
+            part = shape.matrix(self.atoms.motors[k])
             found[starts[k] : starts[k + 1], column : column + part.shape[1]] = part
             column += part.shape[1]
         return found
 
-    def with_stribeck(self, speeds: dict[int, float | None]) -> Structure:
-        """Return the structure with other speeds of some motors."""
-        return replace(self, stribeck={**self.stribeck, **speeds})
+    @property
+    def loaded(self) -> bool:
+        """Whether friction of a motor grows with load."""
+        return any(shape.load for shape in self.shapes.values())
+
+    def reshaped(self, shapes: dict[int, Shape]) -> Structure:
+        """Return the structure with some motors modelled otherwise."""
+        return replace(self, shapes={**self.shapes, **shapes})
 
 
 def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats) -> tuple[Floats, Floats]:

@@ -76,13 +76,14 @@ def _of(errors: Errors | None, joint: str | None) -> str:
 
 
 def _motors(found: Identified) -> Table:
-    head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "rotor")
-    note = "N m s/rad, N m, N m, N m, rad/s, kg m^2; of slides likewise in m. Offset: half of what friction differs by "
-    return Table("", head, [_motor(*pair) for pair in found.motors.items()], note + "direction, or the sensor's.")
+    head = ("motor", "viscous", "Coulomb", "offset", "breakaway", "decays with", "load", "rotor")
+    units = "N m s/rad, N m, N m, N m, rad/s, part of the torque through the gear, kg m^2; of slides likewise in m."
+    offset = "Offset: half of what friction differs by direction, or the sensor's."
+    return Table("", head, [_motor(*pair) for pair in found.motors.items()], f"{units} {offset}")
 
 
 def _motor(name: str, fit: MotorFit) -> tuple[str, ...]:
-    values = (fit.viscous, fit.coulomb, fit.offset, fit.stribeck, fit.stribeck_velocity, fit.rotor)
+    values = (fit.viscous, fit.coulomb, fit.offset, fit.stribeck, fit.stribeck_velocity, fit.load, fit.rotor)
     return (name, *("-" if value is None else figure(value) for value in values))
 
 

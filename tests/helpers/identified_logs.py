@@ -13,6 +13,7 @@ from robodyn.identification.choose import joint_motors
 from robodyn.identification.correlated import covariance
 from robodyn.identification.filters import convolved, decimation, kernel
 from robodyn.identification.gather import Gathered, Guess
+from robodyn.identification.motors import PLAIN
 from robodyn.identification.samples import Samples
 from robodyn.identification.structure import Structure, fitted, system
 from robodyn.scene.scene import DEFAULT
@@ -81,7 +82,7 @@ class Bench:
         self.taps, self.every = kernel(self.CUTOFF, self.STEP), decimation(self.CUTOFF, self.STEP)
         self.model, joints = model, range(model.n)
         self.atoms = Atoms(model, DEFAULT, joints, joint_motors(model, np.zeros(model.n)), 0.0)
-        self.structure = Structure(self.atoms, dict.fromkeys(joints))
+        self.structure = Structure(self.atoms, dict.fromkeys(joints, PLAIN))
         self.theta = self._truth()
         self.columns = self.filtered(motion)
         self.base = base_of(np.concatenate(self.rows(self.columns)), self.structure.names)

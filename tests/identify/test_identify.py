@@ -104,6 +104,26 @@ def test_the_files_make_the_torques_that_were_logged(tmp_path, monkeypatch):
     assert motor.inertia == pytest.approx(0.05, rel=0.1)
 
 
+def test_friction_that_grows_with_load(tmp_path, monkeypatch):
+    """It is found at the joints that have it, told nowhere else, and its file makes the torques of another motion."""
+    monkeypatch.chdir(tmp_path)
+    robot = ROBOTS / "puma.urdf"
+    model = robodyn.load(robot)
+    some = {name: Friction(0.5, 1.0, -1.0, load=0.1) for name in model.rates[1:]}
+    scene = Scene(friction={**friction(model, 0.5, 1.0, -1.0), **some})
+    logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01)
+    done = run("identify", str(robot), "log.csv", "--out", "found.urdf", "--scene-out", "found.toml")
+    assert done.status == 0, done.err
+    found = robodyn.load_scene("found.toml")
+    assert found.friction[model.rates[0]].load == 0.0
+    for name in some:
+        assert found.friction[name].load == pytest.approx(0.1, rel=0.1)
+    states = quintics(np.random.default_rng(6), TIME[:500], model.n)
+    tau = robodyn.inverse_dynamics(model, *states, scene=scene)
+    off = robodyn.inverse_dynamics(robodyn.load("found.urdf"), *states, scene=found) - tau
+    assert np.linalg.norm(off) < 0.01 * np.linalg.norm(tau)
+
+
 def test_springs_and_payloads_of_the_scene_are_known(tmp_path):
     model = robodyn.load(SPATIAL)
     scene = Scene(spring={model.rates[1]: Spring(20.0, 0.1)}, friction=friction(model, 0.5, 0.8, -0.8))

@@ -17,7 +17,6 @@ from robodyn.dynamics.plan import plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.equations.free_body.bodies import free_bodies
 from robodyn.errors import InputError, SceneError
-from robodyn.identification.identify import identify
 from robodyn.report.scene_toml import scene_toml
 from robodyn.scene.parts import CoupledMotor, Friction
 from robodyn.scene.read import parse_scene
@@ -201,7 +200,6 @@ def test_what_rests_on_a_mass_matrix_refuses_it():
         lambda: robodyn.export(model, to="c", what="torques,bias", scene=scene),
         lambda: robodyn.linearize(model, scene),
         lambda: free_bodies(model, *state[:, 0], scene=scene),
-        lambda: identify([], scene),
     ):
         with pytest.raises(SceneError, match="friction of 'j1' grows with load, and this knows only torques M qdd"):
             refused()
