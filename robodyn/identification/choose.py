@@ -32,6 +32,8 @@ _ROUNDED = 5.0
 """Times the slip speed: breakaway that decays faster would make up for the rounded sign of Coulomb's friction."""
 _COUPLED = 0.5
 """A coupled motor counts if it makes the squares of what is left of both joints, on average, so much less."""
+_MOST = 0.8
+"""Friction that is a larger part of the load is no friction of a gear."""
 _WORTH, _CHANCE = 0.97, 15.0
 """Stribeck's excess counts if it makes the squares of what is left so much less, and by so many mean squares: of five
 speeds the best takes more than that from noise in one of a thousand logs."""
@@ -123,6 +125,20 @@ def with_load(gathered: Gathered, folds: Sequence[int], plain: Structure) -> Str
     """Return the structure with friction that grows with load in those motors whose joint it explains."""
     loaded = {k: replace(shape, load=True) for k, shape in plain.shapes.items() if plain.atoms.motors[k].loaded}
     return _best(gathered, folds, plain, [loaded])
+
+
+def with_possible_loads(structure: Structure, theta: Floats) -> Structure:
+    """Return the structure without friction that would grow against the load, or almost as fast as it.
+
+    Args:
+        theta: (p,) of least squares.
+    """
+    found = dict(zip(structure.names, theta.tolist(), strict=True))
+    shapes = structure.shapes.items()
+    wrong = [
+        k for k, shape in shapes if shape.load and not 0.0 < found[f"{structure.atoms.motors[k].name}.load"] < _MOST
+    ]
+    return structure.reshaped({k: replace(structure.shapes[k], load=False) for k in wrong})
 
 
 def _best(gathered: Gathered, folds: Sequence[int], plain: Structure, tried: Sequence[dict[int, Shape]]) -> Structure:

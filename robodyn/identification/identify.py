@@ -10,7 +10,7 @@ from robodyn.dynamics.effects.rotor_inertia import rotor_of
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.errors import InputError
 from robodyn.identification.base import base_of
-from robodyn.identification.choose import strength, with_load, with_stribeck
+from robodyn.identification.choose import strength, with_load, with_possible_loads, with_stribeck
 from robodyn.identification.conclude import identified
 from robodyn.identification.consistent import consistent_parameters
 from robodyn.identification.correlated import covariance
@@ -66,6 +66,7 @@ def identify(
     loose, sigma = fitted(weighted, folds, structure)
     for _ in range(_REPEATED if structure.loaded else 0):
         structure, plain, weighted, moments = repeated(run, structure, loose, sigma)
+        structure = with_possible_loads(structure, fitted(weighted, folds, structure)[0])
         loose, sigma = fitted(weighted, folds, structure)
     on_progress("choosing the strength of the prior")
     prior = _prior(run, structure, shapes)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import floor, log10
 
 from robodyn.identification.identified import Errors, Identified, MotorFit
 from robodyn.report.document import Block, Document, Section, Table, Verdict, data_blocks, on_page, paragraphs, remarks
 from robodyn.report.json.identified import identified_json
+from robodyn.support.floats import HALF_UP
 from robodyn.support.wording import count, figure, listed
 
 _LONG = 8
@@ -91,11 +93,20 @@ def _base(found: Identified) -> Table:
     fit = found.base
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
     rows = [
-        (_short(group), figure(value, 4), figure(error, 2), figure(after, 4))
+        (_short(group), *(_known(each, error) for each in (value, error, after)))
         for group, value, error, after in zip(fit.base.groups, *columns, strict=True)
     ]
     note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
     return Table("", ("base parameter", "value", "standard error", "calibrated"), rows, note)
+
+
+def _known(value: float, error: float) -> str:
+    """Return a value to a tenth of the first digit of its standard error: further digits tell nothing."""
+    if not error > 0.0:
+        return figure(value, 4)
+    digits = 1 - floor(log10(error))
+    text = f"{value * HALF_UP:.{max(digits, 0)}f}" if digits < _LONG else f"{value * HALF_UP:.2g}"
+    return text if text.strip("-0.") else text.lstrip("-")
 
 
 def _short(group: str) -> str:
