@@ -35,6 +35,7 @@ NO_DIGITS = {
     "identification.excitation": "a search, whose places are rounded after each step",
     "identification.fault_columns": "which of a joint's effects can be told apart",
     "identification.fault_fit": "estimates, told to two digits of their standard errors",
+    "identification.dependent_columns": "the same",
     "identification.long_run": "standard errors, told to two digits",
     "identification.gross_faults": "which channel is whose, and signs",
     "identification.base": "a condition number, told to three digits",

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from robodyn.identification.dependent_columns import DEPENDENT, independent, least_squares, pseudoinverse, wald
 from robodyn.identification.fault_columns import DELAY, GAIN, OFFSET, OWN, Evidence, columns, rms
 from robodyn.identification.long_run import score_covariance
 from robodyn.support.floats import Floats
@@ -19,7 +20,6 @@ BLURRED = 0.03
 CLEAR = 0.05
 """Of a step, the standard error of a delay up to which it is looked for all the same."""
 _ROUNDS, _SETTLED = 12, 1e-4
-_DEPENDENT = 1e-6
 ROUNDING = 1e-5
 """Of the measured torques: none is known better, nor are accelerations from positions."""
 _LEAST = 0.2
@@ -52,7 +52,7 @@ def blurred(evidence: Evidence, start: Floats) -> set[int]:
     for j, each in enumerate(columns(evidence, start)[0]):
         size = rms(each)
         basis, values, _ = np.linalg.svd(each / np.where(size > 0.0, size, 1.0), full_matrices=False)
-        basis = basis[:, values > _DEPENDENT * values[0]]
+        basis = basis[:, values > DEPENDENT * values[0]]
         target = evidence.shifted(j, start[len(OWN) * j + DELAY])[:, None]
         rest = target - np.einsum("ka,ia,ib->kb", basis, basis, target, optimize=True)
         two = each[:, [GAIN, DELAY]]
@@ -89,8 +89,8 @@ class Fit:
             weights = weights_of(self.residual, evidence.measured)
             found, left = columns(evidence, self.theta)
             rows = self.rows(found, left, weights)
-            self.told = _independent(rows, wanted)
-            step = solved(rows, self.told)
+            self.told = independent(rows, wanted)
+            step = least_squares(rows, self.told)
             moved = rows[:, :-1] * step
             self.theta = np.where(np.isin(np.arange(len(start)), [*self.told]), self.theta + step, 0.0)
             lost = self._away(evidence, self.theta, start)
@@ -156,7 +156,7 @@ class Fit:
         places = sorted(told)
         found = np.zeros((len(self.theta), len(self.theta)))
         if places:
-            inverse = _pinv(self._triangles[:, places])
+            inverse = pseudoinverse(self._triangles[:, places])
             bread = np.einsum("ia,ja->ij", inverse, inverse)
             found[np.ix_(places, places)] = bread @ self._scores[np.ix_(places, places)] @ bread
             found[places, places] = np.abs(found[places, places])  # tapers may leave what is next to 0 negative
@@ -182,56 +182,10 @@ class Fit:
         from scipy.stats import chi2
 
         places = sorted({place for effect in faults for place in effect.places} & self.told)
-        return float(chi2.logsf(*_wald(self.theta, self.covariance, places)))
-
-
-def _wald(estimate: Floats, covariance: Floats, places: Sequence[int]) -> tuple[float, int]:
-    """Return the square of an estimate in units of its covariance, and how many numbers it has."""
-    if not places:
-        return 0.0, 1
-    part = covariance[np.ix_(places, places)]
-    size = np.sqrt(np.clip(np.diag(part), 1e-300, None))
-    values, vectors = np.linalg.eigh(part / np.outer(size, size))
-    along = np.einsum("ia,i->a", vectors, estimate[places] / size)
-    good = values > 1e-9 * values[-1]
-    return float((along[good] ** 2 / values[good]).sum()), int(good.sum())
+        return float(chi2.logsf(*wald(self.theta, self.covariance, places)))
 
 
 def weights_of(left: Floats, measured: Floats) -> Floats:
     """Return the RMS of each joint's residual, at least `ROUNDING` of its measured torque."""
     size, floor = rms(left), ROUNDING * rms(measured)
     return np.where(size > floor, size, np.where(floor > 0.0, floor, 1.0))
-
-
-def _independent(rows: Floats, wanted: Sequence[int]) -> set[int]:
-    """Return those of the wanted columns that do not depend on the wanted ones before them."""
-    basis: list[Floats] = []
-    found = set()
-    for place in wanted:
-        column = rows[:, place]
-        size = np.sqrt(np.einsum("i,i", column, column))
-        if size == 0.0:
-            continue
-        rest = column / size
-        for _ in range(2):
-            for each in basis:
-                rest = rest - np.einsum("i,i", each, rest) * each
-        left = np.sqrt(np.einsum("i,i", rest, rest))
-        if left > _DEPENDENT:
-            basis.append(rest / left)
-            found.add(place)
-    return found
-
-
-def _pinv(matrix: Floats) -> Floats:
-    size = np.sqrt(np.einsum("ij,ij->j", matrix, matrix))
-    size = np.where(size > 0.0, size, 1.0)
-    return np.linalg.pinv(matrix / size, rcond=1e-10) / size[:, None]
-
-
-def solved(rows: Floats, told: Collection[int]) -> Floats:
-    """Return the least squares solution in these columns, zero elsewhere; the last column is the right side."""
-    found, places = np.zeros(rows.shape[1] - 1), sorted(told)
-    if places:
-        found[places] = np.einsum("ij,j->i", _pinv(rows[:, places]), rows[:, -1])
-    return found

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robodyn.identification.dependent_columns import least_squares
 from robodyn.identification.fault_columns import DELAY, GAIN, OWN, Evidence, additive, first_delays, of_robot, rms
-from robodyn.identification.fault_fit import Effect, Fit, blurred, solved, weights_of
+from robodyn.identification.fault_fit import Effect, Fit, blurred, weights_of
 from robodyn.support.floats import Floats
 
 LEVEL = 0.01
@@ -117,7 +118,7 @@ def _ranked(evidence: Evidence, fit: Fit, told: Sequence[Effect]) -> list[tuple[
     rows = fit.rows(found, difference, weights_of(difference, evidence.measured))
 
     def left(places: set[int]) -> Floats:
-        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], solved(rows, places & fit.told))
+        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], least_squares(rows, places & fit.told))
         return np.add.reduceat(rest * rest, fit.heights[:-1])
 
     whole = left(set())

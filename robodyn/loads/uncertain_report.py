@@ -8,9 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robodyn.loads.drawn import Drawn
 from robodyn.loads.result import JointLoad
 from robodyn.loads.sizing_result import JointSizing, MotorLoad, Sizing
-from robodyn.loads.uncertain_figures import DRAWS, Drawn, Figures
+from robodyn.loads.uncertain_figures import DRAWS, Figures
 from robodyn.loads.uncertain_quantities import DRIVE
 from robodyn.loads.uncertain_samples import SamplePass
 from robodyn.loads.uncertainty import UncertaintyPass

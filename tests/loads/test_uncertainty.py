@@ -15,7 +15,7 @@ from helpers.small_robots import built, joint, link
 import robodyn
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.errors import InputError, SceneError
-from robodyn.loads.uncertain_figures import normal
+from robodyn.loads.drawn import normal
 from robodyn.robot.model import Model
 from robodyn.scene.covariance import Covariance
 from robodyn.scene.motor import Motor
