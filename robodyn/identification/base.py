@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.householder import reflect, solved, triangular
@@ -129,7 +130,7 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     Accuracy: `matrix` within 1e-10 of exact coefficients at random states.
     """
     A = np.array(R, dtype=float)
-    visible = np.flatnonzero(_seen(_lengths(A), names))
+    visible = np.flatnonzero(shown(A, names))
     lengths = _lengths(A[:, visible])
     T, order, sizes = _pivoted(A[:, visible] / lengths, tolerance)
     r = int((sizes > tolerance).sum())
@@ -149,13 +150,14 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     )
 
 
-def _seen(lengths: Floats, names: Sequence[str]) -> list[bool]:
-    """Return which columns are more than rounding beside the longest of the same unit."""
+def shown(R: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Return (p,) which columns of rows R (k, p) are more than rounding beside the longest of the same unit."""
+    lengths = _lengths(R)
     longest: dict[str, float] = {}
     units = [_UNITS.get(name.rpartition(".")[2], name) for name in names]
     for unit, length in zip(units, lengths.tolist(), strict=True):
         longest[unit] = max(length, longest.get(unit, 0.0))
-    return [length > _NOTHING * longest[unit] for unit, length in zip(units, lengths.tolist(), strict=True)]
+    return np.asarray(lengths > _NOTHING * np.array([longest[unit] for unit in units]))
 
 
 _UNITS = {name: "kg" if name == "m" else "kg m" if name.startswith("m") else "kg m^2" for name in INERTIAL}

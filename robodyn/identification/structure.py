@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robodyn.identification.atoms import Atoms
+from robodyn.identification.base import shown
 from robodyn.identification.gather import Gathered
 from robodyn.identification.motors import Shape
 from robodyn.identification.triangle import stacked
@@ -64,11 +65,12 @@ class Structure:
 def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma: Floats) -> tuple[Floats, Floats]:
     """Return R (k, p) and z (k,) with |R theta - z|^2 = sum over joints of (|Y_j theta - tau_j| / sigma_j)^2.
 
+    Columns of R that are rounding alone are zero: at unit length they would explain torques at random.
+
     Args:
         sigma: (joints,) N m.
     """
-    whole = stacked([_of_fold(gathered, fold, structure, sigma) for fold in folds])
-    return whole[:, :-1], whole[:, -1]
+    return _whole([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure)
 
 
 def without_one(
@@ -76,8 +78,13 @@ def without_one(
 ) -> list[tuple[Floats, Floats]]:
     """Return for each fold the `system` of all others."""
     parts = [_of_fold(gathered, fold, structure, sigma) for fold in folds]
-    wholes = [stacked([part for k, part in enumerate(parts) if k != left]) for left in range(len(parts))]
-    return [(whole[:, :-1], whole[:, -1]) for whole in wholes]
+    return [_whole([part for k, part in enumerate(parts) if k != left], structure) for left in range(len(parts))]
+
+
+def _whole(parts: list[Floats], structure: Structure) -> tuple[Floats, Floats]:
+    whole = stacked(parts)
+    R = whole[:, :-1]
+    return np.where(shown(R, structure.names), R, 0.0), whole[:, -1]
 
 
 def _of_fold(gathered: Gathered, fold: int, structure: Structure, sigma: Floats) -> Floats:

@@ -169,3 +169,22 @@ def test_what_is_kept_does_not_grow(tmp_path):
         triangles = [each.R.nbytes for found in (plain, weighted) for fold in found.parts for each in fold]
         kept.append(sum(triangles) + sum(each.nbytes for each in guess.moments.columns))
     assert kept[0] == kept[1]
+
+
+def test_rounding_explains_no_torque(tmp_path):
+    """Quarter turns that are no exact floats leave columns of 1e-17: at unit length they would be noise to fit with."""
+    model, scene = robodyn.load(ROBOTS / "puma560.urdf"), Scene()
+    rng, time = np.random.default_rng(11), TIME[:800]
+    q, qd, qdd = waves(rng, time, model.n)
+    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene)
+    tau += 0.05 * np.sqrt((tau**2).mean(axis=0)) * rng.standard_normal(tau.shape)
+    found = []
+    for factor in (1.0, 1.0 + 2.0**-52):
+        write_log(tmp_path / "log.csv", model, time, factor * q, tau, qd, qdd)
+        found.append(identify([read_log(str(tmp_path / "log.csv"), model)], cutoff=10.0))
+    for first, second in (
+        (found[0].theta, found[1].theta),
+        (found[0].base.values, found[1].base.values),
+        (found[0].base.standard_errors, found[1].base.standard_errors),
+    ):
+        assert np.abs(first - second).max() < 1e-10 * np.abs(first).max()
