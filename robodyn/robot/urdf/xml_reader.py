@@ -5,13 +5,13 @@ Nothing here raises: what is wrong with a file as XML is data, and whoever reads
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.parsers import expat
 
 from robodyn.errors import DescriptionError
 from robodyn.robot.urdf.elements import BOM, Element, SourcePositions, Span
+from robodyn.robot.urdf.malformed import BINARY, malformed
 from robodyn.support.input_file import LFS_POINTER
 from robodyn.support.wording import shown
 
@@ -20,25 +20,6 @@ RUN_XACRO = "name it FILE.xacro, and it is expanded first"
 OWN_TAGS = frozenset({"link", "joint", "material", "transmission"})
 """Elements of the robot whose content is URDF's; all others belong to other tools and are not read."""
 _DOCTYPE = b"<!DOCTYPE"
-_UNDEFINED_ENTITY = 11
-_INVALID_TOKEN = 4
-_ENTITY = re.compile(rb"&(?!(?:amp|lt|gt|quot|apos|#\w+);)[^;]*;?")
-_REMEDIES = {
-    "duplicate attribute": "keep one of the two",
-    "junk after document element": "keep one <robot> and nothing after it",
-    "XML or text declaration not at start of entity": "nothing, not even a blank, may stand before <?xml",
-    "encoding specified in XML declaration is incorrect": "correct encoding=... in the first line",
-    "unknown encoding": "save it as UTF-8",
-    "undefined entity": "write & as &amp;",
-}
-_HINTS = {
-    "no element found": "the file may be cut off, or an end tag is missing",
-    "mismatched tag": "close every element in the order in which they were opened",
-    "not well-formed (invalid token)": "write & as &amp; and < as &lt;, and put values in quotes",
-}
-"""Remedies of rules; strict reading says which element is open instead."""
-_NO_BREAK_SPACE = "\u00a0".encode()
-_BINARY = "this is a binary file, not XML", "give a URDF file"
 _NAMESPACES = {"drake": "http://drake.mit.edu"}
 _KINDS = {"sdf": "this is SDF; convert it to URDF", "mujoco": "this is MJCF; convert it to URDF"}
 
@@ -87,7 +68,7 @@ class Reader:
             what = "this is a pointer of Git LFS, not the description"
             self._add("RD001", 0, len(LFS_POINTER), what, "git lfs pull fetches the description")
         elif b"\0" in self.positions.data[:2]:  # which expat would take for UTF-16, other than `as_utf8`
-            self._add("RD001", 0, 1, *_BINARY)
+            self._add("RD001", 0, 1, *BINARY)
         elif self._parse() and self._root is not None and self._root.tag != "robot":
             self._wrong_root(self._root)
         elif self._whole and not self._unexpanded:
@@ -138,39 +119,11 @@ class Reader:
         )
 
     def _malformed(self, error: expat.ExpatError) -> None:
-        data = self.positions.data
-        start = max(self._parser.ErrorByteIndex, 0)
-        end = min(start + 1, len(data))
-        text = expat.ErrorString(error.code)
-        strict = self._strict(text)
-        if error.code == _UNDEFINED_ENTITY:
-            entity = _ENTITY.search(data, start)
-            start, end = entity.span() if entity else (start, end)
-            what, remedy = "an entity that XML does not define", _REMEDIES[text]
-            self._add("RD002", start, end, what, remedy, line=error.lineno, strict=strict)
-            return
-        if "encoding" in text:
+        inside = self._stack[-1] if self._stack else None
+        found = malformed(error.code, self.positions.data, max(self._parser.ErrorByteIndex, 0), inside, self._root)
+        if "encoding" in expat.ErrorString(error.code):
             self.positions.encoding = "utf-8"
-        inside = f" inside <{self._stack[-1].tag}> of line {self._stack[-1].line}" if self._stack else ""
-        remedy = _REMEDIES.get(text) or _HINTS.get(text, "correct the XML")
-        if data.startswith(_NO_BREAK_SPACE, start):
-            text, remedy = "a non-breaking space (U+00A0)", "write a plain blank in its place"
-        elif error.code == _INVALID_TOKEN:
-            text, remedy = _invalid(data, start) or (text, remedy)
-        if b"\0" in data:
-            text, remedy = strict = _BINARY
-        self._add("RD001", start, end, text + inside, remedy, line=error.lineno, strict=strict)
-
-    def _strict(self, text: str) -> tuple[str, str | None]:
-        """Return what is wrong with malformed XML, and the remedy, as strict reading says it."""
-        remedy = _REMEDIES.get(text)
-        if self._stack:
-            element = self._stack[-1]
-            text += f" inside {shown(element.tag)} of line {element.line}"
-            remedy = remedy or "the file may be cut off, or its end tag is missing"
-        elif self._root is None and remedy is None:
-            remedy = "the file must be XML with the root element <robot>"
-        return f"malformed XML: {text}", remedy
+        self._add(*found[:5], line=error.lineno, strict=found.strict)
 
     def _declare(self, version: str, encoding: str | None, standalone: int) -> None:
         if encoding is not None:
@@ -242,20 +195,6 @@ class Reader:
                 whole, span = element.attributes[name].span, element.attributes[name].value_span
                 what = f"{self._part()}{name}={shown(value)} is left over from xacro"
                 self._add("RD004", span.start, span.end, what, RUN_XACRO, line=whole.line)
-
-
-def _invalid(data: bytes, start: int) -> tuple[str, str] | None:
-    """Return why expat takes what begins here for no token of XML, and the remedy, where that can be told."""
-    if data[start : start + 1] >= b"\x80":
-        try:
-            data[start : start + 4].decode()
-        except UnicodeDecodeError as error:
-            if error.start == 0:
-                what = f"the byte 0x{data[start]:02X} is not of a text in UTF-8"
-                return what, 'save the file as UTF-8, or name its encoding in <?xml version="1.0" encoding="..."?>'
-    if data[start - 2 : start] == b"--" and data.rfind(b"<!--", 0, start - 2) > data.rfind(b"-->", 0, start):
-        return "two hyphens in a comment, where only its end has them", "write one hyphen, or a blank between them"
-    return None
 
 
 def unexpanded(text: str) -> bool:
