@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from robodyn.errors import InputError, SceneError
 from robodyn.loads.accumulate import Options, TorqueAccumulator
+from robodyn.loads.gathered_result import gathered_result
 from robodyn.loads.result import Result
 from robodyn.robot.model import Model
 from robodyn.scene.fit import refuse_others
@@ -84,7 +85,7 @@ def torques(
                     sink(block.given_time, held.written(columns) if held else columns)
     if last is None:
         raise InputError("the trajectory has no samples")
-    return run.result(last, explain)
+    return gathered_result(run, last, explain)
 
 
 def _check_uncertain(scene: Scene, samples: int) -> None:

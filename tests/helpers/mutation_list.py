@@ -225,9 +225,9 @@ MUTATIONS = {
             "energy + terms.gravity @ (pose.R @ body.mc + body.m * pose.p)",
         ),
         (
-            "loads/accumulate.py",
-            'np.einsum("ij,ij->i", tau, block.qd) - over_block(checks.losses)[:, 0]',
-            'np.einsum("ij,ij->i", tau, block.qd) + over_block(checks.losses)[:, 0]',
+            "loads/self_checks.py",
+            'np.einsum("ij,ij->i", tau, block.qd) - execute',
+            'np.einsum("ij,ij->i", tau, block.qd) + execute',
         ),
         ("dynamics/effects/limit_spring.py", "_positive(x)", "x"),
     ],
