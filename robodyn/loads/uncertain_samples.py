@@ -15,6 +15,8 @@ from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.support.floats import Floats
 
 SEED = 1905
+TOGETHER = 200
+"""Draws that are run together."""
 ROOM = 4_000_000
 """Numbers of loads that are held at a time."""
 
@@ -32,7 +34,7 @@ class SamplePass:
         self.runner = varied_runner(plan(beside.model, beside.scene), beside.found, beside.of.rows)
         self.theta = beside.found.theta(beside.found.draws(count, SEED))
         self.peaks = np.zeros((len(self.of.figures), count))
-        self._integrals = [Integrals() for _ in self.theta]
+        self._integrals = [(slice(k, k + TOGETHER), Integrals()) for k in range(0, count, TOGETHER)]
         self._gears = [figure.a for figure in self.of.figures if figure.name == "gear"]
 
     def take(
@@ -44,37 +46,41 @@ class SamplePass:
         threads: int | None,
     ) -> None:
         """Take in a block; motion: qd and qdd (joints, N)."""
-        step = max(2, ROOM // len(self.runner.program.outputs))
+        step = max(2, ROOM // (TOGETHER * (self.of.columns + self.theta.shape[1])))
         for start in range(0, len(time), step):
             part = slice(start, start + step)
             given, of = {name: values[part] for name, values in sources.items()}, time[part]
             qd, qdd = (each[:, part] for each in motion)
-            for k, theta in enumerate(self.theta):
-                given["theta"] = np.broadcast_to(theta, (len(of), len(theta)))
-                expected = len(self.theta) * len(of)
-                sums = self.runner.run(given, len(of), executor=executor, threads=threads, expected=expected).values
-                self._gather(k, of, self.of.with_motors(np.ascontiguousarray(sums.T), qd, qdd), qd)
+            for draws, integrals in self._integrals:
+                theta = self.theta[draws]
+                many = {name: np.tile(values, (len(theta), *[1] * (values.ndim - 1))) for name, values in given.items()}
+                many["theta"] = np.repeat(theta, len(of), axis=0)
+                count, expected = len(theta) * len(of), len(self.theta) * len(of)
+                sums = self.runner.run(many, count, executor=executor, threads=threads, expected=expected).values
+                rates = (np.tile(each, len(theta)) for each in (qd, qdd))
+                values = self.of.with_motors(np.ascontiguousarray(sums.T), *rates)
+                self._gather(draws, integrals, of, values.reshape(len(values), len(theta), len(of)), qd)
 
-    def _gather(self, k: int, time: Floats, values: Floats, qd: Floats) -> None:
-        """Take in the columns of a block for draw k."""
+    def _gather(self, draws: slice, integrals: Integrals, time: Floats, values: Floats, qd: Floats) -> None:
+        """Take in the columns (columns, draws, N) of a block for some draws."""
         a, b = self.of.pairs
-        squares = values[a] * values[a] + np.where((b < 0)[:, None], 0.0, values[b] * values[b])
-        self.peaks[:, k] = np.maximum(self.peaks[:, k], np.sqrt(squares.max(axis=1)))
+        squares = values[a] * values[a] + np.where((b < 0)[:, None, None], 0.0, values[b] * values[b])
+        self.peaks[:, draws] = np.maximum(self.peaks[:, draws], np.sqrt(squares.max(axis=-1)))
         quantities = {"square": squares}
         if self._gears:
             load, pace = np.abs(values[self._gears]), np.abs(qd[[joint for joint, _ in self.of.trains]])
-            quantities |= {"wear": load * load * load * pace, "travel": pace}
-        self._integrals[k].update(time, quantities)
+            quantities |= {"wear": load * load * load * pace[:, None], "travel": pace}
+        integrals.update(time, quantities)
 
     def rms(self, figure: int) -> Floats:
         """Return (draws,) the RMS of a figure; its magnitude in a motion without duration."""
-        if self._integrals[0].duration <= 0.0:
+        each = [some for _, some in self._integrals]
+        if each[0].duration <= 0.0:
             return np.array(self.peaks[figure])
-        means = [float(each.totals["square"][figure]) / each.duration for each in self._integrals]
-        return np.asarray(np.sqrt(means))
+        return np.sqrt(np.concatenate([some.totals["square"][figure] for some in each]) / each[0].duration)
 
     def cubic(self, i: int) -> Floats:
         """Return (draws,) the cubic mean of what gear i bears."""
-        totals = [each.totals for each in self._integrals]
-        means = [float(each["wear"][i] / each["travel"][i]) if each["travel"][i] else 0.0 for each in totals]
-        return cube_roots(np.array(means))
+        totals = [each.totals for _, each in self._integrals]
+        travel = float(totals[0]["travel"][i])
+        return cube_roots(np.concatenate([each["wear"][i] for each in totals]) / (travel or 1.0))
