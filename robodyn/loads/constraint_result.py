@@ -143,9 +143,13 @@ class Constraints:
         """Whether there are forces for all of the motion."""
         return not self.unbalanced and not self.missing
 
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What keeps a verdict over the motion from being sure."""
+        return _doubts(self)
 
-def constraint_doubts(found: Constraints) -> tuple[Doubt, ...]:
-    """Return what keeps a verdict over a motion under constraints from being sure."""
+
+def _doubts(found: Constraints) -> tuple[Doubt, ...]:
     doubts = []
     if found.missing:
         worst = found.missing[first_largest([each.force.value for each in found.missing])]

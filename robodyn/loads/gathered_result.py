@@ -10,7 +10,6 @@ import numpy as np
 from robodyn.dynamics.plan import Plan, plan
 from robodyn.loads.accumulate import TorqueAccumulator
 from robodyn.loads.checks_result import Checks
-from robodyn.loads.constraint_result import constraint_doubts
 from robodyn.loads.doubts import carried
 from robodyn.loads.figures import base_loads, check_figures, effect_reports, joint_load, shares_at_peaks
 from robodyn.loads.result import JointLoad, Result
@@ -38,7 +37,7 @@ def gathered_result(run: TorqueAccumulator, last: Trajectory, explain: bool) -> 
     looped = run.constraints is not None and run.constraints.holds_base
     doubts = (
         *last.doubts,
-        *(constraint_doubts(constraints) if constraints else ()),
+        *(constraints.doubts if constraints else ()),
         *carried(run.model, run.scene, base, joints, checks.largest_force, checks.largest_moment, looped),
         *run.bars.openness.doubts(joints, left, checks.energy_balance, total.samples, total.duration),
         *(unsure.doubts if unsure else ()),

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
-from robodyn.loads.constraint_result import Constraints
 from robodyn.loads.many import Batch, Outcome, Status, Worst
 from robodyn.loads.result import Result
-from robodyn.report.constraints import constraint_lines, constraint_tables
 from robodyn.report.document import Paragraph, Section, Table, paragraphs, remarks
 from robodyn.report.limits import limits_section, offenders_first, unchecked_words, use, verdict_on_limits
 from robodyn.report.sizes import Sizes, result_sizes, speed_unit
@@ -21,6 +20,9 @@ from robodyn.report.torques_tables import (
     share_table,
 )
 from robodyn.support.wording import count
+
+if TYPE_CHECKING:
+    from robodyn.loads.constraint_result import Constraints
 
 _NAMED = 6
 
@@ -71,6 +73,8 @@ def _head(result: Result) -> Section:
 
 
 def _constraints(result: Result, found: Constraints) -> Iterator[Section]:
+    from robodyn.report.constraints import constraint_lines, constraint_tables
+
     yield paragraphs(["Constraints", *constraint_lines(found)])
     for title, rows in constraint_tables(result):
         yield [Table(title, *rows)]

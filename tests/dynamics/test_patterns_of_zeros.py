@@ -11,10 +11,9 @@ from helpers.motions import Pieces
 from helpers.oracles import ROBOTS
 
 import robodyn
-from robodyn.dynamics import balance as self_checks
-from robodyn.dynamics import forward, inverse, plan
+from robodyn.dynamics import balance, forward, inverse, plan
 from robodyn.dynamics import momenta as momentum
-from robodyn.loads import accumulate as one_pass
+from robodyn.loads import accumulate, self_checks
 from robodyn.programs import program
 from robodyn.programs.run.compiled_blocks import CompiledBlocks
 
@@ -38,7 +37,7 @@ def traced(monkeypatch):
         made.append(given)
         return trace(*given)
 
-    for module in (program, plan, inverse, forward, momentum, self_checks, robodyn.dynamics.forward):
+    for module in (program, plan, inverse, forward, momentum, balance, robodyn.dynamics.forward):
         if hasattr(module, "trace"):
             monkeypatch.setattr(module, "trace", counted)
     return made
@@ -91,7 +90,7 @@ def test_results_do_not_depend_on_patterns_seen_before(executor, model):
 def test_a_trajectory_has_one_program_of_its_own():
     """That of its loads, from which what stands still is left out; the checks are the same for all."""
     model = robodyn.load(ROBOTS / "puma560.urdf")
-    caches = one_pass._loads, one_pass._checks, inverse.torque_runner, momentum.momentum_runner
+    caches = accumulate._loads, self_checks._runners, inverse.torque_runner, momentum.momentum_runner
     before = [cache.cache_info().misses for cache in caches]
     results = [
         robodyn.torques(
@@ -112,7 +111,7 @@ def test_blocks_of_a_trajectory_share_what_all_so_far_have_in_common(model):
     moves[5:, :, 1:3] = rng.integers(0, 2, (35, 1, 2))
     q, qd, qdd = rng.normal(size=(3, 400, 6)) * np.repeat(moves, 10, axis=0).reshape(400, 6)
     trajectory = robodyn.motion(model, np.arange(400) / 100, q, qd, qdd)
-    before = one_pass._loads.cache_info().misses
+    before = accumulate._loads.cache_info().misses
     result = robodyn.torques(model, Pieces(trajectory, [10] * 40))
-    assert one_pass._loads.cache_info().misses - before <= 3
+    assert accumulate._loads.cache_info().misses - before <= 3
     assert result.operations == robodyn.torques(model, trajectory).operations
