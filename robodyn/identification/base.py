@@ -154,7 +154,8 @@ def shown(R: Floats, names: Sequence[str]) -> NDArray[np.bool_]:
     """Return (p,) which columns of rows R (k, p) are more than rounding beside the longest of the same unit."""
     lengths = _lengths(R)
     longest: dict[str, float] = {}
-    units = [_UNITS.get(name.rpartition(".")[2], name) for name in names]
+    kinds = (name.rpartition(".")[2] for name in names)
+    units = [_UNITS.get(kind, kind) for kind in kinds]
     for unit, length in zip(units, lengths.tolist(), strict=True):
         longest[unit] = max(length, longest.get(unit, 0.0))
     return np.asarray(lengths > _NOTHING * np.array([longest[unit] for unit in units]))

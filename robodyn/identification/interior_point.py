@@ -12,6 +12,8 @@ from robodyn.identification.newton import Newton
 from robodyn.support.floats import Floats
 
 _MOST = 100
+_SHORT = 0.1
+"""A step that can be taken no farther is left for one back to the middle of the path."""
 _PATIENCE = 8
 """Steps at the end of the path after which what is left is rounding."""
 
@@ -65,5 +67,9 @@ def minimised(problem: Problem, y: Floats) -> Minimum:
             foreseen = newton.direction(0.0)
             if newton.feasible:
                 mu = max(problem.floor, mu * max((1.0 - newton.reach(foreseen)) ** 2, 0.1))
-        point = newton.stepped(newton.direction(mu, foreseen))
+        step = newton.direction(mu, foreseen)
+        if newton.reach(step) < _SHORT:
+            mu = max(mu, newton.mu)
+            step = newton.direction(mu)
+        point = newton.stepped(step)
     return Minimum(point.y, point.s, point.w, inf, steps)

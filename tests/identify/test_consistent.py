@@ -133,6 +133,22 @@ def test_descriptions_may_be_far_off(seed):
     assert_possible(found.theta, known)
 
 
+@pytest.mark.parametrize("seed", [11, 126, 232, 361, *range(8)])
+def test_motions_that_show_little(seed):
+    """Small motions of small robots, far from the description: one in a hundred of these stopped at a cone's border."""
+    rng = np.random.default_rng(seed)
+    model = random_tree(seed % 5, 2 + seed % 3, kinds=("revolute",))
+    q, qd, qdd = rng.normal(size=(3, 40, model.n)) * np.array((1.0, 2.0, 4.0))[:, None, None] * 10 ** rng.uniform(-2, 0)
+    found = robodyn.regressor(model, q, qd, qdd)
+    Y, prior = found.Y.reshape(-1, len(found.names)), prior_of(model, found.names, found.theta)
+    tau = Y @ (found.theta * np.exp(rng.standard_normal(len(found.theta))))
+    tau += 10 ** rng.uniform(-4, -0.5) * np.linalg.norm(tau) / np.sqrt(len(tau)) * rng.standard_normal(len(tau))
+    factor = np.linalg.qr(np.column_stack((Y, tau)), mode="r")
+    R, z = factor[:, :-1], factor[:, -1]
+    fit = consistent_parameters(R, z, prior, 10 ** rng.uniform(-9, -3) * float(z @ z))
+    assert fit.gap < 1e-10 * float(z @ z)
+
+
 def test_more_strength_gives_less_divergence_and_more_error():
     R, z, prior, _ = log(0.2)
     fits = [consistent_parameters(R, z, prior, 10.0**k * (z @ z)) for k in range(-9, 4)]
