@@ -115,8 +115,6 @@ def _warnings(
     lines = [f"{log.path}: {note}" for log in run.logs for note in log.notes]
     names = run.model.rates
     still = {name for log in run.logs for name in log.held}
-    unmeasured = [name for j, name in enumerate(names) if j not in run.measured and name not in still]
-    lines += [f"joint {name} has no measured torque" for name in unmeasured]
     resting = [name for name in names if run.directions[name].scale <= RESTS and name not in still]
     lines += [f"joint {name} rests: nothing is shown of its friction" for name in resting]
     for name, part in ratios.items():

@@ -10,6 +10,7 @@ from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.errors import TrajectoryError
 from robodyn.identification.fault_columns import Evidence
 from robodyn.identification.log import Log
+from robodyn.identification.log_scan import REMEDY
 from robodyn.identification.rows import filtered
 from robodyn.identification.samples import Samples
 from robodyn.robot.model import Model
@@ -32,7 +33,7 @@ def load_body(model: Model) -> str:
 def evidence_of(log: Log) -> tuple[Evidence, Floats, tuple[int, ...], list[str]]:
     """Return the evidence of a log, its times (k,), the joints in it as places in `model.rates`, and notes.
 
-    It is of the longest stretch without gaps; joints whose measured torque is missing or constant are left out.
+    It is of the longest stretch without gaps; joints whose torque is constant in it are left out.
 
     Raises:
         TrajectoryError: no torque varies, or the filter leaves too few samples.
@@ -85,17 +86,14 @@ def _columns(log: Log, samples: Samples) -> Floats:
 
 
 def _varying(log: Log, tau: Floats, notes: list[str]) -> list[int]:
-    """Return the joints whose measured torque varies; a note is added for each of the others."""
+    """Return the measured joints whose torque varies in a stretch; a note is added for each of the others."""
     names, places = log.model.rates, []
     least = _STILL * float(np.abs(tau).max())
-    for k, name in enumerate(names):
-        if k not in log.measured:
-            notes.append(f"{name}: its torque was not measured")
-        elif np.ptp(tau[:, k]) <= least:
-            notes.append(f"{name}: its measured torque is constant, {tau[:, k].mean():.4g}, and left out")
-        else:
+    for k in log.measured:
+        if np.ptp(tau[:, k]) > least:
             places.append(k)
+        else:
+            notes.append(f"{names[k]}: its measured torque is constant, {tau[:, k].mean():.4g}, and left out")
     if not places:
-        what = "no measured torque varies: nothing can be told"
-        raise TrajectoryError(what, remedy="is it the right log, and are torques recorded?", file=log.path)
+        raise TrajectoryError("no measured torque varies: nothing can be told", remedy=REMEDY, file=log.path)
     return places

@@ -89,6 +89,7 @@ def test_what_was_not_measured_is_said_line_by_line(bench, tmp_path):
     outcome = measured(log(tmp_path / "log.csv", bench, tau, leave_out=["elbow"]), "--cutoff", "8")
     assert "note: the torque of waist is 3 throughout: it is left out" in outcome.out
     assert "note: elbow: its torque was not measured" in outcome.out
+    assert "note: waist:" not in outcome.out
     assert "1 joint with measured torques" in outcome.out
 
 
@@ -134,9 +135,12 @@ def test_a_cutoff_without_measured_torques():
 
 
 def test_logs_that_tell_nothing(bench, tmp_path):
+    spiked = np.ones_like(bench.tau)
+    spiked[100] = 5.0
     for tau, leave_out, what in (
         (bench.tau, bench.model.rates, "gives no torque of a joint"),
         (np.ones_like(bench.tau), (), "no measured torque ever changes"),
+        (spiked, (), "no measured torque varies"),
     ):
         outcome = measured(log(tmp_path / "log.csv", bench, tau, leave_out), "--cutoff", "8")
         assert outcome.status == 2
