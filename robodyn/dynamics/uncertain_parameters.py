@@ -145,14 +145,16 @@ def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation
 
 
 def _factor(C: Floats) -> Floats:
-    """Return L (k, k) with L L^T = C, positive semi-definite, by Cholesky's method with pivots.
+    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots, which ends where rounding is left.
 
-    It ends where nothing is left.
+    What an identification hardly tells apart has correlations near 1, and all that a torque shows of it is what these
+    leave: 1e-13 of each variance is not nothing.
     """
     left, L = C.copy(), np.zeros_like(C)
+    rounding = len(C) * np.finfo(float).eps
     for column in range(len(C)):
         k = int(np.diag(left).argmax())
-        if left[k, k] <= 1e-12:
+        if left[k, k] <= rounding:
             break
         L[:, column] = left[:, k] / np.sqrt(left[k, k])
         left = left - np.outer(L[:, column], L[:, column])

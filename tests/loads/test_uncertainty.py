@@ -111,6 +111,16 @@ def test_correlated_parameters():
         assert both.peak.standard_error == pytest.approx(0.2 * G, rel=1e-12)
 
 
+def test_parameters_that_are_hardly_told_apart():
+    """tau = g (mx + mz) / sqrt(2), with mx + mz known 1e6 times better than either: its variance is 2 s^2 (1 - r)."""
+    model, left = pendulum(), 2.0**-42
+    rows = 1e10 * np.array(((1.0, left - 1.0), (left - 1.0, 1.0)))
+    known = Covariance(("arm.mx", "arm.mz"), np.array((1.0, 0.0)), rows)
+    found = held(model, Scene(uncertainty=Uncertainty(covariance=known)), q=-np.pi / 4).uncertainty
+    expected = G / math.sqrt(2.0) * math.sqrt(2e10 * left)
+    assert found.joints[0].load.peak.standard_error == pytest.approx(expected, rel=1e-3)
+
+
 def test_a_covariance_of_another_robot_is_told():
     for value, told in ((2.0, False), (2.4, False), (2.6, True)):
         known = Covariance(("arm.m",), np.array((value,)), np.array(((0.01,),)))
