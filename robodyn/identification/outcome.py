@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from robodyn.dynamics.effects.viscous_friction import friction_of
 from robodyn.dynamics.regressor import INERTIAL, regressor
+from robodyn.identification.base import Base
 from robodyn.identification.calibrated_scene import calibrated
 from robodyn.identification.identified import Identified, MotorFit
 from robodyn.identification.structure import Structure
@@ -86,18 +88,22 @@ def covariance(found: Identified) -> Covariance:
 
     The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
     """
-    base = found.base.base
-    places = {name: k for k, name in enumerate(found.names)}
-    carried = np.zeros((len(found.names), base.rank))
+    carried = carriers(found.base.base, found.names)
+    own = np.flatnonzero(carried.any(axis=1))
+    names = tuple(found.names[k] for k in own)
+    C = np.einsum("ar,rs,bs->ab", carried[own], found.base.covariance, carried[own])
+    return Covariance(names, found.theta[own], (C + C.T) / 2.0)
+
+
+def carriers(base: Base, names: Sequence[str]) -> Floats:
+    """Return (p, r) how much of each of `names` of `robodyn.regressor` stands for each base parameter."""
+    places = {name: k for k, name in enumerate(names)}
+    carried = np.zeros((len(names), base.rank))
     for column, k in enumerate(base.independent):
         for name, part in _meant(base.names[k]):
             if name in places:
                 carried[places[name], column] = part
-    own = np.flatnonzero(carried.any(axis=1))
-    names = tuple(found.names[k] for k in own)
-    carried = carried[own]
-    C = np.einsum("ar,rs,bs->ab", carried, found.base.covariance, carried)
-    return Covariance(names, found.theta[own], (C + C.T) / 2.0)
+    return carried
 
 
 def _meant(name: str) -> tuple[tuple[str, float], ...]:
