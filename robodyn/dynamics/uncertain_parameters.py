@@ -21,8 +21,8 @@ from robodyn.scene.uncertainty import LinkUncertainty, Uncertainty
 from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
 
-OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "rotor")
-"""Parameters of the regressor of each hinge and slide."""
+OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")
+"""Parameters of each hinge and slide, and of each coupled motor."""
 
 
 def variations(model: Model, scene: Scene) -> Variations:
@@ -84,8 +84,8 @@ def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Var
             added = replace(
                 has, viscous=share * has.viscous, forward=share * has.forward, backward=share * has.backward
             )
-            added = replace(added, stribeck=stribeck)
-        if added.viscous or added.dry:
+            added = replace(added, stribeck=stribeck, load=share * has.load)
+        if added.viscous or added.dry or added.load:
             yield Variation(f"{joint.name}.friction", share, joint=joint.name, friction=added)
 
 
@@ -113,8 +113,9 @@ _MISFIT = 5.0
 def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
     deviations = np.sqrt(np.diag(given.covariance))
     known = {f"{body.name}.{name}" for body in model.bodies for name in INERTIAL}
-    hinges = [body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
-    known |= {f"{joint.name}.{name}" for joint in hinges for name in OF_JOINTS}
+    hinges = [body.joint.name for body in model.bodies if body.joint.kind in ("revolute", "prismatic")]
+    motors = [motor.name for motor in scene.coupled]
+    known |= {f"{owner}.{name}" for owner in (*hinges, *motors) for name in OF_JOINTS}
     for name in given.parameters:
         if name not in known:
             remedy = alternatives(name, sorted(known), "parameters")
@@ -138,14 +139,15 @@ def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation
         return Variation(name, deviation, body, moments)
     if quantity == "rotor":
         return Variation(name, deviation, joint=owner, rotor=deviation)
-    joint = next(body.joint for body in model.bodies if body.joint.name == owner)
-    has = friction_of(joint, scene)
-    none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=None if has.stribeck is None else 0.0)
+    frictions = {body.joint.name: friction_of(body.joint, scene) for body in model.bodies}
+    has = (frictions | {motor.name: motor.friction for motor in scene.coupled})[owner]
+    stribeck = None if has.stribeck is None else 0.0
+    none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=stribeck, load=0.0)
     return Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation}))
 
 
 def _factor(C: Floats) -> Floats:
-    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots, which ends where rounding is left.
+    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots; it ends where rounding is left.
 
     What an identification hardly tells apart has correlations near 1, and all that a torque shows of it is what these
     leave: 1e-13 of each variance is not nothing.

@@ -28,7 +28,8 @@ class Variation:
         name: "forearm.mass", "forearm.com" (of each axis), "forearm.inertia", "elbow.friction", or the regressor's.
         deviation: its standard deviation in SI units; of a factor as a share.
         body, moments: m, mc and I in the order of `INERTIAL` are added to this body; -1 and () if none are.
-        joint, friction, rotor: this friction and this reflected inertia [kg m^2] are added at a joint; "" if none are.
+        joint, friction, rotor: this friction and this reflected inertia [kg m^2] are added at a joint, or to a coupled
+            motor; "" if none are.
     """
 
     name: str

@@ -88,11 +88,12 @@ def covariance(found: Identified) -> Covariance:
 
     The others of each group are taken for known, which changes no torque of a motion that shows no more than the log.
     """
-    carried = carriers(found.base.base, found.names)
+    loads = {f"{name}.load": found.scene.friction[name].load for name in found.scene.loaded}
+    names, theta = (*found.names, *loads), np.append(found.theta, list(loads.values()))
+    carried = carriers(found.base.base, names)
     own = np.flatnonzero(carried.any(axis=1))
-    names = tuple(found.names[k] for k in own)
     C = np.einsum("ar,rs,bs->ab", carried[own], found.base.covariance, carried[own])
-    return Covariance(names, found.theta[own], (C + C.T) / 2.0)
+    return Covariance(tuple(names[k] for k in own), theta[own], (C + C.T) / 2.0)
 
 
 def carriers(base: Base, names: Sequence[str]) -> Floats:

@@ -99,8 +99,6 @@ def _check_loaded(scene: Scene, model: Model, file: str | None) -> None:
             wrong = "is not known for a joint whose rotor has an axis"
         elif scene.constrained:
             wrong = "is not known with loops, contacts or joints that do not drive"
-        elif scene.uncertainty is not None:
-            wrong = "is not known with [uncertainty]"
         if wrong:
             raise SceneError(f'[friction] {shown(name)}: "load" {wrong}', remedy=remedy, file=file)
 

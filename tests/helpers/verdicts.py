@@ -1,4 +1,4 @@
-"""What a robot that was identified on a bench is said to bear on another motion: bars, and probabilities of verdicts."""
+"""What a robot that was identified on a bench is said to bear on another motion: bars, probabilities of verdicts."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers.command_line import ROBOTS, run
@@ -14,8 +16,10 @@ from robodyn.identification.choose import joint_motors
 from robodyn.identification.gather import Gathered, Guess, gather
 from robodyn.identification.identify import identify
 from robodyn.identification.log import read_log
+from robodyn.scene.covariance import read_covariance
 from robodyn.scene.parts import CoupledMotor, Friction, Rotor, Spring
 from robodyn.scene.scene import DEFAULT, Scene
+from robodyn.scene.uncertainty import Uncertainty
 
 SPATIAL = ROBOTS / "two_link_spatial.urdf"
 TIME = 0.005 * np.arange(4000)
@@ -112,9 +116,11 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
     some = {name: Friction(0.5, 1.0, -1.0, load=0.1) for name in model.rates[1:]}
     scene = Scene(friction={**friction(model, 0.5, 1.0, -1.0), **some})
     logged("log.csv", robot, waves, scene, np.random.default_rng(5), noise=0.01)
-    done = run("identify", str(robot), "log.csv", "--out", "found.urdf", "--scene-out", "found.toml")
+    outputs = ("--out", "found.urdf", "--scene-out", "found.toml", "--covariance", "found.json")
+    done = run("identify", str(robot), "log.csv", *outputs)
     assert done.status == 0, done.err
     found = robodyn.load_scene("found.toml")
+    known = Uncertainty(covariance=read_covariance("found.json"))
     assert found.friction[model.rates[0]].load == 0.0
     for name in some:
         assert found.friction[name].load == pytest.approx(0.1, rel=0.1)
@@ -122,6 +128,12 @@ def test_friction_that_grows_with_load(tmp_path, monkeypatch):
     tau = robodyn.inverse_dynamics(model, *states, scene=scene)
     off = robodyn.inverse_dynamics(robodyn.load("found.urdf"), *states, scene=found) - tau
     assert np.linalg.norm(off) < 0.01 * np.linalg.norm(tau)
+    calibrated = robodyn.load("found.urdf")
+    motion = robodyn.motion(calibrated, TIME[:500], *states)
+    bars = robodyn.torques(calibrated, motion, replace(found, uncertainty=known)).uncertainty
+    assert {f"{name}.load" for name in some} <= set(bars.parameters)
+    for joint, true in zip(bars.joints, np.abs(tau).max(axis=0), strict=True):
+        assert abs(abs(joint.load.peak.value) - true) < 4.0 * joint.load.peak.standard_error
 
 
 def test_springs_and_payloads_of_the_scene_are_known(tmp_path):

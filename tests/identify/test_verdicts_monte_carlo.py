@@ -1,7 +1,7 @@
 """Error bars and verdicts of robots that were identified from noisy logs, on other motions: they hold as often as told.
 
-The bars' code is that of `torques`; loads and derivatives are by the regressor, which a test compares. Seeds and motions
-are others than those that anything was tuned on.
+Bars are by the code of `torques`, of loads and derivatives by the regressor, which a test compares. Nothing was tuned
+on these seeds.
 """
 
 from __future__ import annotations

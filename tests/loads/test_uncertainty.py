@@ -19,7 +19,7 @@ from robodyn.loads.drawn import normal
 from robodyn.robot.model import Model
 from robodyn.scene.covariance import Covariance
 from robodyn.scene.motor import Motor
-from robodyn.scene.parts import Friction, Rotor
+from robodyn.scene.parts import CoupledMotor, Friction, Rotor
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import Deviation, Uncertainty
 
@@ -119,6 +119,44 @@ def test_parameters_that_are_hardly_told_apart():
     found = held(model, Scene(uncertainty=Uncertainty(covariance=known)), q=-np.pi / 4).uncertainty
     expected = G / math.sqrt(2.0) * math.sqrt(2e10 * left)
     assert found.joints[0].load.peak.standard_error == pytest.approx(expected, rel=1e-3)
+
+
+def test_friction_that_grows_with_load():
+    """tau = (1 + load) g mx at qd > 0, with both uncertain and correlated."""
+    known = Covariance(("arm.mx", "hinge.load"), np.array((1.0, 0.1)), np.array(((0.01, 0.0006), (0.0006, 0.0004))))
+    scene = Scene(friction={"hinge": Friction(load=0.1)}, uncertainty=Uncertainty(covariance=known))
+    model, time, one = pendulum(), np.linspace(0.0, 1.0, 5), np.ones((5, 1))
+    found = robodyn.torques(model, robodyn.motion(model, time, 0 * one, 1e-3 * one, 0 * one), scene).uncertainty
+    (x, load), bar = (1.1 * G, G), found.joints[0].load.peak
+    assert bar.value == pytest.approx(1.1 * G, rel=1e-14)
+    assert bar.standard_error == pytest.approx(math.sqrt(0.01 * x * x + 0.0004 * load**2 + 0.0012 * x * load), rel=1e-9)
+
+
+def test_a_covariance_of_loads_and_coupled_motors():
+    """Against motions that are run again, and parts of friction that belong to it."""
+    model = robot("puma560")
+    scene = scene_of(
+        model,
+        coupled=(
+            CoupledMotor("both", {"wrist_pitch": 1.0, "flange_roll": -1.0}, 2e-4, 40.0, Friction(0.3, 0.4, -0.4)),
+        ),
+    )
+    scene = replace(scene, friction=dict(scene.friction) | {"elbow": Friction(0.5, 1.0, -0.8, load=0.2)})
+    names = ("forearm.m", "forearm.mx", "elbow.load", "elbow.viscous", "both.viscous", "both.forward", "both.rotor")
+    errors = np.array((0.3, 0.05, 0.02, 0.05, 0.05, 0.04, 0.05))
+    rows = np.diag(errors**2) + 0.5 * np.outer(errors, errors) * (1.0 - np.eye(len(names)))
+    regressor = robodyn.regressor(model, *np.zeros((3, model.n)), scene=scene)
+    at = dict(zip(regressor.names, regressor.theta.tolist(), strict=True))
+    known = Covariance(names, np.array([at.get(name, 0.2) for name in names]), rows)
+    scene = replace(scene, uncertainty=Uncertainty(covariance=known))
+    found = robodyn.torques(model, waves(model), scene, samples=400).uncertainty.joints
+    for load in (load for each in found for load in (each.load, each.motor)):
+        for bar in (load.peak, load.rms):
+            sampled = bar.sampled.standard_error
+            assert bar.standard_error == pytest.approx(sampled, rel=0.05 + 5 / math.sqrt(800), abs=1e-12)
+    shares = {each.load.name: each.load.shares for each in found}
+    assert shares["elbow"]["elbow.load"] > 0.01
+    assert sum(shares["flange_roll"][name] for name in names[4:]) == pytest.approx(1.0, rel=1e-9)
 
 
 def test_a_covariance_of_another_robot_is_told():

@@ -207,10 +207,8 @@ def test_what_rests_on_a_mass_matrix_refuses_it():
 
 def test_scenes_that_refuse_it():
     model = busy_robot()
-    uncertain = parse_scene(b'uncertainty = { mass = "5 %" }')
     for name, scene, wrong in (
         ("j1", Scene(passive=("j2",)), "is not known with loops, contacts or joints that do not drive"),
-        ("j1", uncertain, r"is not known with \[uncertainty\]"),
         ("j1", Scene(coupled=(CoupledMotor("m", {"j1": 1.0}),)), "a coupled motor turns"),
         ("finger", Scene(), "is followed"),
         ("follower", Scene(), "follows another"),
