@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_robot
+from helpers.effect_identities import (
+    composite_bodies_give_the_mass_matrix,
+    derivatives_are_differences,
+    forward_is_the_inverse_of_inverse,
+    kinetic_energy_is_that_of_the_mass_matrix,
+)
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
-from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
-from robodyn.dynamics.effects import coupled_motor, payload
-from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.plan import Plan, applied
-from robodyn.dynamics.recursions.composite_body import composite_body
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.effects import coupled_motor
+from robodyn.dynamics.plan import Plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.equations.dae.dae import dae_at
 from robodyn.errors import SceneError
@@ -81,34 +83,12 @@ def test_of_one_joint_it_is_its_rotor_and_friction():
 
 @both
 def test_forward_is_the_inverse_of_inverse(free):
-    model, scene, state, columns = busy(free)
-    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
-    for executor in ("numpy", "compiled"):
-        qdd = robodyn.forward_dynamics(model, *state[:2], tau, scene=scene, columns=columns, executor=executor)
-        assert worst(qdd, state[2]) <= 1e-11
-    M, b = (
-        robodyn.mass_matrix(model, state[0], scene=scene),
-        robodyn.bias_forces(model, *state[:2], scene=scene, columns=columns),
-    )
-    assert worst(np.einsum("kij,kj->ki", M, state[2]) + b, tau) <= 1e-13
+    forward_is_the_inverse_of_inverse(*busy(free))
 
 
 @both
 def test_derivatives(free):
-    model, scene, (q, qd, qdd), columns = busy(free, slip_speed=0.2)
-    inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene, columns=columns)
-    assert worst(inverse.dqdd, robodyn.mass_matrix(model, q, scene=scene)) <= 1e-13
-    step = 1e-6
-    for k in range(model.n):
-        move = step * np.eye(model.n)[k]
-        up, down = (
-            robodyn.inverse_dynamics(model, q, qd + sign * move, qdd, scene=scene, columns=columns) for sign in (1, -1)
-        )
-        assert worst(inverse.dqd[..., k], (up - down) / (2 * step), np.abs(inverse.dqd).max()) <= 1e-8
-    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
-    forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene, columns=columns)
-    found = np.einsum("kij,kjl->kil", inverse.dqdd, forward.dtau)
-    assert worst(found, np.broadcast_to(np.eye(model.n), found.shape)) <= 1e-9
+    derivatives_are_differences(*busy(free, slip_speed=0.2))
 
 
 @both
@@ -140,9 +120,7 @@ def test_its_share_is_what_it_adds():
 
 def test_kinetic_energy_is_that_of_the_mass_matrix():
     model, scene, (q, qd, _), _ = busy()
-    M = robodyn.mass_matrix(model, q, scene=scene)
-    kinetic = robodyn.momenta(model, q, qd, scene=scene).kinetic
-    assert worst(kinetic, 0.5 * np.einsum("ki,kij,kj->k", qd, M, qd)) <= 1e-13
+    kinetic_energy_is_that_of_the_mass_matrix(model, scene, q, qd)
 
 
 @pytest.mark.parametrize("friction", [Friction(), Friction(0.1, 0.2, -0.2)], ids=["none", "some"])
@@ -233,18 +211,10 @@ def test_mujoco():
         assert worst(robodyn.forward_dynamics(model, q, qd, tau, scene=scene), data.qacc) <= 1e-12
 
 
-def test_every_form_of_the_mass_matrix():
-    """Composite bodies and the recursion of unit accelerations."""
-    model, scene, (q, _, _), _ = busy()
-    straight = aligned(model)
-    for state in q[:3]:
-        sample = Sample(straight, tuple(state.tolist()), (0.0,) * model.n, (0.0,) * model.n)
-        inertias = applied([payload.EFFECT], sample, scene).inertias
-        M = np.zeros((model.n, model.n))
-        entries = composite_body(straight, sample.motions(), inertias, coupled_motor.reflected(model, scene))
-        for (i, j), value in entries.items():
-            M[i, j] = M[j, i] = value
-        assert worst(M, robodyn.mass_matrix(model, state, scene=scene)) <= 1e-13
+def test_composite_bodies():
+    model, scene, state, _ = busy()
+    reflected = coupled_motor.reflected(model, scene)
+    composite_bodies_give_the_mass_matrix(model, scene, state[0][:3], lambda _: reflected)
 
 
 def test_dae_form():

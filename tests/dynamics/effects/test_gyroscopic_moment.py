@@ -7,16 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers.busy_robot import BUSY_SCENE, busy_parts, busy_robot
+from helpers.effect_identities import (
+    composite_bodies_give_the_mass_matrix,
+    derivatives_are_differences,
+    forward_is_the_inverse_of_inverse,
+    kinetic_energy_is_that_of_the_mass_matrix,
+)
 from helpers.oracles import EPS, frictionless, random_state, robot, worst
 from helpers.small_robots import built, chain, joint, link
 
 import robodyn
-from robodyn.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
-from robodyn.dynamics.effects import gyroscopic_moment, payload
-from robodyn.dynamics.effects.effect import Sample
-from robodyn.dynamics.plan import Plan, applied, plan
-from robodyn.dynamics.recursions.composite_body import composite_body
-from robodyn.dynamics.recursions.elimination import aligned
+from robodyn.dynamics.effects import gyroscopic_moment
+from robodyn.dynamics.plan import Plan, plan
 from robodyn.dynamics.runners import runner_of
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner
@@ -113,27 +115,14 @@ def test_closed_form():
 @both
 def test_forward_is_the_inverse_of_inverse(free):
     motors = (CoupledMotor("crossed", {"j4": 0.5, "follower": 0.7, "finger": -0.2}, 1e-3, 20.0),)
-    model, scene, state, columns = busy(free, coupled=motors)
-    tau = robodyn.inverse_dynamics(model, *state, scene=scene, columns=columns)
-    for executor in ("numpy", "compiled"):
-        qdd = robodyn.forward_dynamics(model, *state[:2], tau, scene=scene, columns=columns, executor=executor)
-        assert worst(qdd, state[2]) <= 1e-11
-    M = robodyn.mass_matrix(model, state[0], scene=scene)
-    b = robodyn.bias_forces(model, *state[:2], scene=scene, columns=columns)
-    assert worst(np.einsum("kij,kj->ki", M, state[2]) + b, tau) <= 1e-13
+    forward_is_the_inverse_of_inverse(*busy(free, coupled=motors))
 
 
 def test_composite_bodies():
     model, scene, state, _ = busy()
-    straight = aligned(model)
-    for q in state[0][:3]:
-        sample = Sample(straight, tuple(q.tolist()), (0.0,) * model.n, (0.0,) * model.n)
-        inertias = applied([payload.EFFECT], sample, scene).inertias
-        M = np.zeros((model.n, model.n))
-        rotors = gyroscopic_moment.mass_entries(sample, scene)
-        for (i, j), value in composite_body(straight, sample.motions(), inertias, rotors).items():
-            M[i, j] = M[j, i] = value
-        assert worst(M, robodyn.mass_matrix(model, q, scene=scene)) <= 1e-13
+    composite_bodies_give_the_mass_matrix(
+        model, scene, state[0][:3], lambda sample: gyroscopic_moment.mass_entries(sample, scene)
+    )
 
 
 def test_beside_friction_that_grows_with_load():
@@ -148,26 +137,7 @@ def test_beside_friction_that_grows_with_load():
 
 @both
 def test_derivatives(free):
-    model, scene, (q, qd, qdd), columns = busy(free, slip_speed=0.2)
-    inverse = inverse_dynamics_derivatives(model, q, qd, qdd, scene=scene, columns=columns)
-    assert worst(inverse.dqdd, robodyn.mass_matrix(model, q, scene=scene)) <= 1e-13
-    step = 1e-6
-    for k in range(model.n):
-        move = step * np.eye(model.n)[k]
-        up, down = (
-            robodyn.inverse_dynamics(model, q, qd + sign * move, qdd, scene=scene, columns=columns) for sign in (1, -1)
-        )
-        assert worst(inverse.dqd[..., k], (up - down) / (2 * step), np.abs(inverse.dqd).max()) <= 1e-8
-        if not free:
-            up, down = (
-                robodyn.inverse_dynamics(model, q + sign * move, qd, qdd, scene=scene, columns=columns)
-                for sign in (1, -1)
-            )
-            assert worst(inverse.dq[..., k], (up - down) / (2 * step), np.abs(inverse.dq).max()) <= 1e-8
-    tau = robodyn.inverse_dynamics(model, q, qd, qdd, scene=scene, columns=columns)
-    forward = forward_dynamics_derivatives(model, q, qd, tau, scene=scene, columns=columns)
-    found = np.einsum("kij,kjl->kil", inverse.dqdd, forward.dtau)
-    assert worst(found, np.broadcast_to(np.eye(model.n), found.shape)) <= 1e-9
+    derivatives_are_differences(*busy(free, slip_speed=0.2))
 
 
 @both
@@ -219,9 +189,7 @@ def test_free_bodies_and_laws_balance(free):
 
 def test_kinetic_energy_is_that_of_the_mass_matrix():
     model, scene, (q, qd, _), _ = busy()
-    M = robodyn.mass_matrix(model, q, scene=scene)
-    kinetic = robodyn.momenta(model, q, qd, scene=scene).kinetic
-    assert worst(kinetic, 0.5 * np.einsum("ki,kij,kj->k", qd, M, qd)) <= 1e-13
+    kinetic_energy_is_that_of_the_mass_matrix(model, scene, q, qd)
 
 
 def test_coriolis_matrix_is_christoffels():
