@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.dynamics.regressor import INERTIAL
-from robodyn.identification.householder import reflect, solved, triangular
+from robodyn.identification.householder import back_substituted, reflect, triangular
 from robodyn.programs.vectors import product
 from robodyn.support.floats import HALF_UP, Floats
 
@@ -22,8 +22,9 @@ _EARLY_ENOUGH = 1e-3
 """An earlier parameter is preferred to a later one whose column is up to a thousand times farther from the others."""
 _NOTHING = 1e-9
 """Of the longest column of the same unit: a shorter one is zero but for rounding and truncated angles."""
-
 _ROUNDING = 1e-13
+_LONG = 8
+"""Words of a group, about three terms."""
 
 
 class Estimate(NamedTuple):
@@ -74,6 +75,14 @@ class Base:
         """The base parameters in words: "forearm.Izz + 0.1849 hand.m"; coefficients in SI units to four digits."""
         return tuple(self._group(row, own) for row, own in zip(self.matrix, self.independent, strict=True))
 
+    @property
+    def short_groups(self) -> tuple[str, ...]:
+        """The same; in the place of a long one its first parameter and the number of the others."""
+        return tuple(
+            group if group.count(" ") < _LONG else f"{self.names[own]} + {np.count_nonzero(row) - 1} others"
+            for group, own, row in zip(self.groups, self.independent, self.matrix, strict=True)
+        )
+
     def _group(self, row: Floats, own: int) -> str:
         text = self.names[own]
         for k in np.flatnonzero(row):
@@ -101,10 +110,10 @@ class Base:
         lengths = _lengths(A)
         T = triangular(np.column_stack((A / lengths, z)))
         r = self.rank
-        inverse = solved(T[:r, :r], np.eye(r)) / lengths[:, None]
+        inverse = back_substituted(T[:r, :r], np.eye(r)) / lengths[:, None]
         covariance = sigma * sigma * product(inverse, inverse.T)
         errors = np.sqrt(np.einsum("ii->i", covariance))
-        return Estimate(solved(T[:r, :r], T[:r, r]) / lengths, errors, covariance)
+        return Estimate(back_substituted(T[:r, :r], T[:r, r]) / lengths, errors, covariance)
 
     def within(self, R: Floats, tolerance: float = TOLERANCE) -> Base:
         """Return the base of a motion whose rows (or their factor) are R: what it shows of these base parameters."""
@@ -134,7 +143,7 @@ def base_of(R: Floats, names: Sequence[str], tolerance: float = TOLERANCE) -> Ba
     lengths = _lengths(A[:, visible])
     T, order, sizes = _pivoted(A[:, visible] / lengths, tolerance)
     r = int((sizes > tolerance).sum())
-    tail = solved(T[:r, :r], T[:r, r:]) / lengths[order[:r], None] * lengths[order[r:]]
+    tail = back_substituted(T[:r, :r], T[:r, r:]) / lengths[order[:r], None] * lengths[order[r:]]
     tail[np.abs(tail) * lengths[order[:r], None] <= _NOTHING * lengths[order[r:]]] = 0.0
     matrix = np.zeros((r, len(names)))
     matrix[np.arange(r), visible[order[:r]]] = 1.0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.identification.base import Base
-from robodyn.identification.householder import solved, triangular
+from robodyn.identification.householder import back_substituted, triangular
 from robodyn.identification.moments import LAGS, Moments
 from robodyn.identification.structure import Structure
 from robodyn.support.floats import Floats
@@ -28,7 +28,7 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
     """
     A = R[:, base.independent]
     lengths = np.sqrt(np.einsum("ij,ij->j", A, A))
-    inverse = solved(triangular(A / lengths), np.eye(base.rank)) / lengths[:, None]
+    inverse = back_substituted(triangular(A / lengths), np.eye(base.rank)) / lengths[:, None]
     shape = structure.shape[:, base.independent] @ inverse
     C = [
         _symmetric(np.einsum("ar,lab,bs->lrs", own, sums, own, optimize=True))

@@ -28,7 +28,7 @@ def triangular(A: Floats) -> Floats:
     return R[: min(R.shape)]
 
 
-def solved(T: Floats, B: Floats) -> Floats:
+def back_substituted(T: Floats, B: Floats) -> Floats:
     """Return X with T X = B for an upper triangular T (n, n) and B (n,) or (n, k)."""
     X = np.array(B, dtype=float)
     for k in reversed(range(len(T))):

@@ -27,8 +27,6 @@ from robodyn.report.json.excitation import excitation_json
 from robodyn.report.limits import use
 from robodyn.support.wording import count, figure
 
-_LONG = 8
-"""Words of a group, three terms; of a longer one the number of terms is shown, JSON has all."""
 _PICTURED = 12
 
 
@@ -38,7 +36,7 @@ def excitation_sections(found: Excitation) -> Iterator[Section]:
     head = ("joint", "from", "to", "unit", "speed", "acceleration", "effort", "noise")
     note = f"Largest magnitudes are of limits; positions keep {100 * MARGIN:.0f}% of the range from theirs."
     yield [Table("", head, [_joint(joint) for joint in found.joints], note)]
-    rows = zip(found.base.groups, found.values.tolist(), found.information.standard_errors.tolist(), strict=True)
+    rows = zip(found.base.short_groups, found.values.tolist(), found.information.standard_errors.tolist(), strict=True)
     title = ("base parameter", "value", "standard error", "relative")
     note = "Values are the description's; errors are those of least squares over all rows of one period, with noise"
     yield [Table("", title, [_parameter(*row) for row in rows], f"{note} independent from row to row.")]
@@ -113,9 +111,6 @@ def _joint(joint: JointSwing) -> tuple[str, ...]:
 
 def _parameter(group: str, value: float, error: float) -> tuple[str, ...]:
     relative = 100.0 * error / abs(value) if value else inf
-    words = group.split(" ")
-    if len(words) > _LONG:
-        group = f"{words[0]} + {group.count(' + ') + group.count(' - ')} others"
     return (group, figure(value, 4), figure(error, 2), f"{figure(relative, 2)}%" if relative < 1e3 else "-")
 
 

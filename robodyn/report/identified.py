@@ -11,8 +11,8 @@ from robodyn.report.json.identified import identified_json
 from robodyn.support.floats import HALF_UP
 from robodyn.support.wording import count, figure, listed
 
-_LONG = 8
-"""Words of a group, three terms; of a longer one the number of terms is shown, JSON has all."""
+_DECIMALS = 8
+"""From so many on, numbers are written with an exponent."""
 
 
 def identified_sections(found: Identified) -> Iterator[Section]:
@@ -93,8 +93,8 @@ def _base(found: Identified) -> Table:
     fit = found.base
     columns = (fit.values.tolist(), fit.standard_errors.tolist(), fit.consistent.tolist())
     rows = [
-        (_short(group), *(_known(each, error) for each in (value, error, after)))
-        for group, value, error, after in zip(fit.base.groups, *columns, strict=True)
+        (group, *(_known(each, error) for each in (value, error, after)))
+        for group, value, error, after in zip(fit.base.short_groups, *columns, strict=True)
     ]
     note = "Values by least squares without bounds; errors count that residuals of neighbouring rows are alike."
     return Table("", ("base parameter", "value", "standard error", "calibrated"), rows, note)
@@ -105,10 +105,5 @@ def _known(value: float, error: float) -> str:
     if not error > 0.0:
         return figure(value, 4)
     digits = 1 - floor(log10(error))
-    text = f"{value * HALF_UP:.{max(digits, 0)}f}" if digits < _LONG else f"{value * HALF_UP:.2g}"
+    text = f"{value * HALF_UP:.{max(digits, 0)}f}" if digits < _DECIMALS else f"{value * HALF_UP:.2g}"
     return text if text.strip("-0.") else text.lstrip("-")
-
-
-def _short(group: str) -> str:
-    words = group.split(" ")
-    return group if len(words) <= _LONG else f"{words[0]} + {group.count(' + ') + group.count(' - ')} others"

@@ -15,7 +15,7 @@ from helpers.sampled import sampled
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL, regressor
 from robodyn.identification.base import base_of
-from robodyn.identification.householder import solved, triangular
+from robodyn.identification.householder import back_substituted, triangular
 from robodyn.identification.structural import random_rows, structural_base
 from robodyn.robot.assemble import load
 from robodyn.scene.parts import Friction
@@ -178,6 +178,6 @@ def test_householder():
     R = triangular(A)
     assert not np.tril(R, -1).any()
     assert worst(R.T @ R, A.T @ A) <= 1e-14
-    assert worst(R @ solved(R, np.eye(5)), np.eye(5)) <= 1e-13
+    assert worst(R @ back_substituted(R, np.eye(5)), np.eye(5)) <= 1e-13
     assert triangular(A.T).shape == (5, 9)
     assert not triangular(np.zeros((3, 2))).any()
