@@ -82,7 +82,7 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     )
     _progress("")
     why = None if force else _refusal(found)
-    written = _write(found, model, outputs, scene.payloads) if not why else ""
+    written = _write(found, model, outputs) if not why else ""
     page = partial(identified_page, found)
     answer(identified_sections(found), lambda _: page(), written, json=lambda: identified_json(found))
     if why and any(outputs.values()):
@@ -121,7 +121,7 @@ def _progress(stage: str) -> None:
         click.echo(f"\r\033[K{stage}", nl=False, err=True)
 
 
-def _write(found: Identified, model: Model, outputs: dict[str, str | None], payloads: Any) -> str:
+def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> str:
     """Write what is asked for, after all of it is made; return lines that say so."""
     from robodyn.identification.calibrated_scene import friction_toml
     from robodyn.identification.calibrated_urdf import calibrated_urdf, lost_meshes

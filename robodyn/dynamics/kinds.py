@@ -133,7 +133,7 @@ KINDS = {
         ("q", "qd", "qdd"),
         (
             Result("Y", "np", "with tau = Y theta + rest"),
-            Result("rest", "n", f"what springs, wrenches and fluids add {_FORCES}"),
+            Result("rest", "n", f"what springs, wrenches, fluids and friction by load add {_FORCES}"),
         ),
         regressor_program,
     ),

@@ -76,15 +76,12 @@ def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Var
         own = given.of_joint(joint.name) if joint.kind in ("revolute", "prismatic") else None
         if own is None or not own.value:
             continue
-        has = friction_of(joint, scene)
-        share = own.value
+        has, share = friction_of(joint, scene), own.value
         added = Friction(0.0, share, -share)
         if own.relative:
             stribeck = None if has.stribeck is None else share * has.stribeck
-            added = replace(
-                has, viscous=share * has.viscous, forward=share * has.forward, backward=share * has.backward
-            )
-            added = replace(added, stribeck=stribeck, load=share * has.load)
+            parts = {part: share * getattr(has, part) for part in ("viscous", "forward", "backward", "load")}
+            added = replace(has, stribeck=stribeck, **parts)
         if added.viscous or added.dry or added.load:
             yield Variation(f"{joint.name}.friction", share, joint=joint.name, friction=added)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.identification.gather import Gathered
 from robodyn.identification.identified import BaseFit, Errors, Identified, MotorFit
@@ -42,47 +41,54 @@ def identified(
     ratios: dict[str, float],
     faults: list[str],
 ) -> Identified:
+    """Return what was found.
+
+    Args:
+        fits: the parameters of the structure: those of bodies that can exist, and by least squares.
+        chosen: strength of the prior. ratios: of coupled motors, what they leave. faults: gross ones, a line each.
+    """
     theta, _ = fits
-    train = list(range(FOLDS))
 
     def errors(folds: list[int]) -> list[Errors]:
         of = plain.squares[folds].sum(axis=0)
         sums = [sum(squares(plain, fold, structure, each) for fold in folds) for each in fits]
         return [_errors(run, np.asarray(off), of) for off in (*sums, plain.described[folds].sum(axis=0))]
 
-    fitted_errors = errors(train)
+    fitted_errors = errors([*range(FOLDS)])
     held = errors([FOLDS]) if run.holds and plain.squares[FOLDS].any() else [None] * 3
+    motors = motor_fits(structure, theta)
     found = outcome(run.model, run.scene, structure, theta, run.slip_speed)
+    shown = [body for body in prior.bodies if base.base.matrix[:, body.columns].any()]
     return Identified(
-        run.model,
-        found.scene,
-        found.names,
-        found.described,
-        found.theta,
-        base,
-        motor_fits(structure, theta),
-        ratios,
-        fitted_errors[0],
-        held[0],
-        fitted_errors[1],
-        held[1],
-        fitted_errors[2],
-        held[2],
-        chosen,
-        run.cutoff,
-        run.slip_speed,
-        _possible([body for body in prior.bodies if base.base.matrix[:, body.columns].any()], theta),
-        tuple(body.name for body in prior.bodies if not base.base.matrix[:, body.columns].any()),
-        int(counts(plain, range(FOLDS + 1)).sum()),
-        sum(log.samples for log in run.logs),
-        sum(log.stop - log.start for log in run.logs),
-        {log.path: log.sha256 for log in run.logs},
-        tuple(faults),
-        (
+        model=run.model,
+        scene=found.scene,
+        names=found.names,
+        described=found.described,
+        theta=found.theta,
+        base=base,
+        motors=motors,
+        coupled=ratios,
+        train=fitted_errors[0],
+        held_out=held[0],
+        bound_train=fitted_errors[1],
+        bound_held_out=held[1],
+        original_train=fitted_errors[2],
+        original_held_out=held[2],
+        strength=chosen,
+        cutoff=run.cutoff,
+        slip_speed=run.slip_speed,
+        consistent=_possible(shown, theta),
+        unseen=tuple(body.name for body in prior.bodies if body not in shown),
+        rows=int(counts(plain, range(FOLDS + 1)).sum()),
+        samples=sum(log.samples for log in run.logs),
+        duration=sum(log.stop - log.start for log in run.logs),
+        hashes={log.path: log.sha256 for log in run.logs},
+        faults=tuple(faults),
+        warnings=(
             *faults,
             *_warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
-            *_offsets(motor_fits(structure, theta)),
-            *_weights(prior, np.asarray(base.base.matrix.any(axis=0)), theta),
+            *_offsets(motors),
+            *_weights(shown, prior, theta),
         ),
     )
 
@@ -100,9 +106,9 @@ def _offsets(motors: Mapping[str, MotorFit]) -> Iterator[str]:
             yield f"{name}: {beyond:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
 
 
-def _weights(prior: Prior, shown: NDArray[np.bool_], theta: Floats) -> Iterator[str]:
+def _weights(bodies: Sequence[PriorBody], prior: Prior, theta: Floats) -> Iterator[str]:
     """Yield a warning if the bodies that the log shows weigh far more or less than described."""
-    places = [body.columns.start for body in prior.bodies if shown[body.columns].any()]
+    places = [body.columns.start for body in bodies]
     described, found = (float(np.sum(each[places])) for each in (prior.theta, theta))
     if places and not 1.0 / _UNLIKELY < found / described < _UNLIKELY:
         yield f"bodies weigh {found / described:.3g} times what is described: are torques in N m?"

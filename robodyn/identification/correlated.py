@@ -38,7 +38,7 @@ def covariance(moments: Moments, structure: Structure, base: Base, R: Floats, si
             strict=True,
         )
     ]
-    rho, n = _correlations(moments, sigma), moments.count
+    rho, n = _correlations(moments), moments.count
     W = _meat(C, rho)
     for j, own in enumerate(C):
         expected = np.diag(n - np.arange(LAGS + 1.0)) - 2.0 * _lost(np.einsum("lrr->l", own)) * _taper()
@@ -54,8 +54,8 @@ def _symmetric(C: Floats) -> Floats:
     return np.asarray((C + C.swapaxes(1, 2)) / 2.0)
 
 
-def _correlations(moments: Moments, sigma: Floats) -> Floats:
-    """Return (LAGS + 1, joints) the products of residuals in units of sigma^2, as they are."""
+def _correlations(moments: Moments) -> Floats:
+    """Return (LAGS + 1, joints) the mean products of residuals, as they are, in parts of those at lag 0."""
     first = np.where(moments.residuals[0] > 0.0, moments.residuals[0], 1.0)
     rows = moments.count - np.arange(LAGS + 1.0)[:, None]
     return np.asarray(moments.residuals / first * moments.count / np.maximum(rows, 1.0))
