@@ -42,11 +42,19 @@ class Channels(NamedTuple):
     def reversed(self) -> list[int]:
         return [j for j, sign in enumerate(self.sign) if sign < 0]
 
+    @property
+    def faults(self) -> list[tuple[int, ...]]:
+        """Return the joints of each fault, as `words` has them."""
+        return [*self.exchanged, *((j,) for j in self.reversed)]
+
     def words(self, names: Sequence[str]) -> list[str]:
         """Return a line of each fault."""
-        groups = [" and ".join((", ".join(names[j] for j in group[:-1]), names[group[-1]])) for group in self.exchanged]
-        lines = [f"the measured torques of {group} are exchanged" for group in groups]
-        return lines + [f"the measured torque of {names[j]} has the wrong sign" for j in self.reversed]
+        return [
+            f"the measured torques of {', '.join(names[j] for j in first)} and {names[last]} are exchanged"
+            if first
+            else f"the measured torque of {names[last]} has the wrong sign"
+            for *first, last in self.faults
+        ]
 
 
 def channels(evidence: Evidence) -> Channels:

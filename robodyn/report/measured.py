@@ -114,14 +114,11 @@ def _left(found: Comparison) -> Iterator[str]:
 
 
 def _gross(found: Comparison) -> Iterator[str]:
-    names = [printable(joint.name) for joint in found.joints]
-    for group in found.channels.exchanged:
-        who, part = [names[j] for j in group], min(found.gross[j] for j in group)
-        words = f"{who[0]} and {who[1]}" if len(who) == 2 else f"{', '.join(who)} in a circle"
-        yield f"The measured torques of {words} are exchanged: that explains {percent(part)} of their residuals"
-    for j in found.channels.reversed:
-        part = percent(found.gross[j])
-        yield f"The measured torque of {names[j]} has the wrong sign: that explains {part} of its residual"
+    words = found.channels.words([printable(joint.name) for joint in found.joints])
+    for line, joints in zip(words, found.channels.faults, strict=True):
+        whose = "their residuals" if len(joints) > 1 else "its residual"
+        part = percent(min(found.gross[j] for j in joints))
+        yield f"{line[0].upper()}{line[1:]}: that explains {part} of {whose}"
 
 
 def _joints(found: Comparison) -> tuple[list[str], list[list[str]]]:

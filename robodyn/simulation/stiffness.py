@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.dynamics.effects.coupled_motor import coupled_motors
+from robodyn.dynamics.effects.coupled_motor import along, coupled_motors
 from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.dynamics.inverse import inverse_dynamics
 from robodyn.dynamics.plan import Plan
@@ -131,19 +131,16 @@ def _rubbing(model: Model, scene: Scene) -> Iterator[Rubbing]:
     for _, joint, friction in joints_with_friction(model, scene):
         yield Rubbing(joint.name, {joint.rate: joint.multiplier}, friction)
     for motor, turned in coupled_motors(model, scene):
-        along: dict[int, float] = {}
-        for _, joint, share in turned:
-            along[joint.rate] = along.get(joint.rate, 0.0) + joint.multiplier * share
-        yield Rubbing(motor.name, along, motor.friction)
+        yield Rubbing(motor.name, along(turned), motor.friction)
 
 
 def _slopes(a_plan: Plan) -> Iterator[Slope]:
     model, scene = a_plan.model, a_plan.scene
-    for name, along, friction in _rubbing(model, scene):
+    for name, rates, friction in _rubbing(model, scene):
         if scene.slip_speed and friction.dry:
-            yield Slope(name, along, FRICTION, friction.dry / scene.slip_speed)
+            yield Slope(name, rates, FRICTION, friction.dry / scene.slip_speed)
         if friction.viscous:
-            yield Slope(name, along, "viscous friction", friction.viscous)
+            yield Slope(name, rates, "viscous friction", friction.viscous)
     yield from _slopes_of(a_plan, "the drive's kd", "kd", drives=True)
     yield from _slopes_of(a_plan, "the limit spring's damping", "damping")
 

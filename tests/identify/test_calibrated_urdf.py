@@ -126,9 +126,9 @@ def test_nothing_changed_is_the_same_file():
 def test_a_comment_goes_to_the_top():
     model = load(TEXT)
     names, theta = described(model)
-    found = calibrated_urdf(model, names, theta, theta, comment=["one -- two", "three"]).data
+    found = calibrated_urdf(model, names, theta, theta, comment=["one --- two", "three"]).data
     head = b'<?xml version="1.0"?>\r\n'
-    assert found == TEXT.replace(head, head[:-2] + b"\r\n<!-- one - - two\r\nthree\r\n-->\r\n")
+    assert found == TEXT.replace(head, head[:-2] + b"\r\n<!-- one - - - two\r\nthree\r\n-->\r\n")
     bare = load(urdf(link("base"), name="bare").split(b"\n", 1)[1])
     assert calibrated_urdf(bare, *described(bare), described(bare)[1], comment=["x"]).data.startswith(
         b"<!-- x -->\n<ro"

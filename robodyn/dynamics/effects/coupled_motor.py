@@ -40,14 +40,20 @@ def reflected(model: Model, scene: Scene) -> Entries:
     for _, joint, inertia in armatures(model, scene):
         _add(entries, joint.rate, joint.rate, joint.multiplier**2 * inertia)
     for motor, turned in coupled_motors(model, scene):
-        along: dict[int, float] = {}
-        for _, joint, share in turned:
-            along[joint.rate] = along.get(joint.rate, 0.0) + joint.multiplier * share
-        for i, first in along.items():
-            for j, second in along.items():
+        shares = along(turned)
+        for i, first in shares.items():
+            for j, second in shares.items():
                 if i <= j and motor.reflected:
                     _add(entries, i, j, first * second * motor.reflected)
     return entries
+
+
+def along(turned: list[Turned]) -> dict[int, float]:
+    """Return by coordinate how much a motor turns per rate of it, its gear aside."""
+    shares: dict[int, float] = {}
+    for _, joint, share in turned:
+        shares[joint.rate] = shares.get(joint.rate, 0.0) + joint.multiplier * share
+    return shares
 
 
 def _add(entries: Entries, i: int, j: int, value: float) -> None:

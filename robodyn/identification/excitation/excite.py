@@ -97,17 +97,17 @@ def excite(
     plain = sine(model, scene, bounds, series, found.centre)
     motion = found.at(series.even(count + 1) * ((count + 1) / count))
     return Excitation(
-        model,
-        series,
-        count / period,
-        _swings(model, bounds, found, deviations),
-        base,
-        base.values(_theta(model, scene)),
-        _information(model, scene, base, found, deviations, count),
-        _information(model, scene, base, plain, deviations, count),
-        bounds.notes,
-        motion,
-        inverse_dynamics(model, *motion, scene=scene, executor="numpy"),
+        model=model,
+        series=series,
+        rate=count / period,
+        joints=_swings(model, bounds, found, deviations),
+        base=base,
+        values=base.values(_theta(model, scene)),
+        information=_information(model, scene, base, found, deviations, count),
+        plain=_information(model, scene, base, plain, deviations, count),
+        notes=bounds.notes,
+        motion=motion,
+        torques=inverse_dynamics(model, *motion, scene=scene, executor="numpy"),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -68,7 +69,7 @@ def with_first_child(element: Element, lines: Sequence[str]) -> Edit:
 def with_comment(data: bytes, lines: Sequence[str]) -> Edit:
     """Return the edit that puts a comment before the first element, behind the XML declaration."""
     newline = "\r\n" if b"\r\n" in data else "\n"
-    text = newline.join(lines).replace("--", "- -")
+    text = re.sub("-(?=-)", "- ", newline.join(lines))
     comment = f"<!-- {text}{' ' if len(lines) == 1 else newline}-->"
     start = len(BOM) if data.startswith(BOM) else 0
     if data.startswith(b"<?xml", start):
