@@ -91,6 +91,10 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
     return 0
 
 
+_LOST = 1.2
+"""Times the error: what the description alone leaves, above which that is told."""
+
+
 def _check_outputs(outputs: dict[str, str | None], *inputs: str) -> None:
     """Raise before anything is computed if outputs have one name, that of an input, or lie in no folder."""
     places: list[str] = []
@@ -134,6 +138,10 @@ def _write(found: Identified, model: Model, outputs: dict[str, str | None]) -> s
         notes += text.notes
         if model.description is not None and (lost := lost_meshes(model.description, out)):
             notes.append(lost)
+        if not outputs["scene_out"]:
+            notes.append(
+                f"--scene-out writes friction and motors: without them about {100.0 * found.alone:.0f}% are left"
+            )
         files.append((out, text.data))
     if out := outputs["scene_out"]:
         files.append((out, friction_toml(model, found.scene, comment).encode()))
@@ -156,5 +164,6 @@ def _comment(found: Identified) -> list[str]:
     return [
         f"identified by robodyn, {datetime.date.today().isoformat()}",
         *(f"log {os.path.basename(path)}, sha256 {sha256}" for path, sha256 in found.hashes.items()),
-        f"relative error of {what} torques {100.0 * errors.relative_error:.2f} %, filtered at {found.cutoff:g} Hz",
+        f"relative error of {what} torques {100.0 * errors.relative_error:.2f} %, filtered at {found.cutoff:g} Hz,",
+        f"with the scene that was found; without it about {100.0 * found.alone:.0f} %",
     ]

@@ -45,7 +45,7 @@ class Atoms:
             bodies: their parameters, by which torques through gears are known; None: the description's.
         """
         self.model, self.measured, self.motors, self.slip_speed = model, tuple(measured), tuple(motors), slip_speed
-        self._described = scene
+        self._described = replace(scene, slip_speed=slip_speed)
         self._scene = replace(scene, payloads=(), friction={}, rotor={}, motor={}, coupled=())
         self._payloads = scene.payloads
         rng = np.random.default_rng(_SEED)

@@ -6,16 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.gather import Gathered
 from robodyn.identification.identified import BaseFit, Errors, Identified, MotorFit
 from robodyn.identification.outcome import motor_fits, outcome
 from robodyn.identification.prior import Prior, PriorBody
 from robodyn.identification.pseudo_inertia import pseudo_inertia
-from robodyn.identification.run import FOLDS, RESTS, Run
+from robodyn.identification.run import FOLDS, RESTS, First, Run
 from robodyn.identification.structure import Structure, counts, squares
 from robodyn.support.floats import Floats
 
-_COSTLY, _ROUNDING, _UNLIKELY = 1.5, 1e-6, 5.0
+_COSTLY, _SMALL = 1.5, 2e-3
+_RANK, _ALIKE = 1e-8, 0.35
 
 
 def _errors(run: Run, off: Floats, of: Floats) -> Errors:
@@ -38,24 +40,28 @@ def identified(
     base: BaseFit,
     prior: Prior,
     chosen: float,
-    ratios: dict[str, float],
-    faults: list[str],
+    first: First,
+    alike: list[str],
 ) -> Identified:
     """Return what was found.
 
     Args:
         fits: the parameters of the structure: those of bodies that can exist, and by least squares.
-        chosen: strength of the prior. ratios: of coupled motors, what they leave. faults: gross ones, a line each.
+        chosen: strength of the prior. alike: see `like_weight`.
     """
     theta, _ = fits
 
-    def errors(folds: list[int]) -> list[Errors]:
-        of = plain.squares[folds].sum(axis=0)
-        sums = [sum(squares(plain, fold, structure, each) for fold in folds) for each in fits]
-        return [_errors(run, np.asarray(off), of) for off in (*sums, plain.described[folds].sum(axis=0))]
+    def off(folds: list[int], values: Floats) -> Floats:
+        return np.asarray(sum(squares(plain, fold, structure, values) for fold in folds))
 
-    fitted_errors = errors([*range(FOLDS)])
-    held = errors([FOLDS]) if run.holds and plain.squares[FOLDS].any() else [None] * 3
+    def errors(folds: list[int]) -> list[Errors]:
+        sums = (*(off(folds, each) for each in fits), plain.described[folds].sum(axis=0))
+        return [_errors(run, each, plain.squares[folds].sum(axis=0)) for each in sums]
+
+    train = [*range(FOLDS)]
+    holds = run.holds and bool(plain.squares[FOLDS].any())
+    fitted_errors, held = errors(train), errors([FOLDS]) if holds else [None] * 3
+    alone, of = _told_by_description(structure, theta), [FOLDS] if holds else train
     motors = motor_fits(structure, theta)
     found = outcome(run.model, run.scene, structure, theta, run.slip_speed)
     shown = [body for body in prior.bodies if base.base.matrix[:, body.columns].any()]
@@ -67,13 +73,14 @@ def identified(
         theta=found.theta,
         base=base,
         motors=motors,
-        coupled=ratios,
+        coupled=first.coupled,
         train=fitted_errors[0],
         held_out=held[0],
         bound_train=fitted_errors[1],
         bound_held_out=held[1],
         original_train=fitted_errors[2],
         original_held_out=held[2],
+        alone=_ratio(float(off(of, alone).sum()), float(plain.squares[of].sum())),
         strength=chosen,
         cutoff=run.cutoff,
         slip_speed=run.slip_speed,
@@ -83,14 +90,30 @@ def identified(
         samples=sum(log.samples for log in run.logs),
         duration=sum(log.stop - log.start for log in run.logs),
         hashes={log.path: log.sha256 for log in run.logs},
-        faults=tuple(faults),
+        faults=tuple(first.faults),
         warnings=(
-            *faults,
-            *_warnings(run, prior, ratios, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
+            *first.faults,
+            *first.doubts,
+            *alike,
+            *_warnings(run, prior, first.coupled, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
             *_offsets(motors),
-            *_weights(shown, prior, theta),
         ),
     )
+
+
+def _told_by_description(structure: Structure, theta: Floats) -> Floats:
+    """Return (p,) what a description can say of the parameters: bodies, and of joints viscous and Coulomb friction."""
+    found = dict(zip(structure.names, theta.tolist(), strict=True))
+    for k, shape in structure.shapes.items():
+        motor = structure.atoms.motors[k]
+        own = motor.name in structure.atoms.model.rates
+        for name in shape.names(motor):
+            kind = name.rpartition(".")[2]
+            if kind == "stribeck":
+                found[name] = found[f"{motor.name}.coulomb"]
+            elif not own or kind not in ("viscous", "coulomb"):
+                found[name] = 0.0
+    return np.array([found[name] for name in structure.names])
 
 
 def _possible(bodies: Sequence[PriorBody], theta: Floats) -> bool:
@@ -106,12 +129,25 @@ def _offsets(motors: Mapping[str, MotorFit]) -> Iterator[str]:
             yield f"{name}: {beyond:.3g} N m of its offset are no friction, and in no file: the torque sensor's?"
 
 
-def _weights(bodies: Sequence[PriorBody], prior: Prior, theta: Floats) -> Iterator[str]:
-    """Yield a warning if the bodies that the log shows weigh far more or less than described."""
-    places = [body.columns.start for body in bodies]
-    described, found = (float(np.sum(each[places])) for each in (prior.theta, theta))
-    if places and not 1.0 / _UNLIKELY < found / described < _UNLIKELY:
-        yield f"bodies weigh {found / described:.3g} times what is described: are torques in N m?"
+def like_weight(structure: Structure, R: Floats) -> list[str]:
+    """Return a line if constant torques look much like what bodies weigh: of which joints.
+
+    Args:
+        R: (k, p) weighted rows of the structure's parameters.
+    """
+    kinds = [name.rpartition(".")[2] for name in structure.names]
+    bodies = R[:, [k for k, kind in enumerate(kinds) if kind in INERTIAL]]
+    lengths = np.linalg.norm(bodies, axis=0)
+    axes, size, _ = np.linalg.svd(bodies / np.where(lengths > 0.0, lengths, 1.0), full_matrices=False)
+    axes = axes[:, size > _RANK * size.max(initial=0.0)]
+    alike = []
+    for name, kind, column in zip(structure.names, kinds, R.T, strict=True):
+        if kind == "offset" and np.linalg.norm(column - axes @ (axes.T @ column)) < _ALIKE * np.linalg.norm(column):
+            alike.append(name.removesuffix(".offset"))
+    if not alike:
+        return []
+    what = f"constant torques of {', '.join(alike)} look much like weights in this motion"
+    return [f"{what}: an offset of the sensor may be taken for mass"]
 
 
 def _warnings(
@@ -127,7 +163,7 @@ def _warnings(
         lines.append(
             f"a motor that turns with {name} explains {100.0 * (1.0 - part):.0f} % of what is left of both joints"
         )
-    if off[0].relative_error > _COSTLY * off[1].relative_error + _ROUNDING:
+    if off[0].relative_error > _COSTLY * off[1].relative_error + _SMALL:
         lines.append(
             f"least squares fit {100.0 * off[1].relative_error:.2f}%, bodies and motors that can exist no better than "
             f"{100.0 * off[0].relative_error:.2f}%: an effect is missing, or a torque has the wrong sign or joint"

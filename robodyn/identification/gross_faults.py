@@ -1,4 +1,4 @@
-"""Gross faults of logs: torques of joints exchanged, and torques with the wrong sign."""
+"""Gross faults of logs: torques of joints exchanged, with the wrong sign, or far too large or small."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from robodyn.support.floats import Floats
 
 _CLEAR = 0.25
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
+_FAR = 5.0
+"""Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
 _LESS = 0.7
 """What each of them leaves at most."""
 
@@ -91,20 +93,55 @@ def told(rows: Sequence[Floats]) -> Channels:
     return Channels(tuple(map(int, found)), tuple(map(int, sign)))
 
 
-def _costs(rows: Sequence[Floats]) -> Floats:
-    """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
+def magnitudes(rows: Sequence[Floats], names: Sequence[str]) -> list[str]:
+    """Return a line if measured torques are a multiple of the computed ones that masses seldom make.
+
+    Beside friction and rotor inertia the computed torque is fitted with a factor, which counts if it leaves less than
+    `_CLEAR` of what is left without.
+
+    Args:
+        rows: see `told`.
+    """
+    far = []
+    for j, (each, name) in enumerate(zip(rows, names, strict=True)):
+        factor, scale = _factor(each, 4)
+        own, computed = factor[:, 4 + j], factor[:, 3] * scale[3]
+        values, left = _fitted(factor[:, :4], own)
+        gain = float(values[3] / scale[3])
+        if left < _CLEAR * _fitted(factor[:, :3], own - computed)[1] and gain > 0.0 and not 1 / _FAR < gain < _FAR:
+            far.append(f"{gain:.2g} ({name})")
+    what = f"measured torques are {', '.join(far)} times what the description makes beside friction"
+    return [f"{what}: is their unit another, or a gear?"] if far else []
+
+
+def _factor(rows: Floats, columns: int) -> tuple[Floats, Floats]:
+    """Return the triangular factor of rows with the first columns at unit length, and these lengths."""
+    factor = np.asarray(np.linalg.qr(rows, mode="r"))
+    size = np.sqrt(np.einsum("ij,ij->j", factor, factor))[:columns]
+    scale = np.where(size > 0.0, size, 1.0)
+    factor[:, :columns] /= scale
+    return factor, scale
+
+
+def _fitted(columns: Floats, right: Floats) -> tuple[Floats, float]:
+    """Return the values of columns, none of them negative, and what they leave of the squares."""
     from scipy.optimize import nnls
 
+    values, left = nnls(columns, right)
+    return values, float(left) ** 2
+
+
+def _costs(rows: Sequence[Floats]) -> Floats:
+    """Return (n, n, 2) what is left of joint i with channel j, with its sign and with the other one."""
     n = len(rows)
     found = np.empty((n, n, 2))
     for i, each in enumerate(rows):
-        factor = np.asarray(np.linalg.qr(each, mode="r"))
-        size = np.sqrt(np.einsum("ij,ij->j", factor, factor))
-        scale = np.where(size[:3] > 0.0, size[:3], 1.0)
+        factor, _ = _factor(each, 3)
+        size = np.einsum("ij,ij->j", factor, factor)
         for j in range(n):
-            least = 1e-12 * (size[3] ** 2 + size[4 + j] ** 2) + 1e-300
+            least = 1e-12 * (size[3] + size[4 + j]) + 1e-300
             for k, sign in enumerate((1.0, -1.0)):
-                found[i, j, k] = nnls(factor[:, :3] / scale, sign * factor[:, 4 + j] - factor[:, 3])[1] ** 2 + least
+                found[i, j, k] = _fitted(factor[:, :3], sign * factor[:, 4 + j] - factor[:, 3])[1] + least
     return found
 
 

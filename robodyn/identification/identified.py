@@ -69,6 +69,8 @@ class Identified:
         coupled: names of motors of two joints, and what part of the squares of both joints' residuals they leave.
         train, held_out: of the consistent parameters; `bound_*` of least squares without bounds; `original_*` of the
             description. None where nothing is held out.
+        alone: relative error of held-out torques (all, where none are held out) by the calibrated description without
+            its scene: without rotors, coupled motors, and what friction is beside viscous and Coulomb's.
         strength: of the prior, chosen by cross-validation; see `choose.strength`.
         cutoff: of the filter on both sides [Hz]; slip_speed: below which friction is smoothed [rad/s].
         consistent: whether every body that is shown can exist.
@@ -93,6 +95,7 @@ class Identified:
     bound_held_out: Errors | None
     original_train: Errors
     original_held_out: Errors | None
+    alone: float
     strength: float
     cutoff: float
     slip_speed: float

@@ -11,7 +11,7 @@ from robodyn.dynamics.effects.viscous_friction import joints_with_friction
 from robodyn.errors import InputError
 from robodyn.identification.base import base_of
 from robodyn.identification.choose import strength, with_load, with_possible_loads, with_stribeck
-from robodyn.identification.conclude import identified
+from robodyn.identification.conclude import identified, like_weight
 from robodyn.identification.consistent import consistent_parameters
 from robodyn.identification.correlated import covariance
 from robodyn.identification.identified import BaseFit, Identified
@@ -19,7 +19,7 @@ from robodyn.identification.log import Log
 from robodyn.identification.moments import Moments
 from robodyn.identification.motors import PARAMETERS, PLAIN
 from robodyn.identification.prior import Prior, prior_of
-from robodyn.identification.run import FOLDS, Run, begun, motors_of, repeated, weighted_rows
+from robodyn.identification.run import FOLDS, Run, begun, first_fit, repeated, weighted_rows
 from robodyn.identification.structure import Structure, fitted, system
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
@@ -57,11 +57,11 @@ def identify(
     """
     run = begun(logs, validate, scene, 1.0 if validate else split, cutoff)
     on_progress("comparing motors")
-    motors, ratios, guess, faults = motors_of(run)
+    first = first_fit(run)
     on_progress("fitting")
-    plain, weighted, moments = weighted_rows(run, motors, guess)
+    plain, weighted, moments = weighted_rows(run, first)
     atoms, folds = plain.atoms, range(FOLDS)
-    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(motors)), PLAIN)))
+    structure = with_stribeck(weighted, folds, Structure(atoms, dict.fromkeys(range(len(first.motors)), PLAIN)))
     structure = with_load(weighted, folds, structure)
     loose, sigma = fitted(weighted, folds, structure)
     for _ in range(_REPEATED if structure.loaded else 0):
@@ -79,7 +79,7 @@ def identify(
     base = _base(structure, R, z, moments, sigma, theta)
     if structure.loaded:
         structure, plain, *_ = repeated(run, structure, theta, sigma)
-    return identified(run, structure, plain, (theta, loose), base, prior, chosen, ratios, faults)
+    return identified(run, structure, plain, (theta, loose), base, prior, chosen, first, like_weight(structure, R))
 
 
 def _prior(run: Run, structure: Structure, shapes: bool) -> Prior:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from robodyn.identification.atoms import Atoms
 from robodyn.identification.choose import coupled, coupled_motors, joint_motors, scene_motors, with_speeds
 from robodyn.identification.filters import kernel, rates
 from robodyn.identification.gather import Gathered, Guess, gather
-from robodyn.identification.gross_faults import told
+from robodyn.identification.gross_faults import magnitudes, told
 from robodyn.identification.log import Log
+from robodyn.identification.misread_positions import misread
 from robodyn.identification.moments import Moments
 from robodyn.identification.motors import PLAIN, Motor
 from robodyn.identification.refusals import check_files, check_rows
@@ -50,6 +52,11 @@ class Run:
     @property
     def model(self) -> Model:
         return self.logs[0].model
+
+    @property
+    def fitted(self) -> tuple[Log, ...]:
+        """The logs of which something is fitted."""
+        return tuple(log for log, edges in zip(self.logs, self.edges, strict=True) if edges[-1] > log.start)
 
     def gathered(self, atoms: Atoms, guess: Guess | None = None) -> tuple[Gathered, Gathered]:
         """Return the factors of one pass over all logs, and the weighted ones."""
@@ -103,8 +110,25 @@ def _speed_noise(log: Log, cutoff: float) -> float:
     return log.noise * float(np.sqrt((first**2).sum()))
 
 
-def motors_of(run: Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, float], Floats], list[str]]:
-    """Return the motors that count, what coupled ones leave, a first fit (atom -> torque), and gross faults."""
+class First(NamedTuple):
+    """What a first fit tells.
+
+    Attributes:
+        motors: that count; coupled: what those of several joints leave of the squares.
+        values: by atom; sigma: (joints,) of residuals [N m].
+        faults: of the logs, for which nothing is written; doubts: which are told.
+    """
+
+    motors: list[Motor]
+    coupled: dict[str, float]
+    values: dict[str, float]
+    sigma: Floats
+    faults: list[str]
+    doubts: list[str]
+
+
+def first_fit(run: Run) -> First:
+    """Return what a fit with plain motors tells."""
     names = run.model.rates
     given = {*names, *(motor.name for motor in run.scene.coupled)}
     slow = max(RESTS, 2.0 * run.slip_speed)
@@ -119,21 +143,22 @@ def motors_of(run: Run) -> tuple[list[Motor], dict[str, float], tuple[dict[str, 
     joints = [k for k, motor in enumerate(motors) if motor.name in given]
     first = Structure(atoms, dict.fromkeys(joints, PLAIN))
     check_rows(plain, first, run.logs, run.cutoff, run.holds)
-    faults = told([triangle.R for triangle in plain.channels]).words([names[j] for j in run.measured])
+    channels, measured = [triangle.R for triangle in plain.channels], [names[j] for j in run.measured]
+    faults = told(channels).words(measured)
     ratios = {motor.name: part for motor, part in coupled(plain, range(FOLDS), first)}
     chosen = [k for k, motor in enumerate(motors) if k in joints or motor.name in ratios]
     second = Structure(atoms, dict.fromkeys(chosen, PLAIN))
     theta, sigma = fitted(plain, range(FOLDS), second)
+    faults = faults or misread(run.fitted, run.cutoff, second, sigma)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
-    doubts = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
-    return [motors[k] for k in chosen], ratios, (values, sigma), [*doubts, *faults]
+    units = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
+    doubts = magnitudes(channels, measured)
+    return First([motors[k] for k in chosen], ratios, values, sigma, [*units, *faults], doubts)
 
 
-def weighted_rows(
-    run: Run, motors: list[Motor], first: tuple[dict[str, float], Floats]
-) -> tuple[Gathered, Gathered, Moments]:
+def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:
     """Return factors of all columns, plain and with outliers weighing less, and what tells how rows are correlated."""
-    values, sigma = first
+    motors, values = first.motors, first.values
     shared = {
         int(j) for motor in motors for j in np.flatnonzero(motor.direction) if np.count_nonzero(motor.direction) > 1
     }
@@ -141,7 +166,7 @@ def weighted_rows(
     motors = [replace(motor, loaded=own) for motor, own in zip(motors, alone, strict=True)]
     bodies = np.array([value for name, value in values.items() if name.rpartition(".")[2] in INERTIAL])
     atoms = Atoms(run.model, run.scene, run.measured, motors, run.slip_speed, bodies)
-    guess = Guess(atoms, np.array([values.get(name, 0.0) for name in atoms.names]), sigma)
+    guess = Guess(atoms, np.array([values.get(name, 0.0) for name in atoms.names]), first.sigma)
     return *run.gathered(atoms, guess), guess.moments
 
 

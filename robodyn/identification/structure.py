@@ -70,7 +70,7 @@ def system(gathered: Gathered, folds: Sequence[int], structure: Structure, sigma
     Args:
         sigma: (joints,) N m.
     """
-    return _whole([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure)
+    return whole_system([_of_fold(gathered, fold, structure, sigma) for fold in folds], structure)
 
 
 def without_one(
@@ -78,10 +78,11 @@ def without_one(
 ) -> list[tuple[Floats, Floats]]:
     """Return for each fold the `system` of all others."""
     parts = [_of_fold(gathered, fold, structure, sigma) for fold in folds]
-    return [_whole([part for k, part in enumerate(parts) if k != left], structure) for left in range(len(parts))]
+    return [whole_system([part for k, part in enumerate(parts) if k != left], structure) for left in range(len(parts))]
 
 
-def _whole(parts: list[Floats], structure: Structure) -> tuple[Floats, Floats]:
+def whole_system(parts: list[Floats], structure: Structure) -> tuple[Floats, Floats]:
+    """Return R (k, p) and z (k,) of weighted rows [columns of the parameters, torques] in parts."""
     whole = stacked(parts)
     R = whole[:, :-1]
     return np.where(shown(R, structure.names), R, 0.0), whole[:, -1]

@@ -56,6 +56,18 @@ def reverse(tau):
     tau[:, 1] *= -1.0
 
 
+def misread(order=(0, 1), sign=(1.0, 1.0), torques_too=False):
+    """Write a log whose columns of positions, or of all, are of other joints or have other signs."""
+
+    def make(_):
+        q, qd, qdd = (each[:, order] * sign for each in states())
+        tau = torques(*states())
+        write_log("log.csv", MODEL, TIME, q, tau[:, order] * sign if torques_too else tau, qd, qdd)
+        return ["log.csv"]
+
+    return make
+
+
 def rest(_):
     q = np.tile(states()[0][:1], (len(TIME), 1))
     still = np.zeros_like(q)
@@ -122,6 +134,8 @@ HARD = {
     "no such folder": (lambda _: [write(), "--out", "o.urdf", "--scene-out", "no/o.toml"], "no such folder"),
     "one name twice": (lambda _: [write(), "--out", "o.urdf", "--scene-out", "o.urdf"], "two outputs have this name"),
     "channels exchanged": (lambda _: [write(change=swap)], f"torques of {JOINTS[0]} and {JOINTS[1]} are exchanged"),
+    "positions exchanged": (misread((1, 0)), f"positions of {JOINTS[0]} and {JOINTS[1]} are exchanged"),
+    "a position reversed": (misread(sign=(1.0, -1.0)), f"position of {JOINTS[1]} has the wrong sign"),
     "a channel reversed": (lambda _: [write(change=reverse)], f"torque of {JOINTS[1]} has the wrong sign"),
 }
 
@@ -177,6 +191,38 @@ def test_told_and_gone_on_with(log, options, words, error, tmp_path, monkeypatch
     assert words in done.out
     found = json.loads(run("identify", str(ROBOT), "log.csv", *options, "--format", "json").out)
     assert (found["held_out"] or found["train"])["relative_error"] < error
+
+
+def test_a_joint_whose_position_is_not_logged(tmp_path, monkeypatch):
+    """Its derived speeds are rounding: no friction is made of them."""
+    monkeypatch.chdir(tmp_path)
+    q, qd, qdd = states()
+    held = np.column_stack((q[:, 0], np.full(len(q), 0.3)))
+    write_log("log.csv", MODEL, TIME, held, torques(q, qd, qdd))
+    found = robodyn.identify([robodyn.read_log("log.csv", MODEL)])
+    fit = found.motors[JOINTS[1]]
+    assert max(abs(value) for value in (fit.viscous, fit.coulomb, fit.rotor)) < 100.0
+    assert f"joint {JOINTS[1]} rests: nothing is shown of its friction" in found.warnings
+
+
+def test_one_torque_in_another_unit(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def thousandth(tau):
+        tau[:, 0] *= 1e-3
+
+    done, _ = identified(tmp_path, write(change=thousandth))
+    assert f"({JOINTS[0]}) times what the description makes beside friction" in done.out
+
+
+def test_a_weight_that_may_be_an_offset(tmp_path, monkeypatch):
+    """What a vertical slide weighs is a constant torque, as an offset of its sensor is."""
+    monkeypatch.chdir(tmp_path)
+    model = robodyn.load(ROBOTS / "scara.urdf")
+    motion = waves(np.random.default_rng(5), TIME, model.n, 0.1)
+    write_log("log.csv", model, TIME, motion[0], robodyn.inverse_dynamics(model, *motion), *motion[1:])
+    found = robodyn.identify([robodyn.read_log("log.csv", model)])
+    assert any("constant torques of quill look much like weights" in each for each in found.warnings)
 
 
 def test_uneven_stamps(tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -69,4 +70,8 @@ def test_tx40_files_reproduce_the_fit(tmp_path):
     for part in ("train", "held_out"):
         errors = again["original"][part]["relative_error"], found[part]["relative_error"]
         assert errors[0] == pytest.approx(errors[1], rel=1e-6)
+    bare = identified(urdf, TX40[1], *options)["original"]["held_out"]["relative_error"]
+    said = re.search(r"without it about (\d+) %", Path(urdf).read_text())
+    assert said is not None
+    assert float(said[1]) / 100.0 == pytest.approx(bare, abs=0.006)
     assert again["train"]["relative_error"] < 1.02 * found["train"]["relative_error"]

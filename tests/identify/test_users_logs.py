@@ -112,7 +112,7 @@ def test_units_that_are_doubtful_are_not_written(factors, said, tmp_path):
 
 def test_torques_in_other_units_weigh_too_much(tmp_path):
     outcome = run("identify", TX40, tx40(tmp_path, {"tau_": 1e3}), "--cutoff", "40")
-    assert "times what is described: are torques in N m?" in outcome.out
+    assert "times what the description makes beside friction: is their unit another, or a gear?" in outcome.out
 
 
 def test_joints_that_are_held_are_told_once(tmp_path):
