@@ -129,7 +129,7 @@ def command(urdf: str, trajectories: tuple[str, ...], fail_on_limits: bool, **op
     if is_batch(trajectories, options["out"], options):
         from robodyn.cli.torques_batch import run_batch
 
-        for name in ("accuracy", "example", "samples"):
+        for name in ("accuracy", "example"):
             if options.pop(name):
                 raise click.UsageError(f"--{name} is for one trajectory", click.get_current_context())
         return run_batch(urdf, trajectories, fail_on_limits, **options)

@@ -21,6 +21,7 @@ from robodyn.cli.reports import answer, report_name
 from robodyn.cli.screen import complain, show
 from robodyn.errors import InputError
 from robodyn.loads.many import Batch, Outcome
+from robodyn.loads.torques import check_uncertain
 from robodyn.programs.run.llvm.machine import compiler
 from robodyn.report.json.loads import batch_json
 from robodyn.report.table import printable
@@ -71,6 +72,7 @@ def _setup(urdf: str, options: dict[str, Any]) -> tuple[Setup, str]:
     """Return what all trajectories have in common, which is checked here once; and the robot's name."""
     model, scene = robot_in_scene(urdf, loops=True, contacts=True)
     assert model.description is not None, "it is read from a file"
+    check_uncertain(scene, options["samples"])
     if options["momentum"] is not None:
         options["momentum"].check(model, scene)
     if options["executor"] == "auto":  # the same everywhere and every time, so that results are equal to the bit

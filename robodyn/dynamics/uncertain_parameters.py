@@ -10,7 +10,7 @@ import numpy as np
 from robodyn.dynamics.effects.viscous_friction import friction_of
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.regressor import INERTIAL, parameters
-from robodyn.dynamics.variations import OF_LINKS, UncertainLink, Variation, Variations
+from robodyn.dynamics.variations import OF_LINKS, UncertainLink, Variation, Variations, pivoted
 from robodyn.errors import SceneError
 from robodyn.robot.model import Model
 from robodyn.robot.urdf.parts import Link
@@ -18,7 +18,6 @@ from robodyn.scene.covariance import Covariance
 from robodyn.scene.parts import Friction
 from robodyn.scene.scene import Scene
 from robodyn.scene.uncertainty import LinkUncertainty, Uncertainty
-from robodyn.support.floats import Floats
 from robodyn.support.wording import alternatives, shown
 
 OF_JOINTS = ("viscous", "forward", "backward", "stribeck", "load", "rotor")
@@ -71,19 +70,20 @@ def _of_link(name: str, link: UncertainLink) -> Iterator[Variation]:
 
 
 def _of_friction(given: Uncertainty, model: Model, scene: Scene) -> Iterator[Variation]:
-    for body in model.bodies:
-        joint = body.joint
-        own = given.of_joint(joint.name) if joint.kind in ("revolute", "prismatic") else None
+    hinges = (body.joint for body in model.bodies if body.joint.kind in ("revolute", "prismatic"))
+    frictions = [(joint.name, friction_of(joint, scene)) for joint in hinges]
+    for name, has in (*frictions, *((motor.name, motor.friction) for motor in scene.coupled)):
+        own = given.of_joint(name)
         if own is None or not own.value:
             continue
-        has, share = friction_of(joint, scene), own.value
+        share = own.value
         added = Friction(0.0, share, -share)
         if own.relative:
             stribeck = None if has.stribeck is None else share * has.stribeck
             parts = {part: share * getattr(has, part) for part in ("viscous", "forward", "backward", "load")}
             added = replace(has, stribeck=stribeck, **parts)
         if added.viscous or added.dry or added.load:
-            yield Variation(f"{joint.name}.friction", share, joint=joint.name, friction=added)
+            yield Variation(f"{name}.friction", share, joint=name, friction=added)
 
 
 def misfits(model: Model, scene: Scene) -> tuple[str, ...]:
@@ -123,7 +123,7 @@ def _of_covariance(given: Covariance, model: Model, scene: Scene) -> Variations:
         raise SceneError("[uncertainty] covariance leaves nothing uncertain: all variances are 0")
     sizes = deviations[kept]
     correlation = given.covariance[np.ix_(kept, kept)] / (sizes[:, None] * sizes)
-    factor = None if np.array_equal(correlation, np.eye(len(each))) else _factor(correlation)
+    factor = None if np.array_equal(correlation, np.eye(len(each))) else pivoted(correlation)
     return Variations(each, (), factor)
 
 
@@ -141,20 +141,3 @@ def _named(name: str, deviation: float, model: Model, scene: Scene) -> Variation
     stribeck = None if has.stribeck is None else 0.0
     none = replace(has, viscous=0.0, forward=0.0, backward=0.0, stribeck=stribeck, load=0.0)
     return Variation(name, deviation, joint=owner, friction=replace(none, **{quantity: deviation}))
-
-
-def _factor(C: Floats) -> Floats:
-    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots; it ends where rounding is left.
-
-    What an identification hardly tells apart has correlations near 1, and all that a torque shows of it is what these
-    leave: 1e-13 of each variance is not nothing.
-    """
-    left, L = C.copy(), np.zeros_like(C)
-    rounding = len(C) * np.finfo(float).eps
-    for column in range(len(C)):
-        k = int(np.diag(left).argmax())
-        if left[k, k] <= rounding:
-            break
-        L[:, column] = left[:, k] / np.sqrt(left[k, k])
-        left = left - np.outer(L[:, column], L[:, column])
-    return L

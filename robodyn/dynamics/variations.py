@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from statistics import NormalDist
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from robodyn.support.floats import Floats
 
 OF_LINKS = ("mass", "com", "com", "com", "inertia", "inertia", "inertia", "inertia")
 """What varies of a link: mass, centre of mass along x, y and z, a factor of the inertia, and ixx, iyy and izz."""
+
+
+_DRAWS, _SEED = 1000, 1900
 
 
 @dataclass(frozen=True)
@@ -124,11 +128,37 @@ class Variations:
             found[:, columns] = product(flat[:, rows], self.jacobian[rows][:, columns])
         return found.reshape(*changes.shape[:-1], len(self.each))
 
+    def independent(self, changes: Floats) -> Floats:
+        """Return derivatives by independent parameters of variance 1 (..., k) of what has these by theta (..., m)."""
+        along = self.along(changes)
+        if self.factor is None:
+            return along
+        return np.asarray(product(along.reshape(-1, len(self.each)), self.factor).reshape(along.shape))
+
+    def spread(self, changes: Floats) -> Floats:
+        """Return derivatives (..., p) by uncorrelated numbers that move theta as x does, to all orders.
+
+        Their squares add up to the mean square of how what has the derivatives `changes` by theta (..., m) is off.
+        """
+        if not self.links:
+            return self.independent(changes)
+        return np.concatenate([product(changes[..., rows], root) for rows, root in self._roots], -1)
+
+    @cached_property
+    def _roots(self) -> list[tuple[slice, Floats]]:
+        """The entries of theta of every body, and of joints, each with a root of their mean products."""
+        drawn, found = self.theta(self.even_draws(_DRAWS, _SEED)), []
+        for rows in [self._place(body) for body in (*self.bodies, -1)]:
+            C = product(drawn[:, rows].T, drawn[:, rows]) / _DRAWS
+            sizes = np.sqrt(np.diagonal(C))
+            sizes = np.where(sizes > 0.0, sizes, 1.0)
+            root = sizes[:, None] * pivoted(C / sizes / sizes[:, None])
+            found.append((rows, root[:, root.any(0)]))
+        return found
+
     def variance(self, changes: Floats) -> Floats:
         """Return the variance of what has these derivatives by theta (..., m), to first order."""
-        along = self.along(changes)
-        if self.factor is not None:
-            along = product(along.reshape(-1, len(self.each)), self.factor).reshape(along.shape)
+        along = self.independent(changes)
         return np.asarray(np.einsum("...k,...k->...", along, along))
 
     def theta(self, x: Floats) -> Floats:
@@ -150,10 +180,35 @@ class Variations:
 
     def draws(self, count: int, seed: int) -> Floats:
         """Return (count, k) normal draws of x, the same for the same seed."""
-        z = np.random.default_rng(seed).standard_normal((count, len(self.each)))
+        return self._correlated(np.random.default_rng(seed).standard_normal((count, len(self.each))))
+
+    def even_draws(self, count: int, seed: int) -> Floats:
+        """Return (count, k) draws of x, each independent parameter in even steps of probability (Latin hypercube)."""
+        steps = np.array([NormalDist().inv_cdf((k + 0.5) / count) for k in range(count)])
+        rng = np.random.default_rng(seed)
+        return self._correlated(np.column_stack([rng.permutation(steps) for _ in self.each]))
+
+    def _correlated(self, z: Floats) -> Floats:
         return z if self.factor is None else np.asarray(product(z, self.factor.T))
 
     @cached_property
     def correlation(self) -> Floats:
         """(k, k) of x."""
         return np.eye(len(self.each)) if self.factor is None else np.asarray(product(self.factor, self.factor.T))
+
+
+def pivoted(C: Floats) -> Floats:
+    """Return L (k, k) with L L^T = C, a correlation, by Cholesky's method with pivots; it ends where rounding is left.
+
+    What an identification hardly tells apart has correlations near 1, and all that a torque shows of it is what these
+    leave: 1e-13 of each variance is not nothing.
+    """
+    left, L = C.copy(), np.zeros_like(C)
+    rounding = len(C) * np.finfo(float).eps
+    for column in range(len(C)):
+        k = int(np.diag(left).argmax())
+        if left[k, k] <= rounding:
+            break
+        L[:, column] = left[:, k] / np.sqrt(left[k, k])
+        left = left - np.outer(L[:, column], L[:, column])
+    return L

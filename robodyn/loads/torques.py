@@ -70,7 +70,7 @@ def torques(
     Accuracy: torques as `inverse_dynamics`; shares add up to the peak within 1e-12 of the largest torque.
     """
     refuse_others(model, scene)
-    _check_uncertain(scene, samples)
+    check_uncertain(scene, samples)
     with _opened(trajectory, model, scene) as motion:
         sized = bool(scene.motor) if sizing is None else sizing
         options = Options(reactions, executor, threads, momentum, sized, history, samples)
@@ -88,7 +88,7 @@ def torques(
     return gathered_result(run, last, explain)
 
 
-def _check_uncertain(scene: Scene, samples: int) -> None:
+def check_uncertain(scene: Scene, samples: int) -> None:
     """Raise where error bars are asked for that are not computed."""
     if scene.uncertainty is None and samples:
         raise InputError("samples are drawn of uncertain parameters, and the scene has none", remedy=_UNCERTAIN)

@@ -18,6 +18,7 @@ from robodyn.loads.uncertainty_result import Uncertain
 from robodyn.robot.model import Model
 from robodyn.scene.scene import Scene
 from robodyn.support.floats import Floats
+from robodyn.support.wording import shown
 from robodyn.trajectory.motion import Trajectory
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class UncertainLoads:
     ) -> None:
         """Args: samples: motions that are run again; by: executor and threads."""
         trains = list(zip(sizing.driven, sizing.motors.trains, strict=True)) if sizing else []
-        self.rates, self.by, self.notes = rates, by, misfits(model, scene)
+        self.rates, self.by, self.notes = rates, by, (*misfits(model, scene), *_beyond(scene))
         self.linear = UncertaintyPass(model, scene, rates, trains, sizing is not None)
         self.samples = SamplePass(self.linear, samples) if samples else None
 
@@ -64,3 +65,16 @@ class UncertainLoads:
     def report(self, joints: Sequence[JointLoad], sizing: Sizing | None) -> Uncertain:
         """Return everything gathered."""
         return uncertain(self.linear, self.samples, joints, sizing)
+
+
+GROWING = 0.1
+"""Friction that grows with load more than this may put error bars off by more than 5 %."""
+
+
+def _beyond(scene: Scene) -> tuple[str, ...]:
+    """Return a warning where friction may change sides, which error bars do not follow."""
+    names = [name for name in scene.loaded if scene.friction[name].load > GROWING]
+    if not names:
+        return ()
+    what = f"friction of {', '.join(map(shown, names))} grows with more than {100 * GROWING:.3g} % of the load"
+    return (f"{what}: where that load is about zero, error bars may be off by more than 5 %; compare with --samples",)

@@ -15,17 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robodyn.loads.drawn import Drawn
+from robodyn.loads.uncertain_quantities import Figure
 from robodyn.loads.uncertainty import UncertaintyPass
 from robodyn.programs.vectors import product
 from robodyn.support.floats import Floats
 
-DRAWS, SEED = 10_000, 19
+DRAWS, SEED = 20_000, 19
 TRIED = 400
 """Draws with which the first term is tried."""
-SHIFT, SCATTER = 0.02, 0.1
+SHIFT, SCATTER = 0.01, 0.03
 """Of the standard error: the mean and the standard deviation of what the first term may miss."""
-OUT_OF_REACH = 5.0
-"""Standard errors that a sample is below the peak by, which then never rises to it."""
+TOGETHER = 1000
+"""Draws that are evaluated together."""
 TINY = 1e-300
 
 
@@ -34,7 +35,7 @@ class Figures:
 
     def __init__(self, gathered: UncertaintyPass) -> None:
         self.of = gathered
-        x = gathered.found.draws(DRAWS, SEED)
+        x = gathered.found.even_draws(DRAWS, SEED)
         self.theta = gathered.found.theta(x)
         self._linear = product(x, gathered.found.jacobian.T)
         self._peaks: dict[int, Drawn] = {}
@@ -49,38 +50,21 @@ class Figures:
     def peak(self, k: int) -> Drawn:
         """Return the largest magnitude of figure k."""
         if k not in self._peaks:
-            at = self.of.at[k]
-            size = float(np.sqrt((at[:, 0] ** 2).sum()))
-            gradient = product(at[:, 0], at[:, 1:]) / size if size else np.zeros(at.shape[1] - 1)
-            value = float(at[0, 0]) if self.of.of.figures[k].b < 0 else size
-            samples, less = self._rivals(k, size, gradient)
-
+            of, figure = self.of.peaks, self.of.of.figures[k]
+            columns = len(figure.columns)
+            at = of.at[k][:columns]
+            value = at[0, 0] if columns == 1 else figure.size(at[:, 0])
+            samples = np.concatenate((at[None], of.rivals[k][:, :columns]))
+            less = np.append(0.0, of.less[k] - float(of.peaks.kept["off"][k]))
             flat, used = _used(samples.reshape(-1, samples.shape[-1]))
 
             def drawn(theta: Floats) -> Floats:
-                columns = (flat[:, 0] + product(theta[:, used], flat[:, 1:].T)).reshape(-1, len(samples), 2)
-                return np.asarray((np.sqrt((columns * columns).sum(-1)) - less).max(axis=1))
+                loads = flat[:, 0] + product(theta[:, used], flat[:, 1:].T)
+                sizes = figure.size(np.moveaxis(loads.reshape(len(theta), -1, columns), -1, 0))
+                return np.asarray((sizes - less).max(axis=1))
 
-            self._peaks[k] = self._figure(value, gradient, at[:, 1:], drawn)
+            self._peaks[k] = self._figure(float(value), figure.gradient(at[:, 0], at[:, 1:]), at[:, 1:], drawn)
         return self._peaks[k]
-
-    def _rivals(self, k: int, size: float, gradient: Floats) -> tuple[Floats, Floats]:
-        """Return the samples (n, 2, 1 + m) that may be the peak, itself first, and (n,) what is not sure of them.
-
-        A sample of the opposite sign may be one too.
-        """
-        at, more = self.of.at[k], self.of.contenders[k]
-        less = self.of.less[k] - float(self.of.peaks.kept["off"][k])
-        sizes = np.sqrt((more[:, :, 0] ** 2).sum(1))
-        slopes = np.einsum("mi,mik->mk", more[:, :, 0], more[:, :, 1:]) / (sizes + TINY)[:, None]
-        across = self.of.found.variance(more[:, :, 1:]).sum(1)
-        near = np.zeros(len(more), dtype=bool)
-        for sign in (1.0, -1.0):
-            spread = np.sqrt(self.of.found.variance(gradient - sign * slopes)) + np.sqrt(across) * (
-                sizes < np.sqrt(across)
-            )
-            near |= size - sign * sizes + less <= OUT_OF_REACH * spread
-        return np.concatenate((at[None], more[near])), np.append(0.0, less[near])
 
     def rms(self, k: int) -> Drawn:
         """Return the RMS of figure k; its magnitude in a motion without duration."""
@@ -90,42 +74,43 @@ class Figures:
             return found._replace(value=abs(found.value))
         if k not in self._rms:
             figure = self.of.of.figures[k]
-            columns = [figure.a] if figure.b < 0 else [figure.a, figure.b]
-            size = math.sqrt(float(totals["square"][columns].sum()) / duration)
-            gradient = totals["product"][columns].sum(0) / (duration * size) if size else np.zeros(self.theta.shape[1])
-            kept, share = self.of.kept.columns[columns], _shares(self.of.kept.time)
-            rows, used = _used(kept.reshape(-1, kept.shape[-1]))
-            A = product((rows * np.tile(share, len(columns))[:, None]).T, rows)
-
-            def drawn(theta: Floats) -> Floats:
-                some = theta[:, used]
-                squares = A[0, 0] + 2.0 * product(some, A[0, 1:])
-                squares = squares + np.einsum("ni,ni->n", product(some, A[1:, 1:]), some)
-                roots = np.sqrt(np.maximum(squares, 0.0))
-                return np.asarray(np.maximum(roots + (size - math.sqrt(max(float(A[0, 0]), 0.0))), 0.0))
-
-            self._rms[k] = self._figure(size, gradient, kept[..., 1:].reshape(-1, len(gradient)), drawn)
+            square, slope = (totals[name][figure.columns].sum(0) / duration for name in ("square", "product"))
+            self._rms[k] = self._mean(figure, 2, float(square), 2.0 * slope, _shares(self.of.kept.time))
         return self._rms[k]
 
     def cubic(self, i: int) -> Drawn:
         """Return the cubic mean of what gear i bears."""
         totals, of = self.of.integrals.totals, self.of.of
-        travel, wear = float(totals["travel"][i]), float(totals["wear"][i])
-        size = (wear / travel) ** (1 / 3) if travel else 0.0
-        gradient = totals["wear change"][i] / (travel * size * size) if size else np.zeros(self.theta.shape[1])
-        column = [figure.a for figure in of.figures if figure.name == "gear"][i]
+        travel = float(totals["travel"][i]) or 1.0
+        figure = [figure for figure in of.figures if figure.name == "gear"][i]
         share = _shares(self.of.kept.time) * self.of.kept.pace[of.trains[i][0]]
-        share = share / (share.sum() + TINY)
-        rows, used = _used(self.of.kept.columns[column])
+        cube, slope = float(totals["wear"][i]) / travel, 3.0 * totals["wear change"][i] / travel
+        return self._mean(figure, 3, cube, slope, share / (share.sum() + TINY))
 
-        def mean(load: Floats) -> Floats:
-            return cube_roots(np.einsum("...r,r->...", np.abs(load * load * load), share))
+    def _mean(self, figure: Figure, power: int, whole: float, slope: Floats, share: Floats) -> Drawn:
+        """Return the power mean of a figure's magnitude.
+
+        Args:
+            whole: the mean of the power at all samples; slope: (m,) its derivative.
+            share: of each sample that was kept, of which the higher orders are.
+        """
+        kept = self.of.kept.columns[figure.columns]
+        flat, used = _used(kept.reshape(-1, kept.shape[-1]))
+        root = cube_roots if power == 3 else np.sqrt
+        size = float(root(np.array(whole)))
+        at = kept[..., 0]
+        own = power * np.einsum("cn,cnm->m", figure.half(at) * figure.size(at) ** (power - 2) * share, kept[..., 1:])
+        first, before = (slope - own)[used], _powers(figure.size(at), power, share)
 
         def drawn(theta: Floats) -> Floats:
-            found = mean(rows[:, 0] + product(theta[:, used], rows[:, 1:].T))
-            return np.asarray(np.maximum(found + (size - float(mean(rows[:, 0]))), 0.0))
+            some = theta[:, used]
+            loads = flat[:, 0] + product(some, flat[:, 1:].T)
+            sizes = figure.size(np.moveaxis(loads.reshape(len(some), len(kept), -1), 1, 0))
+            change = _powers(sizes, power, share) - before + product(some, first)
+            return np.asarray(root(np.maximum(whole + change, 0.0)))
 
-        return self._figure(size, gradient, self.of.kept.columns[column][:, 1:], drawn)
+        gradient = slope / (power * size ** (power - 1)) if size else np.zeros(len(slope))
+        return self._figure(size, gradient, kept[..., 1:].reshape(-1, len(slope)), drawn)
 
     def _figure(self, value: float, gradient: Floats, rows: Floats, drawn: Callable[[Floats], Floats]) -> Drawn:
         """Return a figure, drawn where its first term is not all.
@@ -139,7 +124,8 @@ class Figures:
             return Drawn(value, error, gradient, self._parts(gradient[None]))
         if float(np.abs(missed).max()) <= 1e-12 * abs(value):
             return Drawn(value, error, gradient, self._parts(gradient[None]))
-        return Drawn(value, error, gradient, self._parts(rows), drawn(self.theta))
+        curved = [drawn(self.theta[k : k + TOGETHER]) for k in range(0, DRAWS, TOGETHER)]
+        return Drawn(value, error, gradient, self._parts(rows), np.concatenate(curved))
 
     def _parts(self, rows: Floats) -> Floats:
         """Return (k,) what each parameter adds to the variance of what has these derivatives (n, m), in all."""
@@ -152,6 +138,11 @@ def _used(rows: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """Return rows of values and derivatives (n, 1 + m) without those that are all zero, and which of theta are left."""
     used = np.flatnonzero(rows[:, 1:].any(axis=0))
     return np.concatenate((rows[:, :1], rows[:, 1:][:, used]), 1), used
+
+
+def _powers(sizes: Floats, power: int, share: Floats) -> Floats:
+    """Return the mean of a power of magnitudes (..., n)."""
+    return np.asarray(np.einsum("...n,n->...", sizes * sizes if power == 2 else sizes * sizes * sizes, share))
 
 
 def cube_roots(x: Floats) -> Floats:

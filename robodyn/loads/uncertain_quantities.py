@@ -22,7 +22,7 @@ DRIVE = ("tau", "motor", "use", "gear")
 
 
 class Figure(NamedTuple):
-    """A quantity: a column, or the resultant of two.
+    """A quantity: the magnitude of a column, the resultant of two, or a motor's torque, `|a + |b||`.
 
     Attributes:
         owner: the joint, "" of the base; name: of `DRIVE`, or a component's.
@@ -34,12 +34,45 @@ class Figure(NamedTuple):
     a: int
     b: int = -1
 
+    @property
+    def columns(self) -> list[int]:
+        """The columns that it is made of."""
+        return [self.a] if self.b < 0 else [self.a, self.b]
+
+    @property
+    def lossy(self) -> bool:
+        """Whether it is a motor's torque, whose gear loses as b has it."""
+        return self.name in ("motor", "use")
+
+    def size(self, columns: Floats) -> Floats:
+        """Return the magnitude, of columns (1 or 2, ...)."""
+        if self.b < 0:
+            return np.asarray(np.abs(columns[0]))
+        a, b = columns
+        return np.asarray(np.abs(a + np.abs(b)) if self.lossy else np.sqrt(a * a + b * b))
+
+    def half(self, columns: Floats) -> Floats:
+        """Return half the derivatives of the magnitude's square by the columns (1 or 2, ...).
+
+        Times the columns, they add up to that square.
+        """
+        if not self.lossy:
+            return columns
+        torque = columns[0] + np.abs(columns[1])
+        return np.stack((torque, torque * np.sign(columns[1])))
+
+    def gradient(self, columns: Floats, changes: Floats) -> Floats:
+        """Return the derivatives (..., m) of the magnitude, of columns (1 or 2, ...) with theirs; 0 where it is 0."""
+        size = self.size(columns)
+        found = np.einsum("c...,c...k->...k", self.half(columns), changes)
+        return np.asarray(found / np.where(size > 0.0, size, np.inf)[..., None])
+
 
 class Quantities:
     """Functions of the loads of a sample, in columns, and figures made of one or two of them.
 
     Attributes:
-        joints: names; figures: theirs, then of the base, bearings and motors; pairs: (2, figures) their a and b.
+        joints: names; figures: theirs, then of the base, bearings and motors.
         rows: the columns but those of motors, as sums of loads.
     """
 
@@ -70,33 +103,38 @@ class Quantities:
                 at += len(NAMES[joint.kind])
         self.rows = tuple(rows)
         for driven, _ in trains:
-            figures += [Figure(names[driven], part, at + i) for i, part in enumerate(DRIVE[1:])]
-            at += 3
+            owner = names[driven]
+            figures += [Figure(owner, "motor", at, at + 1), Figure(owner, "use", at + 2, at + 3)]
+            figures.append(Figure(owner, "gear", at + 4))
+            at += 5
         self.figures, self.columns = tuple(figures), at
-        self.pairs = np.array([(figure.a, figure.b) for figure in figures]).T
 
     def with_motors(self, sums: Floats, qd: Floats, qdd: Floats) -> Floats:
         """Return all columns (columns, N), of those that are sums of loads, and qd and qdd (joints, N)."""
         rows = []
         for k, train in self.trains:
+            (mean, half), most = _shares(train, qd[k]), self._most(train, qd[k])
             load = load_torque(train, sums[k], qdd[k])
-            torque = motor_torque(train, load, qd[k], qdd[k])
-            rows += [torque, torque / self._most(train, qd[k]), load]
+            torque = _direction(train.gear * qd[k]) * (train.gear * train.inertia) * qdd[k] + mean * load
+            rows += [torque, half * load, torque / most, half * load / most, load]
         return np.concatenate((sums, rows)) if rows else sums
 
-    def changes(self, sums: Floats, values: Floats, qd: Floats) -> Floats:
-        """Return the derivatives of all columns (columns, N, m).
-
-        Args:
-            sums: derivatives of those that are sums of loads; values: all columns (columns, N).
-        """
+    def changes(self, sums: Floats, qd: Floats) -> Floats:
+        """Return the derivatives of all columns (columns, N, m), of those that are sums of loads."""
         rows = []
-        for i, (k, train) in enumerate(self.trains):
-            load = values[len(sums) + 3 * i + 2]
-            slope = motor_torque(train, np.sign(load), qd[k], np.zeros_like(load)) * np.sign(load)
-            motor = sums[k] * np.where(load == 0.0, 1.0 / train.gear, slope)[:, None]
-            rows += [motor, motor / self._most(train, qd[k])[:, None], sums[k]]
+        for k, train in self.trains:
+            mean, half = (share[:, None] * sums[k] for share in _shares(train, qd[k]))
+            most = self._most(train, qd[k])[:, None]
+            rows += [mean, half, mean / most, half / most, sums[k]]
         return np.concatenate((sums, rows)) if rows else sums
+
+    def halves(self, values: Floats) -> Floats:
+        """Return half the derivatives of the figures' squares by their columns, as `Figure.half` has them."""
+        found = values.copy()
+        for figure in self.figures:
+            if figure.lossy:
+                found[figure.columns] = figure.half(values[figure.columns])
+        return found
 
     @staticmethod
     def _most(train: Train, qd: Floats) -> Floats:
@@ -105,6 +143,20 @@ class Quantities:
         if curve is None:
             return np.full(pace.shape, np.inf)
         return np.maximum(allowed(curve, pace), LEAST * max(torque for _, torque in points(curve)))
+
+
+def _direction(speed: Floats) -> Floats:
+    return np.where(speed < 0.0, -1.0, 1.0)
+
+
+def _shares(train: Train, qd: Floats) -> tuple[Floats, Floats]:
+    """Return what a motor gives for a joint's load: a times the load and |b load| more, in the direction that it turns.
+
+    Of `motor_torque`, |b| is half the difference between a load that is driven and one that drives.
+    """
+    ahead, still = _direction(qd), np.zeros_like(qd)
+    driven, driving = (np.abs(motor_torque(train, load, qd, still)) for load in (ahead, -ahead))
+    return 0.5 * (driven + driving) * ahead, 0.5 * (driven - driving)
 
 
 def _bearing(joint: Joint, first: int) -> list[Row]:

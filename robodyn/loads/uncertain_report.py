@@ -65,7 +65,7 @@ class _Report:
     def _joint(self, joint: JointLoad, motor: MotorLoad | None, limits: Sequence[_Limit]) -> UncertainJoint:
         return UncertainJoint(
             load=self._load(joint.name, self.places[joint.name, "tau"], joint.unit),
-            motor=self._load(joint.name, self.places[joint.name, "motor"], motor.unit) if motor else None,
+            motor=self._load(joint.name, self.places[joint.name, "motor"], motor.unit, motor.peak) if motor else None,
             limits=tuple(limit.shown for limit in limits),
             suffices=_together(limits),
         )
@@ -82,8 +82,10 @@ class _Report:
         name = self.gathered.of.figures[k].name
         return self._load(name, k, "N m" if name.startswith(("m", "t")) else "N")
 
-    def _load(self, name: str, k: int, unit: str) -> UncertainLoad:
+    def _load(self, name: str, k: int, unit: str, signed: float = 0.0) -> UncertainLoad:
+        """Return peak and RMS of figure k; signed: its peak, where the sign is not in its columns."""
         peak, rms, again = self.figures.peak(k), self.figures.rms(k), self.samples
+        peak = peak._replace(value=-peak.value) if signed < 0.0 < peak.value else peak
         return UncertainLoad(
             name,
             unit,

@@ -63,10 +63,9 @@ class SamplePass:
 
     def _gather(self, draws: slice, integrals: Integrals, time: Floats, values: Floats, qd: Floats) -> None:
         """Take in the columns (columns, draws, N) of a block for some draws."""
-        a, b = self.of.pairs
-        squares = values[a] * values[a] + np.where((b < 0)[:, None, None], 0.0, values[b] * values[b])
-        self.peaks[:, draws] = np.maximum(self.peaks[:, draws], np.sqrt(squares.max(axis=-1)))
-        quantities = {"square": squares}
+        sizes = np.stack([figure.size(values[figure.columns]) for figure in self.of.figures])
+        self.peaks[:, draws] = np.maximum(self.peaks[:, draws], sizes.max(axis=-1))
+        quantities = {"square": sizes * sizes}
         if self._gears:
             load, pace = np.abs(values[self._gears]), np.abs(qd[[joint for joint, _ in self.of.trains]])
             quantities |= {"wear": load * load * load * pace[:, None], "travel": pace}

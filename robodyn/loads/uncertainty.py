@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robodyn.dynamics.effects.effect import ZeroColumns
 from robodyn.dynamics.plan import plan
 from robodyn.dynamics.uncertain_parameters import variations
 from robodyn.dynamics.varied_loads import derivative_runner, summed
 from robodyn.loads.motors import Train
-from robodyn.loads.statistics import Greatest, Integrals
+from robodyn.loads.statistics import Integrals
+from robodyn.loads.uncertain_peaks import UncertainPeaks
 from robodyn.loads.uncertain_quantities import Quantities
 from robodyn.programs.run.runner import Runner
 from robodyn.robot.model import Model
@@ -23,10 +22,6 @@ from robodyn.support.floats import Floats
 
 ROOM = 4_000_000
 """Numbers of derivatives that are held at a time."""
-CONTENDERS = 48
-"""Spans of the motion at the most, and half as many at least, of each of which a sample is kept that may be a peak."""
-FAR = 3.0
-"""Standard deviations by which a sample may rise above another one."""
 ROWS = 128
 """Samples that are kept of the whole motion at the most, evenly spread, and half as many at least."""
 
@@ -51,11 +46,9 @@ class UncertaintyPass:
     """Gathers derivatives by theta, which has m entries.
 
     Attributes:
-        peaks: of the figures' magnitudes; at: (figures, 2, 1 + m) the columns then, and their derivatives.
-        contenders: (figures, samples, 2, 1 + m) likewise, of samples that may be peaks; less: (figures, samples) what
-            is not sure of them, as peaks are chosen by.
-        integrals: of "square" (columns,), "product" with derivatives (columns, m), and of gears the "wear" (gears,),
-            "wear change" (gears, m) and "travel".
+        peaks: of the figures' magnitudes, and samples that may be peaks.
+        integrals: of "square" (columns,), "product" (columns, m), half the derivative of the squares by all, and of
+            gears the "wear" (gears,), "wear change" (gears, m) and "travel".
         kept: evenly spread samples.
     """
 
@@ -66,10 +59,8 @@ class UncertaintyPass:
         self.model, self.scene = model, scene
         self.found = variations(model, scene)
         self.of = Quantities(model, model.rates[rates], rates, trains, bearings)
-        count, self._m = len(self.of.figures), len(self.found.jacobian)
-        self.peaks, self.at = Greatest(count), np.zeros((count, 2, 1 + self._m))
-        self.contenders, self.less = np.zeros((count, 0, 2, 1 + self._m)), np.zeros((count, 0))
-        self._upper, self._begun, self._span = np.zeros((count, 0)), np.zeros(0, dtype=np.int64), 1
+        self._m = len(self.found.jacobian)
+        self.peaks = UncertainPeaks(self.found, self.of.figures)
         self.integrals = Integrals()
         nothing = np.zeros((self.of.columns, 0, 1 + self._m)), np.zeros((len(self.of.joints), 0))
         self.kept, self._stride, self._seen = Kept(np.zeros(0), *nothing), 1, 0
@@ -107,15 +98,17 @@ class UncertaintyPass:
             sums = np.array(summed(self.of.rows, list(loads[part].T)))
             values = self.of.with_motors(sums, qd, qdd)
             by_theta = np.moveaxis(found.reshape(count, len(sums), self._m), 1, 0)
-            changes = self.of.changes(np.ascontiguousarray(by_theta), values, qd)
+            changes = self.of.changes(np.ascontiguousarray(by_theta), qd)
             self._integrate(time[part], values, changes, qd)
             self._keep(time[part], values, changes, qd)
-            less = off if isinstance(off, float) else off[:, part]
-            self._peaks(time[part], first_row + start, values, changes, less)
+            less = np.zeros((len(self.of.figures), count))
+            less[: len(self.of.joints)] = off if isinstance(off, float) else off[:, part]
+            self.peaks.take(time[part], first_row + start, values, changes, less)
             self._seen += count
 
     def _integrate(self, time: Floats, values: Floats, changes: Floats, qd: Floats) -> None:
-        quantities = {"square": values * values, "product": np.moveaxis(values[..., None] * changes, -1, 1)}
+        halves = self.of.halves(values)
+        quantities = {"square": halves * values, "product": np.moveaxis(halves[..., None] * changes, -1, 1)}
         if self.of.trains:
             gears = [figure.a for figure in self.of.figures if figure.name == "gear"]
             pace = np.abs(qd[[k for k, _ in self.of.trains]])
@@ -138,45 +131,3 @@ class UncertaintyPass:
             np.concatenate((self.kept.columns, news.columns), 1),
             np.concatenate((self.kept.pace, news.pace), 1),
         )
-
-    def _peaks(self, time: Floats, row: int, values: Floats, changes: Floats, off: Floats | float) -> None:
-        a, b = self.of.pairs
-        single = (b < 0)[:, None]
-        second = np.where(single, 0.0, values[b])
-        score = np.where(single, np.abs(values[a]), np.sqrt(values[a] * values[a] + second * second))
-        variance = self.found.variance(changes)
-        upper = score + FAR * np.sqrt(variance[a] + np.where(single, 0.0, variance[b]))
-        less = np.zeros_like(score)
-        less[: len(self.of.joints)] = off
-        for figure, at in self.peaks.update(time, row, score - less, off=less):
-            self.at[figure] = self._both(figure, np.array([at]), values, changes)[0]
-        self._contend(upper - less, less, values, changes)
-
-    def _contend(self, upper: Floats, less: Floats, values: Floats, changes: Floats) -> None:
-        """Keep of every span of samples the one that may rise highest; spans double when there are too many."""
-        count = upper.shape[1]
-        while (self._seen + count) / self._span > CONTENDERS:
-            self._span *= 2
-        begun = self._seen + np.arange(count)
-        chosen = _highest(upper, begun // self._span)
-        news = np.stack([self._both(figure, at, values, changes) for figure, at in enumerate(chosen)])
-        every = np.concatenate((self.contenders, news), 1)
-        levels = np.concatenate((self._upper, np.take_along_axis(upper, chosen, 1)), 1)
-        unsure = np.concatenate((self.less, np.take_along_axis(less, chosen, 1)), 1)
-        spans = np.concatenate((self._begun, np.unique(begun // self._span) * self._span))
-        best = _highest(levels, spans // self._span)
-        self.contenders = np.take_along_axis(every, best[..., None, None], 1)
-        self._upper, self.less = (np.take_along_axis(each, best, 1) for each in (levels, unsure))
-        self._begun = np.unique(spans // self._span) * self._span
-
-    def _both(self, figure: int, at: NDArray[np.int64], values: Floats, changes: Floats) -> Floats:
-        """Return (samples, 2, 1 + m) the columns of a figure at some samples, and their derivatives."""
-        a, b = self.of.figures[figure].a, self.of.figures[figure].b
-        rows = [np.concatenate((values[c, at, None], changes[c, at]), -1) for c in ((a, b) if b >= 0 else (a,))]
-        return np.stack(rows if b >= 0 else [*rows, np.zeros_like(rows[0])], 1)
-
-
-def _highest(levels: Floats, groups: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return (rows, groups) where each row (rows, n) is highest in each group of neighbours (n,)."""
-    edges = [*np.flatnonzero(np.diff(groups, prepend=-1)).tolist(), len(groups)]
-    return np.stack([left + levels[:, left:right].argmax(1) for left, right in pairwise(edges)], 1)

@@ -46,7 +46,7 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
         ("[spring]", "joint", scene.spring, joints),
         ("[initial] q", "coordinate", scene.initial_q, model.coordinates),
         ("[initial] qd", "coordinate", scene.initial_qd, model.rates),
-        *(() if scene.uncertainty is None else _uncertain(scene.uncertainty, joints, model)),
+        *(() if scene.uncertainty is None else _uncertain(scene, scene.uncertainty, joints, model)),
         ("[[payload]]", "link", [load.link for load in scene.payloads], model.links),
         ("[[wrench]]", "link", [wrench.link for wrench in scene.wrenches], model.links),
         ("[[fluid.link]]", "link", [immersed.link for immersed in scene.immersed], model.links),
@@ -71,10 +71,10 @@ def check_scene(scene: Scene, model: Model, file: str | None = None) -> None:
 
 
 def _uncertain(
-    given: Uncertainty, joints: Collection[str], model: Model
+    scene: Scene, given: Uncertainty, joints: Collection[str], model: Model
 ) -> Iterator[tuple[str, str, Collection[str], Collection[str]]]:
-    """Yield where links and joints of an uncertainty are named, what they are, which, and which there are."""
-    yield "[uncertainty.joint]", "joint", given.joint, joints
+    """Yield where links, joints and coupled motors of an uncertainty are named, what they are, and which there are."""
+    yield "[uncertainty.joint]", "joint", given.joint, [*joints, *(motor.name for motor in scene.coupled)]
     yield "[uncertainty.link]", "link", given.link, model.links
 
 

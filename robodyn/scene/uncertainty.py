@@ -44,8 +44,8 @@ class Uncertainty(FrozenValue):
 
     Attributes:
         mass, com, inertia: of every link, as `LinkUncertainty` has them.
-        friction: of every joint; relative: of a factor of all its friction; else of Coulomb's, alike in both directions
-            [N m or N].
+        friction: of every joint and coupled motor; relative: of a factor of all its friction; else of Coulomb's, alike
+            in both directions [N m or N].
         link, joint: by name, what holds there instead.
         covariance: of parameters of `robodyn.regressor`, the others of which are sure; stands alone.
     """
@@ -69,5 +69,5 @@ class Uncertainty(FrozenValue):
         )
 
     def of_joint(self, name: str) -> Deviation | None:
-        """Return what holds of the friction of a joint."""
+        """Return what holds of the friction of a joint or a coupled motor."""
         return self.joint.get(name, self.friction)

@@ -81,10 +81,7 @@ def test_without_uncertainty_nothing_is_said():
     assert "uncertainty" not in json.loads(run("torques", ARM, MOTION, "--scene", BARE, "--format", "json").out)
 
 
-def test_samples_need_uncertain_parameters_and_one_trajectory(tmp_path):
+def test_samples_need_uncertain_parameters():
     outcome = run("torques", ARM, MOTION, "--scene", BARE, "--samples", "10")
     assert (outcome.status, len(outcome.err.splitlines())) == (2, 1)
     assert 'write [uncertainty] mass = "5 %" in a scene' in outcome.err
-    outcome = run("torques", ARM, MOTION, MOTION, "--scene", SCENE, "--samples", "10", "--out", f"{tmp_path}/o/")
-    assert outcome.status == 2
-    assert "--samples is for one trajectory" in outcome.err
