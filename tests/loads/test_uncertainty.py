@@ -243,7 +243,7 @@ def scene_of(model, friction=RUBBING, efficiency=0.8, **more):
 def bars(found):
     """Every bar with its name."""
     for each in found.joints:
-        for load in (each.load, each.motor):
+        for load in (each.load, *([each.motor] if each.motor else [])):
             yield f"{load.name} {load.unit} peak", load.peak
             yield f"{load.name} {load.unit} rms", load.rms
         for limit in each.limits:
@@ -255,7 +255,7 @@ def bars(found):
 
 
 def compare(result, share=0.05):
-    """Assert that bars and probabilities are those of motions that are run again, within a share of them."""
+    """Assert that bars are those of motions that are run again: errors within a share, ends within it of the width."""
     found = list(bars(result.uncertainty))
     assert len(found) > 30
     for name, bar in found:
@@ -380,10 +380,7 @@ def test_a_floating_base():
     model = robot("satellite", moving_base=True)
     scene = Scene(moving_base=True, gravity=(0.0, 0.0, 0.0), uncertainty=Uncertainty(Deviation(0.05)))
     with robodyn.read_motion(ROBOTS / "satellite_slew.csv", model, scene) as reader:
-        found = robodyn.torques(model, reader, scene, samples=300).uncertainty
-    for each in found.joints:
-        peak = each.load.peak
-        assert peak.standard_error == pytest.approx(peak.sampled.standard_error, rel=0.25)
+        compare(robodyn.torques(model, reader, scene, samples=4000, sizing=True))
 
 
 def test_what_bars_do_not_cover_is_refused():
