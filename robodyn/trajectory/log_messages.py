@@ -1,18 +1,11 @@
-"""Messages of ROS about joints, as tables: JointState, DynamicJointState and JointTrajectory of any version."""
+"""What messages of ROS say of joints: JointState, DynamicJointState and JointTrajectory of any version."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from itertools import pairwise
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from robodyn.errors import TrajectoryError
-from robodyn.support.wording import count
-from robodyn.trajectory.table import ArrayTable
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
@@ -29,79 +22,6 @@ class State(NamedTuple):
     stamp: int
     names: tuple[str, ...]
     values: Mapping[str, Sequence[float]]
-
-
-class LogTable(ArrayTable):
-    """A table of messages: what it has beyond the robot is left out.
-
-    Attributes:
-        notes: what became of the messages.
-    """
-
-    leaves_out = True
-
-    def __init__(self, file: str, states: Sequence[State]) -> None:
-        columns, self.notes = columns_of(states, file)
-        super().__init__(file, columns)
-
-
-def whole_joints(columns: Mapping[str, str], there: Collection[str]) -> dict[str, str]:
-    """Return our names -> those of a log, with the other quantities of joints whose positions are among them.
-
-    Args:
-        there: the columns of the log.
-    """
-    found = dict(columns)
-    for ours, theirs in columns.items():
-        if ours.startswith("q_") and theirs.startswith("q_"):
-            for letter in QUANTITIES.values():
-                if f"{letter}{theirs[1:]}" in there:
-                    found.setdefault(f"{letter}{ours[1:]}", f"{letter}{theirs[1:]}")
-    return found
-
-
-def columns_of(states: Sequence[State], file: str) -> tuple[dict[str, NDArray[Any]], tuple[str, ...]]:
-    """Return the columns of a table, and notes on what is not in it.
-
-    Rows are the messages that have the joints that most of them have; of those with the same stamp the first.
-
-    Raises:
-        TrajectoryError: there are no messages, or none that has positions.
-    """
-    if not states:
-        raise TrajectoryError("has no messages", remedy="is the log complete?", file=file)
-    sets = Counter(frozenset(state.names) for state in states)
-    joints = max(sets, key=lambda names: (sets[names], len(names)))
-    kept = [state for state in states if frozenset(state.names) == joints]
-    notes = []
-    if len(kept) < len(states):
-        notes.append(f"{count(len(states) - len(kept), 'message')} about other joints left out")
-    new = [kept[0], *(b for a, b in pairwise(kept) if b.stamp != a.stamp)]
-    if len(new) < len(kept):
-        notes.append(f"{count(len(kept) - len(new), 'message')} with the stamp of the one before left out")
-    stamps = np.array([state.stamp for state in new], dtype=np.int64)
-    columns: dict[str, NDArray[Any]] = {"sec": stamps // NANO, "nanosec": stamps % NANO}
-    names = new[0].names
-    for quantity, letter in QUANTITIES.items():
-        having = [state for state in new if len(state.values.get(quantity, ())) == len(state.names)]
-        if len(having) == len(new):
-            rows = np.array([_in_order(state, names, quantity) for state in new])
-            columns |= {f"{letter}_{name}": rows[:, i] for i, name in enumerate(names)}
-        elif having:
-            lacking = len(new) - len(having)
-            notes.append(f"{quantity} is not used: {count(lacking, 'message')} of {len(new)} lack it")
-    if not any(name.startswith("q_") for name in columns):
-        raise TrajectoryError("no messages with positions", remedy="is it another topic?", file=file)
-    return columns, tuple(notes)
-
-
-def _in_order(state: State, names: tuple[str, ...], quantity: str) -> Sequence[float]:
-    """Return the values of a message in the order of these names."""
-    values = state.values[quantity]
-    if state.names == names:
-        return values
-    place = {name: i for i, name in enumerate(state.names)}
-    return [values[place[name]] for name in names]
 
 
 def joint_state(message: Any, recorded: int) -> State:

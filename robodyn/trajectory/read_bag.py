@@ -10,7 +10,8 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, count, shown
-from robodyn.trajectory.log_messages import KNOWN, LogTable, states_of
+from robodyn.trajectory.log_messages import KNOWN, states_of
+from robodyn.trajectory.log_table import LogTable
 from robodyn.trajectory.table import decoding
 
 _DYNAMIC = """std_msgs/Header header

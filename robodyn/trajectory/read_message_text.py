@@ -8,7 +8,8 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
-from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, LogTable, State, states_of
+from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, State, states_of
+from robodyn.trajectory.log_table import LogTable
 from robodyn.trajectory.table import decoding
 
 _KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}

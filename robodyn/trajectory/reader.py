@@ -19,7 +19,7 @@ from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
-from robodyn.trajectory.log_messages import whole_joints
+from robodyn.trajectory.log_table import whole_joints
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
@@ -186,6 +186,7 @@ def _with_rough_speeds(block: Trajectory) -> Trajectory:
 
 def _begun(layout: Layout, table: Table) -> Layout:
     """Return the layout with the origin of its stamps, which the table subtracts from now on."""
+    table.choose(layout.needed)
     clock = layout.clock.begun(table.first(layout.clock.columns))
     table.origins = dict(zip(clock.columns, clock.origin, strict=False))
     return replace(layout, clock=clock)

@@ -88,6 +88,9 @@ class Table(ABC):
         """
         return {}
 
+    def choose(self, columns: Sequence[int]) -> None:  # noqa: B027
+        """Hear which columns will be read; rows that lack one of them may be left out."""
+
     def close(self) -> None:  # noqa: B027
         """Give the file back, if one is open."""
 

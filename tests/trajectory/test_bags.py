@@ -113,7 +113,7 @@ def test_messages_that_say_something_else_are_left_out_and_told(tmp_path):
     found.append((found[7][0] + 1, found[7][1]))
     block = read(write_bag(tmp_path / "log", {"/joint_states": sorted(found, key=lambda pair: pair[0])}))
     check(block)
-    assert "3 messages about other joints left out" in block.notes
+    assert any("'q_finger'" in note for note in block.notes)
     assert "1 message with the stamp of the one before left out" in block.notes
 
 
