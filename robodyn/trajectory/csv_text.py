@@ -17,6 +17,7 @@ import numpy as np
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.wording import count
+from robodyn.trajectory.table import ALL_FINITE
 
 if TYPE_CHECKING:
     from decimal import Decimal
@@ -153,7 +154,7 @@ def _diagnose(cells: list[bytes], dialect: Dialect, columns: Sequence[int]) -> t
         except ValueError:
             value = math.nan
         if cell.lower().lstrip(b"+-") in (b"nan", b"inf", b"infinity") or math.isinf(value):
-            return f"column {name!r}: {shown} is not finite", "every cell must be finite"
+            return f"column {name!r}: {shown} is not finite", ALL_FINITE
         if math.isnan(value) or b"_" in cell:
             remedy = "write decimals with a point" if b"," in cell else "cells are decimal numbers such as -1.5e-3"
             return f"column {name!r}: {shown} is not a number", remedy

@@ -117,13 +117,16 @@ def _stamps(states: Sequence[State]) -> NDArray[np.int64]:
 
 
 def _columns(states: Sequence[State], names: Sequence[str], notes: list[str]) -> dict[str, Floats]:
-    """Return the columns of joints, of quantities that all messages have; note what some lack."""
+    """Return the columns of joints, of quantities that all messages have; note what some lack, or have as NaN only."""
     columns: dict[str, Floats] = {}
     for quantity, letter in QUANTITIES.items():
         having = [state for state in states if len(state.values.get(quantity, ())) == len(state.names)]
         if len(having) == len(states):
             rows = np.array([_in_order(state, names, quantity) for state in states])
-            columns |= {f"{letter}_{name}": rows[:, i] for i, name in enumerate(names)}
+            lost = [name for i, name in enumerate(names) if quantity != "position" and np.isnan(rows[:, i]).all()]
+            columns |= {f"{letter}_{name}": rows[:, i] for i, name in enumerate(names) if name not in lost}
+            if lost:
+                notes.append(f"{quantity} of {listing(lost)} is NaN in every message: read as not measured")
         elif having and names:
             lacking = len(states) - len(having)
             notes.append(f"{quantity} is not used: {count(lacking, 'message')} of {len(states)} lack it")

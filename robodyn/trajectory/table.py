@@ -33,6 +33,8 @@ READABLE = (*FILE_TYPES, *BAGS, *MESSAGES)
 METADATA = "metadata.yaml"
 """What a folder has that is a bag of ROS 2."""
 
+ALL_FINITE = "every cell must be finite: leave out such rows, or the whole column"
+
 _EXPANDED, _RATIO = 1 << 28, 500
 """Bytes of numbers that are always read, and how many for each byte that is stored."""
 
@@ -208,4 +210,4 @@ def check_finite(
     row, column = np.argwhere(~np.isfinite(values))[0]
     value = values[row, column]
     what = f"column {names[column]!r} is empty or NaN" if np.isnan(value) else f"column {names[column]!r} is {value}"
-    raise error_at(first_row + int(row), what, "every cell must be a finite number")
+    raise error_at(first_row + int(row), what, ALL_FINITE)

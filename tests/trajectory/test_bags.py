@@ -265,3 +265,21 @@ def test_degrees_in_a_bag_are_doubted_and_understood(tmp_path):
     assert not any("--angle-unit" in doubt.said for doubt in block.doubts)
     order = [robodyn.load(URDF).rates.index(name) for name in NAMES]
     np.testing.assert_allclose(block.q[:, order], samples()[1], atol=1e-13)
+
+
+def test_what_is_nan_in_every_message_was_not_measured(tmp_path):
+    """Velocities of all joints, the effort of one; a single cell stays an error, that says what to do."""
+    found = states(ROS2)
+    for _, message in found:
+        message.velocity[:] = np.nan
+        message.effort[1] = np.nan
+    block = read(write_bag(tmp_path / "log", {"/joint_states": found}), measured=True)
+    assert (block.derivation is not None, [*block.extra]) == (True, ["tau_shoulder"])
+    for said in ("velocity of 'shoulder', 'elbow'", "effort of 'elbow'"):
+        assert f"{said} is NaN in every message: read as not measured" in block.notes
+    found[3][1].effort[1] = 1.0
+    what = (
+        r"row 1: column 'tau_elbow' is empty or NaN \(every cell must be finite: leave out such rows, or the whole col"
+    )
+    with pytest.raises(TrajectoryError, match=what):
+        read(write_bag(tmp_path / "other", {"/joint_states": found}), measured=True)
