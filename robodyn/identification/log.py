@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -69,9 +69,9 @@ class Log:
     def sha256(self) -> str:
         """Of the file, or of the files of a folder one after another; of standard input nothing."""
         found = hashlib.sha256()
-        names = sorted(os.listdir(self.path)) if os.path.isdir(self.path) else [""]
-        for name in names:
-            with open(os.path.join(self.path, name) if name else self.path, "rb") as file:
+        path = Path(self.path)
+        for each in sorted(filter(Path.is_file, path.iterdir())) if path.is_dir() else [path]:
+            with each.open("rb") as file:
                 while part := file.read(1 << 20):
                     found.update(part)
         return found.hexdigest()

@@ -10,9 +10,10 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, count, shown
+from robodyn.trajectory.header import listing
 from robodyn.trajectory.log_messages import KNOWN, states_of
 from robodyn.trajectory.log_table import LogTable
-from robodyn.trajectory.table import decoding
+from robodyn.trajectory.table import BAGS, METADATA, decoding
 
 _DYNAMIC = """std_msgs/Header header
 string[] joint_names
@@ -27,7 +28,8 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
     """Return the motion in a bag.
 
     Args:
-        name: of a `.db3`, `.mcap` or `.bag` file, or of the folder of a bag of ROS 2.
+        name: of a `.db3`, `.mcap` or `.bag` file, or of the folder of a bag of ROS 2; without its `metadata.yaml` it
+            must have a single file of a bag.
         topic: whose messages; None: the only one of a type that is known.
 
     Raises:
@@ -38,10 +40,30 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
 
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
-    with decoding("a bag", name), AnyReader([Path(name)], default_typestore=_types()) as bag:
+    with decoding("a bag", name), AnyReader([_place(name)], default_typestore=_types()) as bag:
         chosen = _chosen(bag.connections, topic, name)
         kind = _kind(chosen[0])
         return LogTable(name, states_of(kind, _messages(bag, chosen), name))
+
+
+def _place(name: str) -> Path:
+    """Return the file or folder that is read: of a folder without metadata the only bag in it.
+
+    Raises:
+        TrajectoryError: there is none, or several.
+    """
+    path = Path(name)
+    if not path.is_dir() or (path / METADATA).is_file():
+        return path
+    bags = sorted(each for each in path.iterdir() if each.suffix.lower() in BAGS)
+    if not bags:
+        what = f"is a folder without {METADATA}, and no file in it is {', '.join(BAGS)}"
+        raise TrajectoryError(what, remedy="name a table or a bag", file=name)
+    if len(bags) > 1:
+        what = f"is a folder without {METADATA}, with {len(bags)} bags: {listing(each.name for each in bags)}"
+        remedy = "name one of them, or let `ros2 bag reindex` write the metadata"
+        raise TrajectoryError(what, remedy=remedy, file=name)
+    return bags[0]
 
 
 def _messages(bag: Any, connections: Sequence[Any]) -> Iterator[tuple[Any, int]]:

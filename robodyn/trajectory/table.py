@@ -130,9 +130,12 @@ class ArrayTable(Table):
 
 
 def log_kind(name: str) -> Literal["bag", "messages"] | None:
-    """Return whether a file or folder is a bag of ROS or has messages of it as text, by its name; None if neither."""
+    """Return whether a name is that of a bag of ROS, which any folder may be that is not named like a table, or of
+    messages as text; None if of neither."""
     lower = name.lower()
     if lower.endswith(BAGS) or os.path.isfile(os.path.join(name, METADATA)):
+        return "bag"
+    if os.path.isdir(name) and not lower.endswith((*FILE_TYPES,)):
         return "bag"
     return "messages" if lower.endswith(MESSAGES) else None
 

@@ -224,6 +224,25 @@ def test_bags_that_are_none(tmp_path):
     assert outcome.err.endswith("two_link_planar_swing.csv: has no topics (--topic is for bags: .db3, .mcap, .bag)\n")
 
 
+@pytest.mark.parametrize("kind", ["sqlite3", "mcap"])
+def test_a_folder_without_metadata(kind, tmp_path):
+    """The only bag in it is read; what is said of none and of several."""
+    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, kind)
+    (path / "metadata.yaml").unlink()
+    check(read(path))
+    (bag,) = path.iterdir()
+    (path / f"more{bag.suffix}").write_bytes(bag.read_bytes())
+    (tmp_path / "none").mkdir()
+    for folder, said in (
+        (path, f"with 2 bags: '{bag.name}', 'more{bag.suffix}' (name one of them, or let `ros2 bag reindex` write"),
+        (tmp_path / "none", "and no file in it is .db3, .mcap, .bag (name a table or a bag)"),
+    ):
+        outcome = run("torques", URDF, str(folder))
+        assert (outcome.status, len(outcome.err.splitlines())) == (2, 1)
+        assert outcome.err.startswith(f"error: {folder}: is a folder without metadata.yaml, ")
+        assert said in outcome.err
+
+
 def test_a_real_log_has_the_torques_that_were_measured():
     """The first second of a UR10's: joints in its own order, efforts as large as gravity asks for."""
     table = open_table(LOG)
