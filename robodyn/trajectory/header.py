@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from robodyn.errors import TrajectoryError
 from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.clock import is_time
-from robodyn.trajectory.columns import ANY_WORD, WORDS, Quantity, Signals
+from robodyn.trajectory.columns import ANY_WORD, MEASURED, WORDS, Quantity, Signals
 
 _INDEX = r"(?:\[(?P<index>\d+)\]|[._/]?(?P<behind>\d+))"
 _ARRAY = re.compile(rf"(?P<path>(?:.*[./_])?)(?!q){ANY_WORD}{_INDEX}")
@@ -62,7 +62,7 @@ class Header:
         for ours, theirs in columns.items():
             found = signals.find(ours)
             if ours not in extra and not is_time(ours) and (found is None or found.place is None):
-                known = ("time", *(f"{quantity}_{name}" for quantity in ("q", "qd", "qdd") for name in signals.spans))
+                known = ("time", *(f"{quantity}_{name}" for quantity in MEASURED for name in signals.spans))
                 remedy = alternatives(ours, known, "the robot's columns")
                 raise self.error(f"a column is called {shown(ours)}, which the robot does not know", remedy)
             if theirs not in self.names:

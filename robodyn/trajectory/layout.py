@@ -77,7 +77,7 @@ def resolve(header: Header, signals: Signals, extra: Sequence[str] = (), reading
         remedy = alternatives(absent[0], header.names, "columns")
         raise header.error(f"no column {listing(absent)}, which the scene names", remedy)
     if unknown := [i for i in strange if i not in unused]:
-        raise unknown_error(header, signals, places, unknown)
+        raise unknown_error(header, signals, {meaning.place for meaning in meanings.values() if meaning}, unknown)
     units = {i: _unit(header, i, signals, place, meanings[i], reading.angle_unit) for place, i in places.items()}
     return Layout(
         names=header.names,

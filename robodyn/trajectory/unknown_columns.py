@@ -38,22 +38,17 @@ def refuse_loops(header: Header, signals: Signals, unknown: Sequence[int]) -> No
 
 
 def unknown_error(
-    header: Header, signals: Signals, places: Mapping[Place, int], unknown: Sequence[int]
+    header: Header, signals: Signals, given: Collection[Place | None], unknown: Sequence[int]
 ) -> TrajectoryError:
-    """Return the error about unknown columns, with what they may be meant for."""
+    """Return the error about unknown columns, with what they may be meant for, if that is not given."""
     names = [header.names[i] for i in unknown]
     what = f"unknown column{'s' * (len(unknown) > 1)} {listing(names)}"
     leave = f"--ignore-extra leaves {'them' if len(unknown) > 1 else 'it'} out"
     if any(name.startswith("base_") for name in names):
         return header.error(what, f'a scene with [base] motion = "moving" uses base_ columns; {leave}')
-    free = {ours: theirs for ours, theirs in meant(names, signals).items() if signals.names[ours].place not in places}
-    return header.error(what, f"{asked(free)}there is {listing(header_names(signals))}; {leave}")
-
-
-def header_names(signals: Signals) -> tuple[str, ...]:
-    """Return the usual column names of a robot's positions: `time`, `q_<joint>`; of a floating joint `<joint>_x`..."""
-    floating = tuple(f"{joint.name}_" for joint in signals.joints if joint.kind == "floating")
-    return ("time", *(stem if floating and stem.startswith(floating) else f"q_{stem}" for stem in signals.positions))
+    found = {ours: (signals.find(ours), theirs) for ours, theirs in meant(names, signals).items()}
+    free = {ours: theirs for ours, (meaning, theirs) in found.items() if meaning and meaning.place not in given}
+    return header.error(what, f"{asked(free)}there is {listing(header.names)}; {leave}")
 
 
 def loops_in(columns: Sequence[str], joints: Collection[str]) -> list[str]:
@@ -84,7 +79,7 @@ def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
     """Return our name -> the unknown column that is most like it: `q_elbow` -> `Elbow angle [deg]`.
 
     Case, blanks and marks do not count; a name that has all of ours in it is like it, too. A column whose words tell a
-    velocity is proposed for a velocity only.
+    velocity is proposed for a velocity only, and so on.
     """
     from difflib import SequenceMatcher, get_close_matches
 
@@ -128,8 +123,7 @@ def _readings(column: str) -> Iterator[tuple[Quantity, str]]:
     """Yield what the words of a name may tell, and the rest, plain, with and without what stands before slashes."""
     for name in dict.fromkeys((column, *(bare for bare, _ in split_unit(column)))):
         for quantity, stem in [*worded(name)] or [("q", name)]:
-            if quantity != "tau":
-                yield from ((quantity, _plain(part)) for part in dict.fromkeys((stem, stem.rpartition("/")[2])))
+            yield from ((quantity, _plain(part)) for part in dict.fromkeys((stem, stem.rpartition("/")[2])))
 
 
 def _plain(name: str) -> str:

@@ -9,7 +9,6 @@ from robodyn.trajectory.columns import Signal, Signals
 from robodyn.trajectory.header import Header
 from robodyn.trajectory.layout import ABSENT, resolve
 from robodyn.trajectory.reading import Reading
-from robodyn.trajectory.unknown_columns import header_names
 
 ARM = Signals((Signal("shoulder", "angle"), Signal("elbow", "continuous"), Signal("lift", "length")))
 FREE = Signals((Signal("base", "floating"), Signal("arm/wrist", "angle")))
@@ -162,11 +161,6 @@ def test_floating_joint_needs_one_column_and_whole_quaternions() -> None:
         resolve(Header(("t",)), free)
     with pytest.raises(TrajectoryError, match="orientation of 'base' is incomplete: only 'base_qx', 'base_qw'"):
         resolve(Header(("t", "base_qx", "base_qw")), free)
-
-
-def test_usual_names() -> None:
-    assert header_names(ARM) == ALL
-    assert header_names(FREE)[:3] == ("time", "base_x", "base_y")
 
 
 SIX = ("fx", "fy", "fz", "mx", "my", "mz")

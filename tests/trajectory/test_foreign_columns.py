@@ -219,7 +219,15 @@ def test_maps_that_lead_nowhere(columns: dict[str, str], message: str) -> None:
         (("time", "velocity_elbow", "lift"), "no position of joint 'elbow' (--hold rest"),
         (("time", "velocity_elbw", "lift"), "no position of joint 'elbow' (--hold rest"),
         (("time", "elbow", "lift", "velocity_elbw"), "did you mean 'velocity_elbw' for 'qd_elbow'?"),
-        (("time", "elbow", "lift", "Elbow"), "unknown column 'Elbow' (there is 'time', 'q_elbow', 'q_lift'; --ignore-"),
+        (
+            ("time", "elbow", "lift", "Elbow"),
+            "unknown column 'Elbow' (there is 'time', 'elbow', 'lift', 'Elbow'; --ign",
+        ),
+        (
+            ("time", "elbow", "lift", "tau_elbw"),
+            "did you mean 'tau_elbw' for 'tau_elbow'? then --map tau_elbow=tau_elbw",
+        ),
+        (("time", "elbow", "lift", "tau_elbow", "tau_elbw"), "unknown column 'tau_elbw' (there is 'time', 'elbow'"),
     ],
 )
 def test_proposals_are_of_the_right_quantity(names: tuple[str, ...], message: str) -> None:
