@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from robodyn.cli.files import ROBOT, STANDARD_INPUT, TABLE, check_names, expect, robot_in_scene
+from robodyn.cli.files import ROBOT, TABLE, check_names, expect, robot_in_scene
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, get_ready
-from robodyn.errors import InputError
 from robodyn.identification.compare import compare
 from robodyn.report.json.measured import measured_json
 from robodyn.report.measured import measured_page, measured_sections
@@ -22,8 +21,6 @@ def run_measured(urdf: str, log: str, cutoff: float | None) -> None:
     check_names(urdf, log)
     expect(ROBOT, urdf)
     expect(TABLE, log)
-    if log == STANDARD_INPUT:
-        raise InputError("--measured reads the log twice", remedy="name a file", file="<stdin>")
     get_ready()
     model, scene = robot_in_scene(urdf)
     found = compare(model, log, scene, cutoff=cutoff, **reading())

@@ -67,7 +67,7 @@ class Log:
 
     @property
     def sha256(self) -> str:
-        """Of the file, or of the files of a folder one after another; of standard input nothing."""
+        """Of the file, or of the files of a folder one after another."""
         found = hashlib.sha256()
         path = Path(self.path)
         for each in sorted(filter(Path.is_file, path.iterdir())) if path.is_dir() else [path]:
@@ -111,8 +111,12 @@ def read_log(path: str, model: Model, scene: Scene = DEFAULT, *, cutoff: float |
         options: of `robodyn.read_motion`.
 
     Raises:
-        TrajectoryError: the file cannot be read, does not fit, gives no torque, or has too few rows.
+        TrajectoryError: the file cannot be read, does not fit, gives no torque, or has too few rows; it is standard
+            input, which cannot be read anew.
     """
+    if path == "-":
+        what = "a log is read several times, and standard input only once"
+        raise TrajectoryError(what, remedy="name a file", file="<stdin>")
     if any(body.joint.kind == "floating" for body in model.bodies):
         raise TrajectoryError("the base moves freely, and what carries it is not measured", remedy="fix the base")
     options = {**options, "hold": options.get("hold") or "rest", "measured": True}

@@ -130,6 +130,13 @@ def test_calls_that_cannot_be_meant(more, what):
     assert what in outcome.err
 
 
+@pytest.mark.parametrize("call", [("torques", ROBOT, "-", "--measured"), ("identify", ROBOT, "-")], ids=lambda c: c[0])
+def test_a_log_is_no_standard_input(call):
+    outcome = run(*call, stdin=b"time,q_waist\n")
+    said = "error: <stdin>: a log is read several times, and standard input only once (name a file)\n"
+    assert (outcome.status, outcome.out, outcome.err) == (2, "", said)
+
+
 def test_a_cutoff_without_measured_torques():
     outcome = run("torques", ROBOT, str(ROBOTS / "puma_reach.csv"), "--cutoff", "5")
     assert (outcome.status, "--cutoff goes with --measured" in outcome.err) == (2, True)
