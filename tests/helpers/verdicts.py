@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 
 import robodyn
 from robodyn.dynamics.regressor import INERTIAL
 from robodyn.identification.outcome import carriers
+from robodyn.loads import uncertain_figures
 from robodyn.loads.uncertain_figures import Figures
 from robodyn.loads.uncertainty import Pass, UncertaintyPass
 from robodyn.scene.covariance import Covariance
@@ -100,11 +102,12 @@ class Verdicts:
     def judged(self, logs, spread=4.0):
         """Return whether bars hold the truth, stated probabilities and verdicts of the truth, each (logs, 2 n).
 
-        Limits are up to `spread` standard errors off the true figure, whatever the log is.
+        Limits are up to `spread` standard errors off the true figure, whatever the log is. There are 1000 draws.
         """
         errors = np.std([self.figures(values) for values, _ in logs], axis=0)
         off = self.bench.rng.uniform(-spread, spread, (len(logs), 2 * self.n))
-        found = [self.direct(*log, self.true + z * errors) for log, z in zip(logs, off, strict=True)]
+        with patch.object(uncertain_figures, "DRAWS", 1000):
+            found = [self.direct(*log, self.true + z * errors) for log, z in zip(logs, off, strict=True)]
         held = [[holds(bar, true) for bar, true in zip(bars, self.true, strict=True)] for bars, _ in found]
         return np.array(held), np.stack([stated for _, stated in found]), off > 0.0
 
