@@ -11,24 +11,35 @@ from robodyn.support.floats import Floats
 DEPENDENT = 1e-6
 """Of its length, what a column has at most beside those before it, if it is taken to depend on them."""
 
+_PART = 1e-5
+"""Of a column's length, what another one adds at least."""
+
 
 def independent(rows: Floats, wanted: Sequence[int]) -> set[int]:
     """Return those of the wanted columns that do not depend on the wanted ones before them."""
-    basis: list[Floats] = []
-    found = set()
+    basis, found = np.zeros((len(rows), len(wanted))), list[int]()
     for place in wanted:
-        column = rows[:, place]
+        column, before = rows[:, place], basis[:, : len(found)]
         size = np.sqrt(np.einsum("i,i", column, column))
         if size == 0.0:
             continue
         rest = column / size
         for _ in range(2):
-            for each in basis:
-                rest = rest - np.einsum("i,i", each, rest) * each
+            rest = rest - np.einsum("ia,a->i", before, np.einsum("ia,i->a", before, rest))
         left = np.sqrt(np.einsum("i,i", rest, rest))
         if left > DEPENDENT:
-            basis.append(rest / left)
-            found.add(place)
+            basis[:, len(found)] = rest / left
+            found.append(place)
+    return {*found}
+
+
+def depended_on(rows: Floats, chosen: Collection[int], others: Collection[int]) -> set[int]:
+    """Return those of the chosen, independent columns of which some of the others are made."""
+    places, sizes = sorted(chosen), np.sqrt(np.einsum("ij,ij->j", rows, rows))
+    found: set[int] = set()
+    for other in others:
+        parts = least_squares(np.column_stack((rows[:, :-1], rows[:, other])), places) * sizes[:-1]
+        found |= {place for place in places if abs(parts[place]) > _PART * sizes[other]}
     return found
 
 

@@ -8,9 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robodyn.identification.dependent_columns import DEPENDENT, independent, least_squares, pseudoinverse, wald
+from robodyn.identification.dependent_columns import (
+    DEPENDENT,
+    depended_on,
+    independent,
+    least_squares,
+    pseudoinverse,
+    wald,
+)
 from robodyn.identification.fault_columns import DELAY, GAIN, OFFSET, OWN, Evidence, columns, rms
-from robodyn.identification.long_run import score_covariance
+from robodyn.identification.long_run import score_covariance, variance_of_sums, window_length
 from robodyn.support.floats import Floats
 
 TOGETHER = 0.1
@@ -20,6 +27,7 @@ BLURRED = 0.03
 CLEAR = 0.05
 """Of a step, the standard error of a delay up to which it is looked for all the same."""
 _ROUNDS, _SETTLED = 12, 1e-4
+_HALVINGS, _SLACK = 6, 1.0 + 1e-6
 ROUNDING = 1e-5
 """Of the measured torques: none is known better, nor are accelerations from positions."""
 _LEAST = 0.2
@@ -75,7 +83,8 @@ class Fit:
 
     Attributes:
         theta, covariance: of all parameters, zero of those that are not fitted or cannot be told.
-        told: the places of those that are; residual: (N, n).
+        fitted: the places of those that are; told: of these the ones that no dependent column could change.
+        residual: (N, n).
         heights: where the rows of each joint begin in `rows`, and where those of the last end.
     """
 
@@ -85,45 +94,60 @@ class Fit:
         self.heights = np.cumsum([0, *(len(each) + 1 for each in self._places)])
         self.theta = np.where(np.isin(np.arange(len(start)), wanted), start, 0.0)
         self.residual = columns(evidence, self.theta)[1]
+        self.fitted: set[int] = {*wanted}
         for _ in range(rounds):
             weights = weights_of(self.residual, evidence.measured)
             found, left = columns(evidence, self.theta)
             rows = self.rows(found, left, weights)
-            self.told = independent(rows, wanted)
-            step = least_squares(rows, self.told)
+            self.fitted = independent(rows, [place for place in wanted if place in self.fitted])
+            step = least_squares(rows, self.fitted)
             moved = rows[:, :-1] * step
-            self.theta = np.where(np.isin(np.arange(len(start)), [*self.told]), self.theta + step, 0.0)
+            self._move(evidence, step, left / weights, weights)
             lost = self._away(evidence, self.theta, start)
             wanted = [place for place in wanted if place not in lost]
             self.theta[lost] = 0.0
             self.residual = columns(evidence, self.theta)[1]
             if np.abs(moved).max(initial=0.0) <= _SETTLED * np.sqrt(len(left)):
                 break
+        self._wanted = wanted
+        self._judge(evidence, weights)
+
+    def _judge(self, evidence: Evidence, weights: Floats) -> None:
+        """Find the covariance of what was fitted, and which of it can be told."""
         found, self.residual = columns(evidence, self.theta)
         self._triangles = self.rows(found, self.residual, weights)
         scaled = [each / weight for each, weight in zip(found, weights, strict=True)]
-        scores = score_covariance(scaled, self.residual / weights, self._places, len(start))
-        grow = self._grown(scaled, self.residual / weights)
+        bread = np.zeros((len(self.theta), len(self.theta)))
+        places = sorted(self.fitted)
+        inverse = pseudoinverse(self._triangles[:, places])
+        bread[np.ix_(places, places)] = np.einsum("ia,ja->ij", inverse, inverse)
+        scores = score_covariance(scaled, self.residual / weights, self._places, len(self.theta), bread)
         rounding = np.repeat(ROUNDING * rms(evidence.measured) / weights, np.diff(self.heights))
         rounded = self._triangles[:, :-1] * rounding[:, None]
-        self._scores = scores * np.outer(grow, grow) + np.einsum("ka,kb->ab", rounded, rounded)
-        self.covariance = self._covariance(self.told)
+        self._scores = scores + np.einsum("ka,kb->ab", rounded, rounded)
+        self._grow = np.ones(len(self.theta))
+        self.covariance = self._covariance(self.fitted)
+        self._grow = self._bursts(scaled, self.residual / weights, bread)
+        self.covariance *= np.outer(self._grow, self._grow)
+        self.told = self.fitted - depended_on(self._triangles, self.fitted, {*self._wanted} - self.fitted)
 
-    def _grown(self, scaled: Sequence[Floats], residual: Floats) -> Floats:
-        """Return by how much each score is to grow, because the fit has taken its part of the noise.
+    def _move(self, evidence: Evidence, step: Floats, before: Floats, weights: Floats) -> None:
+        """Make a step, or as small a part of it as makes less of what is left: gains times loads are not linear."""
+        at = np.where(np.isin(np.arange(len(step)), [*self.fitted]), self.theta, 0.0)
+        for part in 0.5 ** np.arange(_HALVINGS):
+            self.theta = at + part * step
+            after = columns(evidence, self.theta)[1] / weights
+            if np.einsum("ki,ki", after, after) <= np.einsum("ki,ki", before, before) * _SLACK:
+                return
 
-        Of the variance of a joint's noise it took `trace((X'X)^-1 X'CX) / c(0)` samples' worth.
-        """
-        grow = np.ones(len(self._places))
-        for j, places in enumerate(self._places):
-            here = [k for k, place in enumerate(places) if place in self.told]
-            basis = np.linalg.qr(scaled[j][:, here])[0] if here else np.empty((len(residual), 0))
-            scores = score_covariance([basis], residual[:, [j]], [range(len(here))], len(here))
-            taken = np.trace(scores) / max(float(np.einsum("k,k", residual[:, j], residual[:, j])), 1e-300)
-            grow[j] = 1.0 / np.sqrt(max(1.0 - taken, _LEAST))
-        found = np.full(len(self.theta), grow.max(initial=1.0))
-        found[: len(OWN) * len(grow)] = np.repeat(grow, len(OWN))
-        return found
+    def _bursts(self, scaled: Sequence[Floats], residual: Floats, bread: Floats) -> Floats:
+        """Return by how much errors are larger than those of steady noise: residuals may be large where columns are."""
+        parts = sum(
+            np.einsum("kp,pq->kq", columns * residual[:, [j]], bread[places])
+            for j, (columns, places) in enumerate(zip(scaled, self._places, strict=True))
+        )
+        variance, steady = variance_of_sums(np.asarray(parts), window_length(residual)), np.diag(self.covariance)
+        return np.asarray(np.sqrt(np.maximum(variance / np.where(steady > 0.0, steady, np.inf), 1.0)))
 
     def clear_delays(self, evidence: Evidence) -> set[int]:
         """Return the places of delays that the torque of fitted effects shows well."""
@@ -160,11 +184,14 @@ class Fit:
             bread = np.einsum("ia,ja->ij", inverse, inverse)
             found[np.ix_(places, places)] = bread @ self._scores[np.ix_(places, places)] @ bread
             found[places, places] = np.abs(found[places, places])  # tapers may leave what is next to 0 negative
-        return found
+        return found * np.outer(self._grow, self._grow)
 
     def needed(self, faults: Sequence[Effect]) -> list[Effect]:
-        """Return the faults that are left when as many as possible are taken for zero, all together by Wald's test."""
-        kept, dropped = list(faults), list[Effect]()
+        """Return the faults that are left when as many as possible are taken for zero, all together by Wald's test.
+
+        Of effects that would do equally well those of one parameter are left.
+        """
+        kept, dropped = sorted(faults, key=lambda effect: -len(effect.places)), list[Effect]()
         while kept:
             chances = [self._log_chance([*dropped, effect]) for effect in kept]
             best = int(np.argmax(chances))
@@ -178,11 +205,18 @@ class Fit:
         return self._log_chance(faults) < log(level)
 
     def _log_chance(self, faults: Sequence[Effect]) -> float:
-        """Return the logarithm of the probability that noise alone makes estimates as large (Wald's test)."""
+        """Return the logarithm of the probability that noise alone explains as much beside all others (Wald's test)."""
         from scipy.stats import chi2
 
-        places = sorted({place for effect in faults for place in effect.places} & self.told)
-        return float(chi2.logsf(*wald(self.theta, self.covariance, places)))
+        theta, covariance, fitted = self.theta, self.covariance, self.fitted
+        mine = {place for effect in faults for place in effect.places}
+        if self.told != self.fitted:
+            others = [place for place in self._wanted if place not in mine]
+            fitted = independent(self._triangles, [*others, *(place for place in self._wanted if place in mine)])
+            explained = np.einsum("ij,j->i", self._triangles[:, :-1], theta)
+            theta = least_squares(np.column_stack((self._triangles[:, :-1], explained)), fitted)
+            covariance = self._covariance(fitted)
+        return float(chi2.logsf(*wald(theta, covariance, sorted(mine & fitted))))
 
 
 def weights_of(left: Floats, measured: Floats) -> Floats:

@@ -63,9 +63,10 @@ def explain(evidence: Evidence) -> Explained:
        the search for delays begins where `first_delays` finds them. Gains and delays of joints whose computed torque
        hardly stands out of what is left are not looked for (`blurred`).
     2. The covariance of the estimates is that of least squares under the autocorrelation, and the correlation between
-       joints, of what this fit leaves (`score_covariance`).
+       joints, of what this fit leaves (`score_covariance`), and larger where residuals are loud together with columns.
     3. An effect is told where noise makes its estimate with less than `LEVEL` over the number of effects (Wald's test,
-       Bonferroni): beside all others, so that no other is left out that could stand for it.
+       Bonferroni): beside all others, so that no other is left out that could stand for it; one that depends on others
+       is not.
     4. If the others together are more than noise, but none alone, as many as possible of them are taken for zero, and
        the rest is fitted: effects that would do.
     5. Effects are ranked: each explains most of what those before it left.
@@ -73,7 +74,8 @@ def explain(evidence: Evidence) -> Explained:
     Friction, rotors and payload are those of the robot; a gain that is told, which scales them too, and the offset are
     the sensor's.
 
-    Accuracy: 95 % intervals hold 93 to 97 %.
+    Accuracy: 95 % intervals hold 93 to 97 % with exact positions; with noisy ones, over random logs, 91 to 97 %, those
+    of faults that are there 87 % or more.
     """
     start = np.zeros(evidence.parameters)
     start[DELAY : len(OWN) * evidence.joints : len(OWN)] = first_delays(evidence)
@@ -92,17 +94,19 @@ def explain(evidence: Evidence) -> Explained:
     gains = {effect.joint for effect in told if effect.joint is not None and effect.kind == OWN[GAIN]}
     difference = (evidence.measured - evidence.computed)[evidence.inside]
     physical = {fit: of_robot(fit.theta, fit.covariance, gains) for fit in (whole, final)}
-    faults = [
-        Fault(effect, *_part(effect, *physical[whole if effect in sure else final]), effect in sure, shares)
-        for effect, shares in _ranked(evidence, final, told)
-        if (shares * rms(difference) ** 2 >= (LEAST * rms(evidence.measured)) ** 2).any()
-    ]
+    large = (LEAST * rms(evidence.measured)) ** 2
+    faults = []
+    for effect, shares in _ranked(evidence, final, told):
+        if (shares * rms(difference) ** 2 >= large).any():
+            fit = whole if whole.told.issuperset(effect.places) else final
+            faults.append(Fault(effect, *_part(effect, fit.told, *physical[fit]), effect in sure, shares))
     return Explained(tuple(faults), *physical[whole], frozenset(whole.told), difference, final.residual)
 
 
-def _part(effect: Effect, theta: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-    places = [*effect.places]
-    return theta[places], covariance[np.ix_(places, places)]
+def _part(effect: Effect, told: set[int], theta: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+    """Return what is told of an effect, zero without error where it cannot be."""
+    places, known = [*effect.places], np.isin(effect.places, [*told])
+    return np.where(known, theta[places], 0.0), covariance[np.ix_(places, places)] * np.outer(known, known)
 
 
 def effects(evidence: Evidence) -> list[Effect]:
@@ -118,7 +122,7 @@ def _ranked(evidence: Evidence, fit: Fit, told: Sequence[Effect]) -> list[tuple[
     rows = fit.rows(found, difference, weights_of(difference, evidence.measured))
 
     def left(places: set[int]) -> Floats:
-        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], least_squares(rows, places & fit.told))
+        rest = rows[:, -1] - np.einsum("ij,j->i", rows[:, :-1], least_squares(rows, places & fit.fitted))
         return np.add.reduceat(rest * rest, fit.heights[:-1])
 
     whole = left(set())

@@ -70,5 +70,8 @@ def _payload(found: Comparison, fault: Fault) -> str:
     centre = fault.values[1:4] / m
     rate = np.column_stack((-centre / m, np.eye(3) / m))
     errors = np.sqrt(np.einsum("ia,ab,ib->i", rate, fault.covariance[:4, :4], rate))
-    where = ", ".join(bar(float(x), float(e)) for x, e in zip(centre, errors, strict=True))
+    told = np.diag(fault.covariance)[1:4] > 0.0
+    where = ", ".join(
+        bar(float(x), float(e)) if there else "?" for x, e, there in zip(centre, errors, told, strict=True)
+    )
     return f"A payload of {bar(m, error)} kg at {printable(found.load_link)}, its centre at ({where}) m,"

@@ -94,7 +94,7 @@ def test_what_was_not_measured_is_said_line_by_line(bench, tmp_path):
     assert "1 joint with measured torques" in outcome.out
 
 
-def test_a_robot_at_rest_tells_offsets_alone(bench, tmp_path):
+def test_a_robot_at_rest_has_an_offset_or_a_load(bench, tmp_path):
     time = 0.01 * np.arange(1000)
     columns = {"time": time} | {f"q_{name}": 0.4 * np.ones(1000) for name in bench.model.rates}
     columns["tau_elbow"] = 2.0 + 0.1 * np.random.default_rng(0).normal(size=1000)
@@ -102,8 +102,9 @@ def test_a_robot_at_rest_tells_offsets_alone(bench, tmp_path):
     np.savetxt(path, np.column_stack([*columns.values()]), delimiter=",", header=",".join(columns), comments="")
     outcome = measured(str(path), "--cutoff", "8")
     assert "No joint moves" in outcome.out
-    (joint,) = found(str(path), "--cutoff", "8")["joints"]
-    assert [kind for kind, value in joint["effects"].items() if value] == ["offset"]
+    told = found(str(path), "--cutoff", "8")
+    assert not any(told["joints"][0]["effects"].values())
+    assert [(each["kind"], each["certain"]) for each in told["diagnosis"]] == [("offset", False)]  # or a load
 
 
 def test_reports_have_plots_of_each_joint(bench, tmp_path):

@@ -9,9 +9,10 @@ import pytest
 from helpers.command_line import ROBOTS
 from helpers.faulty_logs import Bench
 
+from robodyn.identification.fault_columns import OWN, ROTOR
 from robodyn.identification.faults import explain
 from robodyn.identification.gross_faults import channels, rerouted
-from robodyn.identification.long_run import score_covariance, window_length
+from robodyn.identification.long_run import score_covariance, variance_of_sums, window_length
 
 JOINTS = {"gain": 1, "offset": 0, "viscous": 2, "coulomb": 1, "rotor": 0, "delay": 2, "payload": None}
 SIGMAS = 4.5
@@ -141,6 +142,40 @@ def test_covariance_of_scores_in_closed_form():
     found = score_covariance([columns], noise, [(0, 1)], 2) / N
     np.testing.assert_allclose(found, [[4.0, 0.0], [0.0, 0.0]], atol=0.15)
     assert window_length(noise) <= 6
+
+
+def test_noise_that_a_fit_took_is_given_back():
+    """All noise of ten frequencies goes into the fit; the covariance of each score is N / 2 var(w) all the same."""
+    rng, N = np.random.default_rng(0), 200
+    angle = 2.0 * np.pi * np.outer(np.arange(N) / N, np.arange(1, 11))
+    X = np.concatenate([np.cos(angle), np.sin(angle)], axis=1)
+    bread, found = np.eye(20) * 2.0 / N, []
+    for _ in range(40):
+        noise = rng.normal(size=(N, 1))
+        residual = noise - bread[0, 0] * X @ (X.T @ noise)
+        found.append([np.trace(score_covariance([X], residual, [range(20)], 20, B)) for B in (None, bread)])
+    without, given = np.mean(found, axis=0) / (10.0 * N)
+    assert without < 0.65
+    assert 0.9 < given < 1.05
+
+
+def test_variance_of_sums_in_closed_form():
+    """Bartlett's taper: products k apart count 1 - k / length."""
+    series = np.random.default_rng(0).normal(size=(300, 2))
+    products = [(series[k:] * series[: len(series) - k]).sum(axis=0) for k in range(5)]
+    expected = products[0] + 2.0 * sum((1.0 - k / 5.0) * each for k, each in enumerate(products[1:], start=1))
+    np.testing.assert_allclose(variance_of_sums(series, 5), expected, rtol=1e-12)
+
+
+def test_what_a_payload_may_explain_is_no_certain_rotor():
+    """The last joint of a SCARA cannot tell its rotor from a mass on it; what would do is said so."""
+    bench = Bench(ROBOTS / "scara.urdf")
+    rotor = [("rotor", 2, bench.size("rotor", 2))]
+    tau = bench.injected(rotor) + bench.noise(np.random.default_rng(0), "white", 0.02)
+    found = explain(bench.evidence(tau))
+    assert len(OWN) * 2 + ROTOR not in found.told
+    assert found.faults
+    assert not any(fault.certain for fault in found.faults)
 
 
 def test_covariance_between_joints_has_its_direction():

@@ -49,6 +49,7 @@ def _fault(found: Comparison, fault: Fault) -> dict[str, Any]:
     parameters = [
         {"name": name, "value": float(value) + shift, "standard_error": float(error)}
         for name, value, error in zip(names, fault.values, errors, strict=True)
+        if error > 0.0
     ]
     return {
         "kind": kind,
