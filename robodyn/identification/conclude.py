@@ -93,7 +93,6 @@ def identified(
         faults=tuple(first.faults),
         warnings=(
             *first.faults,
-            *first.doubts,
             *alike,
             *_warnings(run, prior, first.coupled, (fitted_errors[0], fitted_errors[1]), held[0] is not None),
             *_offsets(motors),

@@ -12,7 +12,7 @@ from robodyn.support.floats import Floats
 
 _CLEAR = 0.25
 """Of the residual's sum of squares with channels as they are, what the right ones leave at most, as geometric mean."""
-_FAR = 5.0
+_FAR = 10.0
 """Measured torques that are so many times the computed ones, or so small a part of them, are doubtful."""
 _LESS = 0.7
 """What each of them leaves at most."""

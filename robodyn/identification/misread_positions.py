@@ -92,7 +92,7 @@ def _possible(R: Floats, z: Floats, names: Sequence[str]) -> Floats:
     signed = np.array([name.rpartition(".")[2] in ("viscous", "coulomb", "rotor") for name in names])
     free, bound = R[:, ~signed], R[:, signed]
     right = np.column_stack((bound, z))
-    rest = right - product(free, np.column_stack([least_squares(free, column) for column in right.T]))
+    rest = right - product(free, least_squares(free, right))
     lengths = np.linalg.norm(rest[:, :-1], axis=0)
     lengths[lengths == 0.0] = 1.0
     theta = np.zeros(len(names))

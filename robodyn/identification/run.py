@@ -93,7 +93,7 @@ def begun(logs: Sequence[Log], validate: Sequence[Log], scene: Scene, split: flo
             slip = max(slip, _SLOW * float(top[: model.n].max()), _NOISE * _speed_noise(log, cutoff))
         largest = np.maximum(largest, top)
     if largest[: model.n].max() <= max(RESTS, 2.0 * slip if slip != scene.slip_speed else 0.0):
-        what = "no joint moves: the log shows nothing of masses and friction"
+        what = "; ".join(("no joint moves: the log shows nothing of masses and friction", *every[0].doubts))
         raise InputError(what, remedy="log an exciting motion, see robodyn excite", file=every[0].path)
     motors = {each.name: with_speeds(each, float(top), slip) for each, top in zip(candidates, largest, strict=True)}
     ends = [log.start + (log.stop - log.start) * split * np.arange(1, FOLDS + 1) / FOLDS for log in logs]
@@ -116,7 +116,7 @@ class First(NamedTuple):
     Attributes:
         motors: that count; coupled: what those of several joints leave of the squares.
         values: by atom; sigma: (joints,) of residuals [N m].
-        faults: of the logs, for which nothing is written; doubts: which are told.
+        faults: of the logs, for which nothing is written.
     """
 
     motors: list[Motor]
@@ -124,7 +124,6 @@ class First(NamedTuple):
     values: dict[str, float]
     sigma: Floats
     faults: list[str]
-    doubts: list[str]
 
 
 def first_fit(run: Run) -> First:
@@ -152,8 +151,8 @@ def first_fit(run: Run) -> First:
     faults = faults or misread(run.fitted, run.cutoff, second, sigma)
     values = dict(zip(atoms.names, (second.shape @ theta).tolist(), strict=True))
     units = [doubt if len(run.logs) == 1 else f"{log.path}: {doubt}" for log in run.logs for doubt in log.doubts]
-    doubts = magnitudes(channels, measured)
-    return First([motors[k] for k in chosen], ratios, values, sigma, [*units, *faults], doubts)
+    faults = [*units, *faults, *magnitudes(channels, measured)]
+    return First([motors[k] for k in chosen], ratios, values, sigma, faults)
 
 
 def weighted_rows(run: Run, first: First) -> tuple[Gathered, Gathered, Moments]:

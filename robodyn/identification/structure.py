@@ -113,13 +113,15 @@ def counts(gathered: Gathered, folds: Sequence[int]) -> Floats:
 
 
 def least_squares(R: Floats, z: Floats) -> Floats:
-    """Return the theta that minimises |R theta - z|^2, short where next to nothing is shown."""
+    """Return the theta (p, ...) that minimises |R theta - z|^2 for z (k, ...), short where next to nothing is shown."""
     lengths = np.linalg.norm(R, axis=0)
     lengths[lengths == 0.0] = 1.0
     count = R.shape[1]
     rows = np.concatenate([R / lengths, _RIDGE * np.eye(count)])
-    whole = stacked([np.concatenate([rows, np.pad(z, (0, count))[:, None]], axis=1)])
-    return np.asarray(np.linalg.solve(whole[:count, :count], whole[:count, count]) / lengths)
+    right = np.concatenate([z.reshape(len(z), -1), np.zeros((count, z.size // max(len(z), 1)))])
+    whole = stacked([np.concatenate([rows, right], axis=1)])
+    theta = np.linalg.solve(whole[:count, :count], whole[:count, count:]) / lengths[:, None]
+    return np.asarray(theta.reshape(count, *z.shape[1:]))
 
 
 def fitted(gathered: Gathered, folds: Sequence[int], structure: Structure) -> tuple[Floats, Floats]:

@@ -22,7 +22,7 @@ from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.torques_batch import _setup
 from robodyn.support.processes import ATTEMPTS
 
-OPTIONS = {"reactions": False, "sizing": False, "momentum": None}
+OPTIONS = {"reactions": False, "sizing": False, "momentum": None, "samples": 0}
 
 
 @pytest.fixture(autouse=True)
