@@ -19,7 +19,6 @@ from robodyn.trajectory.columns import Signals
 from robodyn.trajectory.groups import missing, samples_needed
 from robodyn.trajectory.header import Header, listing
 from robodyn.trajectory.layout import Layout, resolve
-from robodyn.trajectory.log_table import whole_joints
 from robodyn.trajectory.motion import Derivation, Trajectory
 from robodyn.trajectory.plausible import Plausibility
 from robodyn.trajectory.reading import DEFAULT, MODES, Reading
@@ -54,6 +53,8 @@ class TrajectoryReader:
             what = f"unknown way to differentiate {reading.derivatives!r}"
             raise TrajectoryError(what, remedy=f"one of {listing(MODES)}")
         if table.leaves_out:
+            from robodyn.trajectory.log_table import whole_joints
+
             reading = replace(reading, ignore_extra=True, columns=whole_joints(reading.columns, table.names))
         self._table, self._mode, self._rows = table, reading.derivatives, block_rows
         self.columns = table.names
