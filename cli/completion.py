@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, TypeGuard
 
 import click
 
+from robodyn.support.input_file import read_input
+
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
@@ -71,9 +73,8 @@ def _named(element: str, ctx: click.Context) -> Iterable[str]:
     """Return the names of the links or joints in the description that the command line has so far."""
     given = [*ctx.args, ctx.params.get("urdf"), *(ctx.params.get("files") or ())]
     try:
-        with open(next(filter(_is_description, given), ""), "rb") as file:
-            text = file.read(LONGEST).decode("utf-8", "replace")
-    except OSError:
+        text = read_input(next(filter(_is_description, given), ""), LONGEST).decode("utf-8", "replace")
+    except (OSError, ValueError):
         return []
     found = re.findall(rf"<{element}\s[^>]*?\bname\s*=\s*[\"']([^\"'${{}}]+)[\"']", text)
     return dict.fromkeys(found)

@@ -12,6 +12,7 @@ import click
 
 from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name
 from robodyn.errors import InputError, SceneError
+from robodyn.support.input_file import read_standard_input
 
 if TYPE_CHECKING:
     from robodyn.robot.model import Model
@@ -89,7 +90,7 @@ def robot_source(urdf: str) -> str | bytes:
 
 def source_of(urdf: str) -> str | bytes:
     """Return the name of a file, or what is on standard input."""
-    return _bytes() if urdf == STANDARD_INPUT else urdf
+    return read_standard_input() if urdf == STANDARD_INPUT else urdf
 
 
 def check_names(*inputs: str | None, output: str | None = None) -> None:
@@ -112,11 +113,7 @@ def _scene(path: str) -> Scene:
     from robodyn.scene.read import load_scene, parse_scene
 
     expect(SCENE_FILE, path)
-    return parse_scene(_bytes(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
-
-
-def _bytes() -> bytes:
-    return sys.stdin.buffer.read()
+    return parse_scene(read_standard_input(), "<stdin>") if path == STANDARD_INPUT else load_scene(path)
 
 
 def expect(kind: str, path: str) -> None:

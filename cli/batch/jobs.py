@@ -21,6 +21,7 @@ from robodyn.scene.read import parse_scene
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.cache import code_digest
 from robodyn.support.extras import need
+from robodyn.support.input_file import open_input
 from robodyn.support.libraries import version_of
 from robodyn.trajectory.table import FILE_TYPES, READABLE, log_kind
 
@@ -136,7 +137,7 @@ class Setup:
         options = dict(sorted({**self.options, "threads": 1}.items()))  # they come in the order of the call
         same = replace(self, robot=zlib.decompress(self.robot), scene=scene, options=options)
         hashed = blake2b(repr(same).encode(), digest_size=20)
-        with open(path, "rb") as stream:
+        with open_input(path) as stream:
             while piece := stream.read(1 << 20):
                 hashed.update(piece)
         return hashed.hexdigest()

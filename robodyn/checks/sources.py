@@ -13,6 +13,7 @@ from robodyn.checks.beside import BESIDE, describing
 from robodyn.errors import InputError, NoRobotError, RobodynWarning
 from robodyn.robot.urdf.sources import is_xacro
 from robodyn.robot.urdf.xacro import only_defines
+from robodyn.support.input_file import read_input
 from robodyn.support.threads import cores, processes
 
 R = TypeVar("R")
@@ -78,10 +79,12 @@ def worth_processes(files: Sequence[str | bytes]) -> bool:
 
 
 def _work(file: str | bytes) -> int:
-    if isinstance(file, bytes) or not os.path.isfile(file):
+    if isinstance(file, bytes):
         return 0
-    with open(file, "rb") as stream:
-        data = stream.read()
+    try:
+        data = read_input(file)
+    except (OSError, ValueError, InputError):  # told when it is checked
+        return 0
     return len(data) + _MESH * data.count(b"<mesh")
 
 

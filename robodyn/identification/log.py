@@ -18,6 +18,7 @@ from robodyn.identification.spikes import limits, mended
 from robodyn.robot.model import Model
 from robodyn.scene.scene import DEFAULT, Scene
 from robodyn.support.floats import Floats
+from robodyn.support.input_file import open_input
 from robodyn.trajectory.motion import Trajectory
 from robodyn.trajectory.noise import estimate
 from robodyn.trajectory.robot_motion import read_motion
@@ -71,7 +72,7 @@ class Log:
         found = hashlib.sha256()
         path = Path(self.path)
         for each in sorted(filter(Path.is_file, path.iterdir())) if path.is_dir() else [path]:
-            with each.open("rb") as file:
+            with open_input(each) as file:
                 while part := file.read(1 << 20):
                     found.update(part)
         return found.hexdigest()

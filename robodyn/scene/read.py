@@ -38,7 +38,7 @@ def load_scene(path: str | os.PathLike[str]) -> Scene:
     """
     file = os.fspath(path)
     try:
-        data = read_input(path)
+        data = read_input(path, typed=True)
     except (OSError, ValueError) as error:
         raise unreadable(error, file) from None
     return parse_scene(data, file)

@@ -1,89 +1,120 @@
-"""Files that are read: no devices, which may never end, and no pipe without a writer."""
+"""The one place where input files are opened: regular files, and what the user gives as standard input.
+
+A robot's folder may come from anybody, and git stores links: a name in it may lead to a pipe that never ends, or to a
+device. So a name that was found, in a file, a folder or a pattern, is opened only if it is that of a regular file. A
+name that the user typed may besides be that of a descriptor of this process, as `<(zcat log.csv.gz)` of shells is.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
-import select
+import re
 import stat
+import sys
 from io import BufferedReader
-from typing import BinaryIO
+from typing import BinaryIO, NoReturn
 
-MOST = 1 << 30
-"""Bytes of a file that is held in memory whole."""
+from robodyn.errors import InputError
+from robodyn.support.input_limits import beyond, limits
 
-MOST_PIPED = 1 << 34
-"""Bytes that are taken from a pipe."""
-
-_PART = 1 << 20
 LFS_POINTER = b"version https://git-lfs.github.com/spec/"
 """How a file begins that stands for another, which Git LFS has not fetched."""
 
-PATIENCE = 10.0
-"""Seconds until somebody has to have begun to write to a pipe."""
+_PART = 1 << 20
+_DESCRIPTOR = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
+_KINDS = {stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
 
-def open_input(path: str | os.PathLike[str]) -> BufferedReader:
-    """Return a file, or a pipe that somebody writes to, opened for reading.
+def open_input(path: str | os.PathLike[str], typed: bool = False) -> BufferedReader:
+    """Return a regular file opened for reading; nothing that this opens can block or never end.
+
+    Args:
+        typed: the user gave this very name, so that a descriptor of this process (`/dev/stdin`, `/dev/fd/63`), which
+            may be a pipe, is meant.
 
     Raises:
-        OSError: it cannot be opened, is a folder or a device, or a pipe without a writer.
+        OSError: it cannot be opened, or is a folder, a pipe or a device.
+        ValueError: this is not the name of a file.
     """
     stream = open(path, "rb", opener=_at_once)  # noqa: SIM115
     try:
         mode = os.fstat(stream.fileno()).st_mode
-        if stat.S_ISCHR(mode) or stat.S_ISBLK(mode):
-            raise OSError(errno.EINVAL, "this is a device, not a file")
-        if stat.S_ISFIFO(mode):
-            _wait(stream.fileno())
+        if not stat.S_ISREG(mode):
+            if not (typed and _DESCRIPTOR.fullmatch(os.fspath(path)) and stat.S_ISFIFO(mode)):
+                _refuse(mode)
+            os.set_blocking(stream.fileno(), True)
     except OSError:
         stream.close()
         raise
     return stream
 
 
-def read_input(path: str | os.PathLike[str], most: int | None = None) -> bytes:
-    """Return all bytes of a file or a pipe; see `open_input`.
+def read_input(path: str | os.PathLike[str], most: int | None = None, typed: bool = False) -> bytes:
+    """Return all bytes of a file, or the first `most`; see `open_input`.
 
     Raises:
-        OSError: as `open_input`, or there are more than `most` bytes.
+        OSError, ValueError: as `open_input`.
+        InputError: `most` is None, and it has more bytes than the limit of files that are held in memory.
     """
-    most = MOST if most is None else most
-    with open_input(path) as stream:
-        data = stream.read(most + 1)
-    if len(data) > most:
-        raise OSError(errno.EFBIG, f"it has more than {most} bytes")
-    return data
+    with open_input(path, typed) as stream:
+        return _all_of(stream, os.fspath(path)) if most is None else stream.read(most) or b""
 
 
-def _at_once(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+def read_standard_input() -> bytes:
+    """Return all bytes of standard input.
+
+    Raises:
+        InputError: it is closed, or there are more than the limit of what is held in memory.
+    """
+    if sys.stdin is None:
+        raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
+    return _all_of(sys.stdin.buffer, "<stdin>")
 
 
-def _wait(number: int) -> None:
-    """Wait until there is something to be read from a pipe, for as long as somebody may write to it."""
-    ready, _, _ = select.select([number], [], [], PATIENCE)
-    if not ready:
-        try:
-            unwritten = os.read(number, 1) == b""
-        except BlockingIOError:
-            unwritten = False
-        if unwritten:
-            raise OSError(errno.EINVAL, f"it is a pipe that nobody has written to for {PATIENCE:g} s")
-    os.set_blocking(number, True)
+def vetted(path: str | os.PathLike[str]) -> str:
+    """Return the name of a regular file, for a library that has to open it itself.
+
+    Raises:
+        OSError, ValueError: as `open_input`.
+    """
+    open_input(path).close()
+    return os.fspath(path)
 
 
-def copied(stream: BinaryIO) -> BinaryIO:
-    """Return a temporary file with all that comes out of a pipe, up to `MOST_PIPED` bytes; see `read_input`."""
+def copied(stream: BinaryIO, file: str) -> BinaryIO:
+    """Return a temporary file with all that comes out of a pipe.
+
+    Raises:
+        InputError: that is more than the limit.
+    """
     import tempfile
 
+    most = limits().stream_bytes
     copy = tempfile.TemporaryFile()  # noqa: SIM115
     try:
         while part := stream.read(_PART):
-            if copy.tell() + len(part) > MOST_PIPED:
-                raise OSError(errno.EFBIG, f"more than {MOST_PIPED} bytes come out of this pipe")
+            if copy.tell() + len(part) > most:
+                raise beyond("stream_bytes", "too many bytes", InputError, file=file)
             copy.write(part)
     except BaseException:
         copy.close()
         raise
     return copy
+
+
+def _at_once(path: str, flags: int) -> int:
+    """Open without waiting for the other end of a pipe; this also never waits for what special files may bring."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+
+
+def _refuse(mode: int) -> NoReturn:
+    raise OSError(errno.EINVAL, f"this is {_KINDS.get(stat.S_IFMT(mode), 'no file')}, not a file")
+
+
+def _all_of(stream: BinaryIO, file: str) -> bytes:
+    most = limits().file_bytes
+    data = stream.read(most + 1) or b""
+    if len(data) > most:
+        raise beyond("file_bytes", "too many bytes", InputError, file=file)
+    return data

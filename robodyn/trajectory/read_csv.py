@@ -180,11 +180,11 @@ def _is_number(text: str) -> bool:
 
 
 def _seekable(path: str) -> BinaryIO:
-    stream = sys.stdin.buffer if path == "-" else open_input(path)
+    stream = sys.stdin.buffer if path == "-" else open_input(path, typed=True)
     if path != "-" and stream.seekable():
         return stream
     try:
-        return copied(stream)
+        return copied(stream, "<stdin>" if path == "-" else path)
     finally:
         if path != "-":
             stream.close()

@@ -13,7 +13,7 @@ import pytest
 from helpers.command_line import run, write_arm
 
 from robodyn.robot.urdf import xacro
-from robodyn.support import input_file
+from robodyn.support.input_limits import VARIABLE
 from robodyn.trajectory import table
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs devices and pipes")
@@ -61,37 +61,65 @@ def test_a_link_to_an_endless_device(call: tuple[str, ...]) -> None:
 
 
 @EACH
-def test_a_pipe_that_nobody_writes_to(call: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(input_file, "PATIENCE", 0.01)
+def test_a_pipe_beside_other_files(call: tuple[str, ...]) -> None:
+    """Nobody writes to it; a name that a folder holds is never waited for."""
     os.mkfifo(name_of(call))
-    refused(call, "nobody has written to")
+    refused(call, "is a pipe, not a file")
 
 
 @EACH
+def test_a_link_to_a_descriptor(call: tuple[str, ...]) -> None:
+    """Git stores such links; what is piped in would be taken for the file, or waited for."""
+    reader, writer = os.pipe()
+    os.symlink(f"/dev/fd/{reader}", name_of(call))
+    refused(call, "is a pipe, not a file")
+    os.close(writer)
+    os.close(reader)
+
+
+OTHERS = [*(("arm.urdf", f"x.{kind}") for kind in ("csv", "npz", "parquet")), ("x.obj",), ("x.glb",)]
+TYPED = [
+    call for call in CALLS if not {"--config", "--baseline", "x.csv", "x.npz", "x.parquet", "x.obj", "x.glb"} & {*call}
+]
+
+
+@pytest.mark.parametrize("call", TYPED, ids=" ".join)
 def test_a_pipe_without_end(call: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(input_file, "MOST", 5000)
-    monkeypatch.setattr(input_file, "MOST_PIPED", 5000)
-    os.mkfifo(name_of(call))
+    """As `<(yes)` of shells, which the user has typed."""
+    monkeypatch.setenv(VARIABLE, "file_bytes=5000,stream_bytes=5000")
+    reader, writer = os.pipe()
 
     def write() -> None:
-        with suppress(BrokenPipeError), open(name_of(call), "wb", buffering=0) as stream:
+        with suppress(BrokenPipeError), open(writer, "wb", buffering=0) as stream:
             while True:
                 stream.write(b"0" * 5000)
 
-    writer = Thread(target=write, daemon=True)
-    writer.start()
-    outcome = run(*call)
-    writer.join(5.0)
-    assert not writer.is_alive()
+    thread = Thread(target=write, daemon=True)
+    thread.start()
+    kind = ("--type", "stl") if "x.stl" in call else ()
+    outcome = run(*(f"/dev/fd/{reader}" if word == name_of(call) else word for word in call), *kind)
+    os.close(reader)
+    thread.join(5.0)
+    assert not thread.is_alive()
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
-    assert outcome.err.startswith(f"error: {name_of(call)}: "), outcome.err
+    assert "5000" in outcome.err, outcome.err
 
 
-def test_a_pipe_that_ends_is_read() -> None:
-    os.mkfifo("x.urdf")
-    Thread(target=lambda: Path("x.urdf").write_bytes(Path("arm.urdf").read_bytes()), daemon=True).start()
-    assert run("info", "x.urdf").status == 0
+def test_standard_input_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "file_bytes=5000,stream_bytes=5000")
+    for call in (("check", "-"), ("torques", "arm.urdf", "arm.csv", "--scene", "-"), ("torques", "arm.urdf", "-")):
+        outcome = run(*call, stdin=b"0" * 6000)
+        assert outcome.status == 2
+        assert outcome.err.startswith("error: <stdin>: too many bytes"), outcome.err
+
+
+def test_a_pipe_that_is_typed_is_read() -> None:
+    reader, writer = os.pipe()
+    os.write(writer, Path("arm.urdf").read_bytes())
+    os.close(writer)
+    assert run("info", f"/dev/fd/{reader}").status == 0
+    os.close(reader)
 
 
 @pytest.mark.parametrize("kind", ["npz", "parquet"])

@@ -10,7 +10,9 @@ from robodyn.checks.consumers.meshes import used
 from robodyn.checks.consumers.water import compiler, first_object, of_mesh
 from robodyn.checks.context import Context
 from robodyn.checks.meshes.files import MeshName, all_facts, mesh_names, mesh_uses
+from robodyn.errors import InputError
 from robodyn.solids.inertia.solids import WATER
+from robodyn.support.input_file import read_input
 
 _LEAST = 1e-15
 """Volume [m^3]."""
@@ -52,8 +54,7 @@ def bad_stl(context: Context) -> Iterator[Found]:
         if name.path is None or name.path.suffix.lower() != ".stl":
             continue
         try:
-            with open(name.path, "rb") as stream:
-                faces = int.from_bytes(stream.read(84)[80:], "little")
+            faces = int.from_bytes(read_input(name.path, 84)[80:], "little")
         except OSError:
             continue
         if not 1 <= faces <= _MOST_FACES:
@@ -66,8 +67,8 @@ def cut_meshes(context: Context) -> Iterator[Found]:
         if name.path is None or name.path.suffix.lower() != ".obj":
             continue
         try:
-            data = name.path.read_bytes()
-        except OSError:
+            data = read_input(name.path)
+        except (OSError, InputError):
             continue
         if len(first_object(data)) < len(data):
             yield from (used(use, name.uri) for use in name.uses if use.geometry.kind == "collision")

@@ -25,6 +25,7 @@ from robodyn.robot.urdf.view import GeometryView, LinkView
 from robodyn.solids.inertia.laws import second_moments, symmetric
 from robodyn.solids.inertia.solids import SHAPES, WATER
 from robodyn.support.floats import Floats
+from robodyn.support.input_file import read_input
 
 _FACE, _OBJECT = re.compile(rb"^f[ \t]", re.MULTILINE), re.compile(rb"^[go]\b", re.MULTILINE)
 
@@ -141,7 +142,7 @@ def of_mesh(context: Context, shape: GeometryView) -> Weight | None:
         return None
     try:
         if name.path.suffix.lower() == ".obj":
-            triangles = load_triangles(first_object(name.path.read_bytes()), file_type="obj")
+            triangles = load_triangles(first_object(read_input(name.path)), file_type="obj")
         else:
             triangles = load_triangles(name.path)
         return _fan(triangles.array() * triangles.scale * np.array(scale))

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from robodyn.checks.meshes.facts import MeshFacts, mesh_facts
 from robodyn.support.cache import Key, ObjectCache, cache_folder, code_digest
+from robodyn.support.input_file import read_input
 from robodyn.support.threads import in_threads
 
 _SHARD = 1 << 20
@@ -113,4 +114,4 @@ def _digest_of(path: Path) -> str:
 
 @lru_cache(maxsize=4096)
 def _digest(path: Path, changed: int, size: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    return hashlib.sha256(read_input(path)).hexdigest()

@@ -11,6 +11,8 @@ from itertools import chain, tee
 from pathlib import Path
 from urllib.parse import unquote
 
+from robodyn.support.input_file import read_input
+
 EXPANDED = " (expanded)"
 """What stands after the name of a xacro file whose lines are those of its expansion."""
 VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
@@ -172,8 +174,7 @@ def _is_package(folder: Path, name: str) -> bool:
 def _manifest(folder: Path) -> bytes | None:
     """Return the name in the package.xml of a folder, empty where it says none; None without one."""
     try:
-        with open(folder / _MANIFEST, "rb") as manifest:
-            found = _NAME.search(manifest.read(_MOST_READ))
+        found = _NAME.search(read_input(folder / _MANIFEST, _MOST_READ))
     except (OSError, ValueError):
         return None
     return b"" if found is None else found[1]

@@ -47,7 +47,7 @@ def read_source(source: str | os.PathLike[str] | bytes, name: str | None) -> tup
     path = os.fspath(source)
     file = name or path
     try:
-        return file, read_input(path)
+        return file, read_input(path, typed=True)
     except FileNotFoundError:
         raise DescriptionError("there is no such file", remedy=_existing(path), file=file) from None
     except IsADirectoryError:

@@ -96,14 +96,14 @@ def _named(path: str) -> Source:
 def _opened(path: str) -> BinaryIO:
     try:
         with reading(path):
-            return open_input(path)
+            return open_input(path, typed=True)
     except ValueError as error:
         raise MeshError(f"is not the name of a file: {error}", remedy="check the name", file=path) from None
 
 
 def _copied(stream: BinaryIO, name: str) -> Source:
     with reading(name):
-        copy = copied(stream)
+        copy = copied(stream, name)
     found = Source(name, copy.tell(), None, copy)
     weakref.finalize(found, copy.close)
     return found

@@ -1,0 +1,68 @@
+"""What an input may hold at most: one table for all readers, which one variable of the environment changes.
+
+Inputs are hostile: a few kilobytes can ask for gigabytes or hours. A reader compares what it finds with this table
+before it makes room for it, and refuses by `beyond`, which names the limit and how to raise it.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from functools import cache
+from typing import Any, TypeVar
+
+from robodyn.errors import InputError
+
+VARIABLE = "ROBODYN_LIMITS"
+"""`ROBODYN_LIMITS=csv_columns=5000,file_bytes=4e9` changes limits by name; child processes inherit it."""
+
+_Error = TypeVar("_Error", bound=InputError)
+
+
+@dataclass(frozen=True)
+class InputLimits:
+    """Each limit, what it counts, and why a reader needs it; all are of one file."""
+
+    file_bytes: int = 1 << 30
+    """Bytes of a file that is held in memory whole."""
+    stream_bytes: int = 1 << 34
+    """Bytes taken from standard input or another pipe, which are copied to a temporary file."""
+
+
+def limits() -> InputLimits:
+    """Return the limits that hold now.
+
+    Raises:
+        InputError: the variable of the environment names no limit, or no number.
+    """
+    return _asked_for(os.environ.get(VARIABLE, ""))
+
+
+def beyond(name: str, what: str, kind: type[_Error], **place: Any) -> _Error:
+    """Return the error of an input that is beyond a limit.
+
+    Args:
+        name: of the limit, a field of `InputLimits`.
+        what: is too much, followed by ", at most LIMIT are read": "20000 columns", "too many bytes in a line".
+        kind: of the error.
+        place: file and line, as for `RobodynError`.
+    """
+    value = getattr(limits(), name)
+    remedy = f"if it is meant, {VARIABLE}={name}=NUMBER allows more"
+    return kind(f"{what}, at most {value} are read", remedy=remedy, **place)
+
+
+@cache
+def _asked_for(text: str) -> InputLimits:
+    known = {each.name for each in fields(InputLimits)}
+    found: dict[str, int] = {}
+    for part in filter(None, map(str.strip, text.split(","))):
+        name, _, number = map(str.strip, part.partition("="))
+        try:
+            found[name] = int(float(number))
+        except (ValueError, OverflowError):
+            raise InputError(f"{VARIABLE}: {part!r:.60} is not NAME=NUMBER", remedy="e.g. file_bytes=4e9") from None
+        if name not in known or found[name] < 0:
+            what = f"{VARIABLE}: {name!r:.60} is no limit" if name not in known else f"{VARIABLE}: {part!r:.60}"
+            raise InputError(what, remedy=f"limits: {', '.join(sorted(known))}; each a number from 0 on")
+    return InputLimits(**found)
