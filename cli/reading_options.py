@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import sys
 from typing import Any, get_args
 
 import click
 
 from robodyn.cli.options import Parsed, kept, kept_value, together
+from robodyn.errors import InputError
 from robodyn.support.input_file import read_input
 from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.units import AngleUnit, TimeUnit
@@ -25,16 +25,14 @@ def _columns(text: str) -> list[tuple[str, str]]:
 
 
 def _pairs(file: str) -> dict[str, str]:
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
+    from robodyn.scene.toml_table import read_toml
+
     try:
-        found = tomllib.loads(read_input(file).decode())
+        found = read_toml(read_input(file), file)
     except OSError as error:
         raise ValueError(f"{file!r} is not OURS=THEIRS, nor a file: {error.strerror}") from None
-    except ValueError as error:
-        raise ValueError(f"{file}: is not TOML: {error}") from None
+    except InputError as error:
+        raise ValueError(str(error)) from None
     for ours, theirs in found.items():
         if not isinstance(theirs, str):
             raise ValueError(f"{file}: {ours!r} is {theirs!r:.60}, not a name; write 'q_elbow = \"Elbow angle\"'")

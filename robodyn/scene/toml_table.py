@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from robodyn.errors import SceneError
 from robodyn.scene.parts import Entry, Vector
+from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import nearest, shown
 
 T = TypeVar("T")
@@ -22,6 +23,11 @@ OF_THE_SCENE = (
 )
 """The keys that stand above all tables, or are tables themselves."""
 _WRITTEN = {3: "write {} = [x, y, z]", 6: "write {} = [ixx, ixy, ixz, iyy, iyz, izz]"}
+_TEXTS = re.compile(
+    rb"""\"{3}(?:\\.|[^\\])*?(?:\"{3}|\Z)|'{3}.*?(?:'{3}|\Z)|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|#[^\n]*""", re.DOTALL
+)
+"""Strings and comments."""
+_BETWEEN_KEYS = re.compile(rb"[=,{}\[\]\n]")
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)$")
 
 
@@ -29,8 +35,9 @@ def read_toml(data: bytes, file: str) -> dict[str, Any]:
     """Return the tables of TOML text.
 
     Raises:
-        SceneError: it is none; with the line.
+        SceneError: it is none, with the line; or it is beyond a limit.
     """
+    _check_size(data, file)
     if sys.version_info >= (3, 11):
         import tomllib
     else:
@@ -46,6 +53,18 @@ def read_toml(data: bytes, file: str) -> dict[str, Any]:
     why = text[: place.start()] if line is not None and place else text
     remedy = "each key and each [table] stands once" if "twice" in why or "overwrite" in why else None
     raise SceneError(f"is not TOML: {why[:1].lower()}{why[1:]}", remedy=remedy, file=file, line=line)
+
+
+def _check_size(data: bytes, file: str) -> None:
+    """Raise for more than is read: each part of a dotted key takes memory for all parts before it."""
+    if len(data) > limits().toml_bytes:
+        raise beyond("toml_bytes", "too many bytes", SceneError, file=file)
+    plain, most = _TEXTS.sub(lambda text: b"_" + b"\n" * text[0].count(b"\n"), data), limits().nesting
+    if plain.count(b".") >= most:
+        for piece in _BETWEEN_KEYS.split(plain):
+            if piece.count(b".") >= most:
+                line = plain.count(b"\n", 0, plain.find(piece)) + 1
+                raise beyond("nesting", "a key of too many parts", SceneError, file=file, line=line)
 
 
 class SceneTable:

@@ -52,7 +52,7 @@ OPTIONAL = (
     Library("xacrodoc", "xacrodoc", "xacro files", "xacro"),
     Library("clarabel", "clarabel", "contact forces that cost torques or are bounded by them", "conic"),
     Library("rosbags", "rosbags", "ROS bags", "ros"),
-    Library("ruamel.yaml", "ruamel.yaml", "messages of ROS as YAML", "ros"),
+    Library("pyyaml", "yaml", "messages of ROS as YAML", "ros"),
     Library("distributed", "distributed", "`torques --dask`", "dask"),
     Library("casadi", "casadi", "use of what `export --to casadi` writes", "casadi"),
     Library("jax", "jax", "use of what `export --to jax` writes", "jax"),
@@ -83,7 +83,7 @@ def need(what: str, *names: str, otherwise: str = "", file: str | None = None) -
     Raises:
         InputError: one is missing; the message says how to get it.
     """
-    missing = [library for library in OPTIONAL if library.name in names and not available(library.name)]
+    missing = [library for library in OPTIONAL if library.name in names and not available(library.module)]
     if missing:
         remedy = f"pip install {missing[0].install}{otherwise and f', or {otherwise}'}"
         raise InputError(f"{what} need {' and '.join(each.name for each in missing)}", remedy=remedy, file=file)

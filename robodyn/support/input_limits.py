@@ -27,6 +27,24 @@ class InputLimits:
     """Bytes of a file that is held in memory whole."""
     stream_bytes: int = 1 << 34
     """Bytes taken from standard input or another pipe, which are copied to a temporary file."""
+    nesting: int = 32
+    """Depth of lists and tables within each other, in YAML and TOML: parts of a dotted key, too."""
+    toml_bytes: int = 1 << 20
+    """Bytes of a scene or of settings, in TOML."""
+    message_values: int = 3_000_000
+    """Values in messages as text: numbers, names, lists."""
+    log_values: int = 50_000_000
+    """Cells of the table that messages make: stamps times columns."""
+    yaml_metadata_bytes: int = 1 << 18
+    """Bytes of the metadata of a bag."""
+    bag_chunk_bytes: int = 1 << 26
+    """Bytes that come out of one compressed chunk or message of a bag."""
+    bag_expansion: int = 100
+    """Times the bytes of a bag that come out of all of its chunks, beyond the first 256 MiB."""
+    bag_records: int = 4_000_000
+    """Records in the chunks of an MCAP file."""
+    bag_steps: int = 1_000_000_000
+    """Steps of SQLite over a bag that is a database."""
 
 
 def limits() -> InputLimits:

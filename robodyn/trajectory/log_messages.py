@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from robodyn.errors import TrajectoryError
+from robodyn.support.wording import shown
 
 QUANTITIES = {"position": "q", "velocity": "qd", "acceleration": "qdd", "effort": "tau"}
 """What messages call what columns are called."""
 NANO = 1_000_000_000
+_LATEST = 1 << 62
+"""ns, either way: stamps and their differences are whole numbers of 64 bits."""
 
 
 class State(NamedTuple):
@@ -29,33 +34,46 @@ def joint_state(message: Any, recorded: int) -> State:
 
     Args:
         message: an object with these attributes, or a mapping; recorded: ns, when, for messages without a stamp.
+
+    Raises:
+        ValueError: something else stands where names or numbers belong.
     """
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     values = {quantity: _get(message, quantity) for quantity in ("position", "velocity", "effort")}
-    return State(stamp or recorded, tuple(_get(message, "name")), _numbers(values))
+    return State(stamp or recorded, _names(_get(message, "name"), "name"), _numbers(values))
 
 
 def dynamic_joint_state(message: Any, recorded: int) -> State:
-    """Return what a control_msgs/DynamicJointState says; only interfaces that all of its joints have count."""
-    names, each = tuple(_get(message, "joint_names")), []
-    for values in _get(message, "interface_values"):
-        each.append(dict(zip(_get(values, "interface_names"), _get(values, "values"), strict=False)))
+    """Return what a control_msgs/DynamicJointState says; only interfaces that all of its joints have count.
+
+    Raises:
+        ValueError: as `joint_state`.
+    """
+    names, each = _names(_get(message, "joint_names"), "joint_names"), []
+    for values in _parts(_get(message, "interface_values"), "interface_values"):
+        interfaces = _names(_get(values, "interface_names"), "interface_names")
+        numbers = _numbers({"values": _get(values, "values")}).get("values", ())
+        each.append(dict(zip(interfaces, numbers, strict=False)))
     stamp = _stamp(_get(_get(message, "header"), "stamp"))
     common = [quantity for quantity in QUANTITIES if each and all(quantity in values for values in each)]
     return State(stamp or recorded, names, {quantity: [values[quantity] for values in each] for quantity in common})
 
 
 def joint_trajectory(message: Any) -> list[State]:
-    """Return the points of a trajectory_msgs/JointTrajectory, from its own start on."""
-    names, plural = tuple(_get(message, "joint_names")), {"position": "positions", "velocity": "velocities"}
-    plural |= {"acceleration": "accelerations", "effort": "effort"}
+    """Return the points of a trajectory_msgs/JointTrajectory, from its own start on.
+
+    Raises:
+        ValueError: as `joint_state`.
+    """
+    names, plural = _names(_get(message, "joint_names"), "joint_names"), {"position": "positions"}
+    plural |= {"velocity": "velocities", "acceleration": "accelerations", "effort": "effort"}
     return [
         State(
             _stamp(_get(point, "time_from_start")),
             names,
             _numbers({quantity: _get(point, name) for quantity, name in plural.items()}),
         )
-        for point in _get(message, "points") or ()
+        for point in _parts(_get(message, "points"), "points")
     ]
 
 
@@ -64,18 +82,57 @@ def _get(message: Any, name: str) -> Any:
     return message.get(name) if isinstance(message, Mapping) else getattr(message, name, None)
 
 
+def _names(values: Any, what: str) -> tuple[str, ...]:
+    names = _parts(values, what)
+    wrong = next((name for name in names if isinstance(name, bool) or not isinstance(name, (str, int))), None)
+    if wrong is not None or None in names:
+        raise ValueError(f"{what} has {shown(str(wrong))}, which is no name")
+    return tuple(map(str, names))
+
+
+def _parts(values: Any, what: str) -> list[Any]:
+    if values is None:
+        return []
+    if not isinstance(values, list):
+        raise ValueError(f"{what} is {shown(str(values))}, not a list")
+    return values
+
+
 def _numbers(values: Mapping[str, Any]) -> dict[str, Sequence[float]]:
-    return {quantity: found for quantity, found in values.items() if found is not None and len(found)}
+    """Return the quantities that are given."""
+    found: dict[str, Sequence[float]] = {}
+    for quantity, given in values.items():
+        if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu":
+            numbers: Sequence[float] = given
+        else:
+            numbers = [_number(value, quantity) for value in _parts(given, quantity)]
+        if len(numbers) > 0:
+            found[quantity] = numbers
+    return found
+
+
+def _number(value: Any, what: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError(f"{what} has {shown(str(value))}, which is no number")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{what} has a number beyond 1.8e308") from None
 
 
 def _stamp(stamp: Any) -> int:
     """Return a stamp in ns: seconds as a number, or sec and nanosec, as ROS 1 has them too."""
     if stamp is None:
         return 0
-    if isinstance(stamp, (int, float)):
-        return round(stamp * NANO)
-    parts = [next((x for x in (_get(stamp, name) for name in names) if x is not None), 0) for names in _STAMPS]
-    return int(parts[0]) * NANO + int(parts[1])
+    if isinstance(stamp, (str, int, float)):
+        parts = [stamp, 0]
+    else:
+        parts = [next((x for x in (_get(stamp, name) for name in names) if x is not None), 0) for names in _STAMPS]
+    seconds, nano = (_number(part, "the stamp") for part in parts)
+    if not abs(seconds) * NANO + abs(nano) < _LATEST:
+        raise ValueError(f"the stamp is {seconds:g} s and {nano:g} ns, beyond 146 years")
+    whole = [part if isinstance(part, int) else 0 for part in parts]
+    return round((seconds - whole[0]) * NANO) + whole[0] * NANO + round(nano - whole[1]) + whole[1]
 
 
 _STAMPS = (("sec", "secs"), ("nanosec", "nsec", "nsecs", "nanosecs"))
@@ -91,12 +148,18 @@ def states_of(kind: str, messages: Iterable[tuple[Any, int]], file: str) -> list
     """Return what messages of one kind say, each given with the time of its record [ns].
 
     Raises:
-        TrajectoryError: there are several trajectories.
+        TrajectoryError: there are several trajectories, or something else stands where names or numbers belong.
     """
-    if kind != TRAJECTORY:
-        return [KINDS[kind](message, recorded) for message, recorded in messages]
-    found = [message for message, _ in messages]
-    if len(found) > 1:
-        what = f"has {len(found)} trajectories of joints, each with a time of its own"
-        raise TrajectoryError(what, remedy="write each to a file of its own", file=file)
-    return joint_trajectory(found[0]) if found else []
+    if kind == TRAJECTORY:
+        found = [message for message, _ in messages]
+        if len(found) > 1:
+            what = f"has {len(found)} trajectories of joints, each with a time of its own"
+            raise TrajectoryError(what, remedy="write each to a file of its own", file=file)
+        messages = ((message, 0) for message in found)
+    states: list[State] = []
+    for number, (message, recorded) in enumerate(messages, 1):
+        try:
+            states += joint_trajectory(message) if kind == TRAJECTORY else [KINDS[kind](message, recorded)]
+        except ValueError as error:
+            raise TrajectoryError(f"message {number}: {error}", remedy=f"is it a {kind}?", file=file) from None
+    return states

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
+from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import count
 from robodyn.trajectory.header import listing
 from robodyn.trajectory.log_messages import NANO, QUANTITIES, State
@@ -53,6 +54,9 @@ class LogTable(ArrayTable):
             left += 0 if new else len(other)
             own = _once(sorted(other, key=lambda state: state.stamp), [])
             for name, values in _columns(own, new, notes).items():
+                if len(columns) * len(stamps) > limits().log_values:
+                    what = f"{len(columns)} columns of {len(stamps)} rows"
+                    raise beyond("log_values", what, TrajectoryError, file=file)
                 columns[name], self._between[name] = _onto(stamps, _stamps(own), values, turns=name.startswith("q_"))
         if left:
             notes.append(f"{count(left, 'message')} about fewer joints left out")

@@ -10,6 +10,7 @@ from typing import Any
 from robodyn.errors import TrajectoryError
 from robodyn.support.extras import need
 from robodyn.support.wording import alternatives, count, shown
+from robodyn.trajectory.bounded_bags import bounded, check_bag
 from robodyn.trajectory.header import listing
 from robodyn.trajectory.log_messages import KNOWN, states_of
 from robodyn.trajectory.log_table import LogTable
@@ -40,7 +41,9 @@ def bag_table(name: str, topic: str | None = None) -> LogTable:
 
     if not os.path.exists(name):
         raise TrajectoryError("cannot be read: no such file or directory", remedy="check the name", file=name)
-    with decoding("a bag", name), AnyReader([_place(name)], default_typestore=_types()) as bag:
+    place = _place(name)
+    check_bag(place)
+    with decoding("a bag", name), bounded(place), AnyReader([place], default_typestore=_types()) as bag:
         chosen = _chosen(bag.connections, topic, name)
         kind = _kind(chosen[0])
         return LogTable(name, states_of(kind, _messages(bag, chosen), name))

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from robodyn.errors import TrajectoryError
-from robodyn.support.extras import need
 from robodyn.support.input_file import read_input
+from robodyn.support.input_limits import beyond, limits
 from robodyn.trajectory.log_messages import KINDS, TRAJECTORY, State, states_of
 from robodyn.trajectory.log_table import LogTable
 from robodyn.trajectory.table import decoding
+from robodyn.trajectory.yaml_values import yaml_documents
 
 _KEYS = {"JointState": {"name", "position"}, "DynamicJointState": {"joint_names", "interface_values"}}
 _KEYS |= {TRAJECTORY: {"joint_names", "points"}}
@@ -21,15 +22,11 @@ def message_table(name: str) -> LogTable:
     """Return the motion in a file of messages: a trajectory, or states one after another.
 
     Raises:
-        TrajectoryError: it cannot be read, or has no messages about joints, or of several kinds.
+        TrajectoryError: it cannot be read, is beyond a limit, or has no messages about joints, or of several kinds.
     """
-    json = name.lower().endswith(".json")
-    if not json:
-        need("YAML files", "ruamel.yaml", file=name)
     text = read_input(name)
-    with decoding("JSON" if json else "YAML", name):
-        documents = _json(text) if json else _yaml(text)
-        found = [each for document in documents for each in _messages(document)]
+    documents = _json(text, name) if name.lower().endswith(".json") else yaml_documents(text, name)
+    found = [each for document in documents for each in _messages(document)]
     kinds = sorted({kind for kind, _ in found})
     if len(kinds) != 1:
         what = f"has messages of several kinds: {', '.join(kinds)}" if kinds else "has no messages about joints"
@@ -39,24 +36,25 @@ def message_table(name: str) -> LogTable:
     return LogTable(name, states)
 
 
-def _json(text: bytes) -> list[Any]:
+def _json(text: bytes, file: str) -> list[Any]:
+    """Return the document; every value has a comma or a bracket before it."""
     import json
 
-    return [json.loads(text)]
+    if sum(map(text.count, (b",", b"[", b"{"))) > limits().message_values:
+        raise beyond("message_values", "too many values", TrajectoryError, file=file)
+    with decoding("JSON", file):
+        return [json.loads(text)]
 
 
-def _yaml(text: bytes) -> list[Any]:
-    from ruamel.yaml import YAML
-
-    return list(YAML(typ="safe", pure=False).load_all(text))
-
-
-def _messages(value: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield the messages in a document, wherever they are, with their kinds."""
-    if isinstance(value, Mapping):
-        kind = next((kind for kind, keys in _KEYS.items() if keys <= value.keys()), None)
-        if kind is not None:
-            yield kind, value
-            return
-    for each in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
-        yield from _messages(each)
+def _messages(document: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the messages in a document, wherever they are, with their kinds, in its order."""
+    waiting = [document]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, Mapping):
+            kind = next((kind for kind, keys in _KEYS.items() if keys <= value.keys()), None)
+            if kind is not None:
+                yield kind, value
+                continue
+        inner = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+        waiting += reversed([*inner])
