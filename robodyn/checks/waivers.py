@@ -11,8 +11,12 @@ no rule has, a waiver is not in force, and RD008 says so; RD009 reports one that
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from bisect import bisect_left
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from robodyn.checks.context import Context
 from robodyn.checks.rule import Finding
@@ -27,6 +31,7 @@ _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _WAIVER = re.compile(rb"<!--\s*robodyn:(.*?)-->", re.DOTALL)
 _ALLOW = re.compile(r"allow\s+(\w+(?:\s*,\s*\w+)*)\b[\s:;,.-]*(.*)", re.DOTALL)
 _REST = re.compile(rb"[ \t]*(?:\r\n|\r|\n)")
+_LONGEST_TAG = 4096
 _END_TAG = re.compile(rb"</([^ \t\r\n>]+)[ \t\r\n]*>\s*")
 
 
@@ -54,10 +59,6 @@ class Waiver:
     def in_force(self, known: Collection[str]) -> bool:
         return bool(self.codes and self.reason) and set(self.codes) <= set(known) - set(OWN)
 
-    def allows(self, code: str, start: int) -> bool:
-        """Return whether a finding of a rule at this byte is allowed."""
-        return code in self.codes and self.start <= start < self.end
-
     def problem(self, known: Collection[str]) -> tuple[str, str]:
         """Return what is wrong with a waiver that is not in force, and what to do."""
         if not self.codes:
@@ -82,28 +83,51 @@ def waived(
 
     A finding in another file is waived as if it were at the robot's start tag.
     """
-    kept, used = [], set()
+    of_code: dict[str, dict[int, Waiver]] = {}
+    for k, waiver in enumerate(given):
+        for code in waiver.codes:
+            of_code.setdefault(code, {})[k] = waiver
+    allowed = {code: _Allowed(waivers) for code, waivers in of_code.items()}
+    kept = []
     for finding in findings:
         start = finding.start if finding.file == reading.file else reading.root.start
-        by = {(k, finding.code) for k, waiver in enumerate(given) if waiver.allows(finding.code, start)}
-        used |= by
-        if not by:
+        if finding.code not in allowed or not allowed[finding.code].take(start):
             kept.append(finding)
     codes = ((k, waiver, code) for k, waiver in enumerate(given) for code in waiver.codes)
-    return kept, [(waiver, code) for k, waiver, code in codes if (k, code) not in used]
+    return kept, [(waiver, code) for k, waiver, code in codes if k not in allowed[code].used]
+
+
+class _Allowed:
+    """Where findings of one code are allowed, by waivers and their numbers."""
+
+    def __init__(self, waivers: Mapping[int, Waiver]) -> None:
+        self._starts = np.array([waiver.start for waiver in waivers.values()])
+        self._ends = np.array([waiver.end for waiver in waivers.values()])
+        self._numbers, self._used = np.array([*waivers]), np.zeros(len(waivers), bool)
+
+    def take(self, start: int) -> bool:
+        """Return whether a finding at this byte is allowed."""
+        by = (self._starts <= start) & (start < self._ends)
+        self._used |= by
+        return bool(by.any())
+
+    @cached_property
+    def used(self) -> frozenset[int]:
+        """The numbers of the waivers that have allowed one, asked in the end."""
+        return frozenset(self._numbers[self._used].tolist())
 
 
 def _waivers(reading: Document) -> Iterator[Waiver]:
     if reading.robot is None or b"robodyn:" not in reading.data:
         return
-    elements = list(_downward(reading.root))
+    places = _Places(reading)
     for comment in _WAIVER.finditer(reading.data):
         text = " ".join(comment.group(1).decode(reading.encoding).split())
         allow = _ALLOW.fullmatch(text)
         codes = tuple(code.strip() for code in allow.group(1).split(",")) if allow else ()
         at = reading.root.positions.span(*comment.span())
         reason = allow.group(2) if allow else ""
-        yield Waiver(at, text, codes, reason, _erased(reading.data, at), *_about(reading.data, at, elements))
+        yield Waiver(at, text, codes, reason, _erased(reading.data, at), *places.about(at))
 
 
 def _downward(root: Element) -> Iterator[tuple[int, Element]]:
@@ -116,25 +140,58 @@ def _downward(root: Element) -> Iterator[tuple[int, Element]]:
 
 
 def _erased(data: bytes, at: Span) -> tuple[int, int]:
-    start = len(data[: at.start].rstrip(b" \t"))
+    start = at.start
+    while data[start - 1 : start] in (b" ", b"\t"):
+        start -= 1
     rest = _REST.match(data, at.end)
     alone = rest is not None and data[start - 1 : start] in (b"\n", b"\r")
     return start, rest.end() if alone and rest else at.end
 
 
-def _about(data: bytes, at: Span, elements: list[tuple[int, Element]]) -> tuple[int, int]:
-    """Return the bytes from the element that a comment is about to the next element outside it."""
-    line = max(data.rfind(b"\n", 0, at.start), data.rfind(b"\r", 0, at.start)) + 1
-    before = _COMMENT.sub(b"", data[line : at.start])
-    first = sum(element.start < at.start for _, element in elements)
-    if not before.strip():
-        k = first
-    else:
-        closed = _END_TAG.fullmatch(before, before.rfind(b"<"))
-        tags = {closed.group(1).decode("latin-1")} if closed else None
-        k = next((i for i in range(first - 1, -1, -1) if tags is None or elements[i][1].tag in tags), first)
-    if k == len(elements):
-        return len(data), len(data)
-    depth, element = elements[k]
-    end = next((other.start for level, other in elements[k + 1 :] if level <= depth), len(data))
-    return element.start, end
+class _Places:
+    """What comments are about, asked in the order of a file; each part of a line is looked at once."""
+
+    def __init__(self, reading: Document) -> None:
+        self._data = reading.data
+        depths, elements = zip(*_downward(reading.root), strict=True)
+        self._starts = [element.start for element in elements]
+        self._with_tag: dict[str, list[int]] = {}
+        for k, element in enumerate(elements):
+            self._with_tag.setdefault(element.tag, []).append(k)
+        self._ends = _outside(depths, self._starts, len(self._data))
+        self._last, self._done = 0, 0
+        self._written, self._tag = False, b""
+
+    def about(self, at: Span) -> tuple[int, int]:
+        """Return the bytes from the element that a comment is about to the next element outside it."""
+        self._go_to(at)
+        first = k = bisect_left(self._starts, at.start)
+        if self._written:
+            closed = _END_TAG.fullmatch(self._tag)
+            of_tag = range(first) if closed is None else self._with_tag.get(closed.group(1).decode("latin-1"), ())
+            before = bisect_left(of_tag, first)
+            k = of_tag[before - 1] if before else first
+        if k == len(self._starts):
+            return len(self._data), len(self._data)
+        return self._starts[k], self._ends[k]
+
+    def _go_to(self, at: Span) -> None:
+        """Note whether something is written before this comment on its line, and the last tag of that."""
+        line = 1 + max(self._data.rfind(end, self._last, at.start) for end in (b"\n", b"\r"))
+        if line:
+            self._done, self._written, self._tag = line, False, b""
+        text = _COMMENT.sub(b"", self._data[self._done : at.start])
+        self._written |= bool(text.strip())
+        tag = text.rfind(b"<")
+        self._tag = (self._tag and self._tag + text if tag < 0 else text[tag:]).rstrip()[:_LONGEST_TAG]
+        self._last, self._done = at.start, at.end
+
+
+def _outside(depths: Sequence[int], starts: Sequence[int], end: int) -> list[int]:
+    """Return where the next element begins that is not within this one, of each element."""
+    found, waiting = [end] * len(starts), list[int]()
+    for k, depth in enumerate(depths):
+        while waiting and depths[waiting[-1]] >= depth:
+            found[waiting.pop()] = starts[k]
+        waiting.append(k)
+    return found

@@ -31,6 +31,12 @@ class InputLimits:
     """Depth of lists and tables within each other, in YAML and TOML: parts of a dotted key, too."""
     toml_bytes: int = 1 << 20
     """Bytes of a scene or of settings, in TOML."""
+    table_columns: int = 10_000
+    """Columns of a table of any format."""
+    name_characters: int = 4096
+    """Characters in the name of a column."""
+    csv_line_bytes: int = 1 << 20
+    """Bytes in a line of a table as text, the header among them."""
     message_values: int = 3_000_000
     """Values in messages as text: numbers, names, lists."""
     log_values: int = 50_000_000

@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from robodyn.errors import TrajectoryError
+from robodyn.support.input_limits import beyond, limits
 from robodyn.support.wording import alternatives, shown
 from robodyn.trajectory.clock import is_time
 from robodyn.trajectory.columns import ANY_WORD, MEASURED, WORDS, Quantity, Signals
@@ -32,7 +34,7 @@ class Header:
     line: int | None = None
     aliases: Mapping[int, str] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def called(self) -> tuple[str, ...]:
         """The names that count."""
         return tuple(self.aliases.get(i, name) for i, name in enumerate(self.names))
@@ -41,13 +43,20 @@ class Header:
         return TrajectoryError(what, remedy=remedy, file=self.file, line=self.line)
 
     def check(self) -> None:
-        """Raise if a column has no name, or two have the same."""
+        """Raise if a column has no name, or two have the same; or if there are more, or longer names, than are read."""
+        check_columns(len(self.names), self.file, self.line)
+        longest = max(map(len, self.names), default=0)
+        if longest > limits().name_characters:
+            what = f"a column's name of {longest} characters"
+            raise beyond("name_characters", what, TrajectoryError, file=self.file, line=self.line)
+        seen = set[str]()
         for i, name in enumerate(self.names):
             if not name:
                 what = f"column {i + 1} of {len(self.names)} has no name"
                 raise self.error(what, "name every column in the header")
-            if name in self.names[:i]:
+            if name in seen:
                 raise self.error(f"column {name!r} appears twice", "keep one of them")
+            seen.add(name)
 
     def renamed(self, columns: Mapping[str, str], signals: Signals, extra: Collection[str]) -> Header:
         """Return the header with columns called as a person wants it.
@@ -71,7 +80,7 @@ class Header:
             aliases[self.names.index(theirs)] = ours
         return replace(self, aliases=aliases)
 
-    @property
+    @cached_property
     def labels(self) -> dict[int, tuple[str, int]]:
         """Columns with names of joints -> the path and the number of the entries that they name: `name[2]`."""
         return {i: (found["path"], _number(found)) for i, found in _matches(_LABEL, self.names)}
@@ -94,6 +103,12 @@ class Header:
         """Return what a column measures of a joint that it does not name, None if it is no entry of an array."""
         found = _ARRAY.fullmatch(self.called[i])
         return WORDS[found["word"].lower()] if found else None
+
+
+def check_columns(count: int, file: str | None, line: int | None = None) -> None:
+    """Raise if there are more columns than are read."""
+    if count > limits().table_columns:
+        raise beyond("table_columns", f"{count} columns", TrajectoryError, file=file, line=line)
 
 
 def listing(names: Iterable[str]) -> str:

@@ -5,19 +5,18 @@ from __future__ import annotations
 import csv
 import os
 import sys
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, BinaryIO
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import BinaryIO
 
 from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import copied, open_input
+from robodyn.support.input_limits import beyond, limits
 from robodyn.trajectory.csv_text import BLANK, LARGE, Dialect, parse
 from robodyn.trajectory.table import Table, changed
 
-if TYPE_CHECKING:
-    pass
-
-_LONGEST_LINE = 1 << 20
+_PART = 1 << 20
 _MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16", b"\x1f\x8b": "gzip", b"PK": "zip", b"PA": "Parquet"}
 
 
@@ -42,9 +41,10 @@ class CsvTable(Table):
 
     def _read_header(self) -> None:
         self._stream.seek(0)
-        text, self.header_line = b"", 0
+        text, self.header_line, longest = b"", 0, limits().csv_line_bytes
         while not text.strip():
-            text = self._stream.readline(_LONGEST_LINE)
+            text = self._stream.readline(longest + 1)
+            self._check_lines(text, lambda: self.header_line + 1)
             self.header_line += 1
             if not text:
                 raise TrajectoryError("is empty", remedy="a header line and rows of numbers are needed", file=self.file)
@@ -54,26 +54,37 @@ class CsvTable(Table):
 
     def blocks(self, columns: Sequence[int], rows: int) -> Iterator[Floats]:
         self._stream.seek(self._start)
-        size = max(_LONGEST_LINE // 16, rows * 16 * len(self.names))
+        size, longest = max(_PART // 16, rows * 16 * len(self.names)), limits().csv_line_bytes
         while data := self._stream.read(size):
             offset = self._stream.tell() - len(data)
             if not data.endswith(b"\n"):
-                data += self._stream.readline(_LONGEST_LINE)
+                data += self._stream.readline(longest + 1)
             after = self._stream.tell()
-            if not data.endswith(b"\n") and after < self.size_bytes:
-                line = self._line_at(offset) + data.count(b"\n")
-                what = f"a line longer than {_LONGEST_LINE} bytes"
-                raise TrajectoryError(what, remedy="is it a table?", file=self.file, line=line)
+            self._check_lines(data, partial(self._line_at, offset))
             values = self._parse(data, columns, offset)
             self.position_bytes = after
             for start in range(0, len(values), rows):
                 yield values[start : start + rows]
 
+    def _check_lines(self, data: bytes, first: Callable[[], int]) -> None:
+        """Raise if one of these lines is longer than is read; in leaps from the end of a line to another.
+
+        Args:
+            first: gives the number of the first.
+        """
+        start, longest = 0, limits().csv_line_bytes
+        while start + longest < len(data):
+            end = data.rfind(b"\n", start, start + longest + 1)
+            if end < start:
+                line = first() + data.count(b"\n", 0, start)
+                raise beyond("csv_line_bytes", "too many bytes in a line", TrajectoryError, file=self.file, line=line)
+            start = end + 1
+
     def _line_at(self, offset: int) -> int:
         """The number of the line that begins at this byte."""
         self._stream.seek(0)
         line = 1
-        while offset > 0 and (data := self._stream.read(min(offset, _LONGEST_LINE))):
+        while offset > 0 and (data := self._stream.read(min(offset, _PART))):
             offset -= len(data)
             line += data.count(b"\n")
         return line
@@ -90,10 +101,11 @@ class CsvTable(Table):
             self._stream.seek(start)
             if start > self._start:
                 self._stream.seek(start - 1)
-                self._stream.readline(_LONGEST_LINE)
+                self._stream.readline(limits().csv_line_bytes)
             data = self._stream.read(size)
             data = data[: data.rfind(b"\n") + 1] if self._stream.tell() < self.size_bytes else data
             try:
+                self._check_lines(data, lambda: 0)
                 found.append(self._parse(data, columns, start))
             except TrajectoryError:  # told with its line when the blocks are read
                 continue
@@ -124,7 +136,7 @@ class CsvTable(Table):
     def _rows(self) -> Iterator[list[bytes]]:
         """Yield the cells of each line that is not blank."""
         self._stream.seek(self._start)
-        for line in iter(lambda: self._stream.readline(_LONGEST_LINE), b""):
+        for line in iter(lambda: self._stream.readline(limits().csv_line_bytes), b""):
             if line.strip():
                 yield self._dialect.cells(line)
 
@@ -155,8 +167,6 @@ def _dialect(first: bytes, file: str, line: int) -> Dialect:
         text = first.decode("utf-8-sig").strip()
     except UnicodeDecodeError:
         raise refuse("the header is not UTF-8 text", "save the table as UTF-8") from None
-    if not first.endswith(b"\n") and len(first) >= _LONGEST_LINE:
-        raise refuse(f"a header line longer than {_LONGEST_LINE} bytes", "is it a table?")
     text = text.removeprefix("#").strip()
     delimiter = next((mark for mark in ",;\t" if mark in text), " ")
     try:

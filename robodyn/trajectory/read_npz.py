@@ -16,6 +16,7 @@ from robodyn.errors import TrajectoryError
 from robodyn.support.floats import Floats
 from robodyn.support.input_file import open_input
 from robodyn.trajectory.columns import matrix_column
+from robodyn.trajectory.header import check_columns
 from robodyn.trajectory.table import Table, check_expansion, check_finite, common_length, decoding, less, spread
 
 _MATRICES = ("q", "qd", "qdd")
@@ -136,6 +137,7 @@ class NpzTable(Table):
                 if stream.peek(6).startswith(b"\x93NUMPY"):
                     raise ValueError("a single array, not an archive")
                 self._archive = opened.enter_context(zipfile.ZipFile(stream))
+                check_columns(len(self._archive.infolist()), self.file)
                 self._members = [member(self._archive, info, path) for info in self._archive.infolist()]
             self.names = tuple(name for each in self._members for name in each.names)
             check_expansion(sum(each.info.file_size for each in self._members), self.size_bytes, path)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 
 from robodyn.errors import TrajectoryError
 from robodyn.trajectory.columns import COMPONENTS, POSE, Place, Quantity, Signals, worded
@@ -71,6 +72,8 @@ def loops_in(columns: Sequence[str], joints: Collection[str]) -> list[str]:
 _ALIKE = 0.7
 _LETTERS = 3
 """Letters at least of a name that another may have in it."""
+_COMPARED = 200
+"""So many unknown columns are compared with the names of joints."""
 _OPTIONS = 8
 """So many options are written out."""
 
@@ -84,13 +87,13 @@ def meant(columns: Iterable[str], signals: Signals) -> dict[str, str]:
     from difflib import SequenceMatcher, get_close_matches
 
     found: dict[str, tuple[float, str]] = {}
-    for column in columns:
+    for column in islice(columns, _COMPARED):
         best = (0.0, "")
         for quantity, stem in _readings(column):
             ours = {_plain(name): name for name in (signals.positions if quantity == "q" else signals.velocities)}
             for close in get_close_matches(stem, ours, n=1, cutoff=_ALIKE):
                 best = max(best, (SequenceMatcher(None, close, stem).ratio(), f"{quantity}_{ours[close]}"))
-            if within := max((each for each in ours if _within(each, stem)), key=len, default=""):
+            if within := max((each for each in ours if each and _within(each, stem)), key=len, default=""):
                 best = max(best, (_ALIKE, f"{quantity}_{ours[within]}"))
         likeness, name = best
         if name and likeness > found.get(name, (0.0,))[0]:
