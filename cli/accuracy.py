@@ -8,7 +8,18 @@ from functools import partial
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, ROBOT_SUFFIXES, SCENE, gravity, lookup, payloads, scene_name
+from robodyn.cli.options import (
+    FORMAT,
+    PATH,
+    POSITIVE,
+    ROBOT_SUFFIXES,
+    SCENE,
+    Output,
+    gravity,
+    lookup,
+    payloads,
+    scene_name,
+)
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.measure.accuracy.ladder import Accuracy
@@ -24,7 +35,7 @@ from robodyn.support.files import write_whole
 @click.option("--target", type=POSITIVE, metavar="ERROR", help="Name the quickest method within this relative error.")
 @click.option("--duration", type=POSITIVE, metavar="S", help="s, of a simulated motion; default 2, or the table's.")
 @click.option("--traj", "table", type=PATH, metavar="FILE", help="The table whose columns the scene names.")
-@click.option("--plot", type=PATH, metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
+@click.option("--plot", type=Output("a picture"), metavar="FILE", help="Draw error against time: .svg, .png or .pdf.")
 @READING
 @SCENE
 @REPORT
@@ -41,7 +52,7 @@ def command(
       robodyn accuracy robots/puma560.urdf robots/puma560_sweep.csv --report accuracy.html
       robodyn accuracy robots/two_link_planar.urdf robots/two_link_planar_swing_down.toml --plot front.svg
     """
-    check_names(*files, table, output=plot)
+    check_names()
     picture = form_of(plot) if plot else ""
     if plot:
         need("plots", "matplotlib", file=plot)

@@ -31,7 +31,7 @@ def command(urdf: str, samples: int, threads: int | None, peers: bool) -> None:
     """
     if peers and urdf == STANDARD_INPUT:
         raise click.UsageError("--peers reads the description again: name its file", click.get_current_context())
-    check_names(urdf)
+    check_names()
     model, scene = robot_in_scene(urdf)
     try:
         result = bench(model, scene, samples=samples, threads=threads, peers=peers, watch=_watch)

@@ -145,7 +145,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
       robodyn check robots/ --ignore RD110
       robodyn check robots/puma.urdf --report findings.html
     """
-    check_names(*urdfs)
+    check_names(*["baseline"] * flags["write_baseline"])
     check_flags(flags, urdfs)
     asked = Asked(flags["targets"] or (), flags["against"], flags["trajectory"], reading())
     how = lookup()

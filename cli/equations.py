@@ -79,7 +79,7 @@ def command(urdf: str, form: str, at: Any, qd: Any, tau: Any, output: str) -> No
       robodyn equations robots/scara.urdf --form dae --at 0.3,-0.5,0.05 --qd elbow=2
     """
     check_asked(form, output, at=at, qd=qd, tau=tau)
-    check_names(urdf)
+    check_names()
     model, scene = robot_in_scene(urdf, loops=form == "dae")
     found: Any
     if form == "dae":

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, VALUES, Parsed
+from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, TABLE_OUT, VALUES, Parsed
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.identification.excitation.excite import HARMONICS, PERIOD, RATE, excite
 from robodyn.report.excitation import excitation_page, excitation_sections
@@ -25,7 +25,7 @@ def _names(text: str) -> tuple[str, ...]:
 
 @click.command("excite", short_help="Find a motion that shows a robot's parameters.")
 @click.argument("urdf", type=PATH)
-@click.option("--out", type=PATH, metavar="FILE", help="Write the motion: .csv, .parquet or .npz.")
+@click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion: .csv, .parquet or .npz.")
 @click.option("--period", type=POSITIVE, default=PERIOD, metavar="S", help=f"s, of the motion; default {PERIOD:g}.")
 @click.option("--harmonics", type=int, default=HARMONICS, metavar="N", help=f"Of its series; default {HARMONICS}.")
 @click.option("--rate", type=POSITIVE, default=RATE, metavar="HZ", help=f"Rows per second; default {RATE:g}.")
@@ -46,7 +46,7 @@ def command(urdf: str, out: str | None, **options: Any) -> None:
       robodyn excite robots/puma.urdf --out motion.csv
       robodyn excite robots/puma560.urdf --joints waist,shoulder,elbow --period 20 --harmonics 8 --out motion.csv
     """
-    check_names(urdf, output=out)
+    check_names()
     if out is not None:
         format_of(out)
     get_ready()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import PATH, SCENE
+from robodyn.cli.options import PATH, SCENE, Output
 from robodyn.cli.screen import show, show_file
 from robodyn.equations.export.export import TARGETS, export
 
@@ -19,7 +19,7 @@ from robodyn.equations.export.export import TARGETS, export
     metavar="WHAT,...",
     help="torques (default), mass_matrix, bias, coriolis, forward, derivatives, forward_derivatives, regressor.",
 )
-@click.option("--out", type=PATH, metavar="FILE", help="Default standard output.")
+@click.option("--out", type=Output("source code"), metavar="FILE", help="Default standard output.")
 @SCENE
 def command(urdf: str, to: str, what: str, out: str | None) -> None:
     """Write functions that compute the dynamics of a robot, a scene folded in, without robodyn: one C99 file, or a
@@ -33,7 +33,7 @@ def command(urdf: str, to: str, what: str, out: str | None) -> None:
       robodyn export robots/two_link_planar.urdf --to casadi --what forward --out arm.py
       robodyn export robots/puma.urdf --scene robots/puma_payload.toml --to jax --what derivatives,regressor > puma.py
     """
-    check_names(urdf, output=out)
+    check_names()
     model, scene = robot_in_scene(urdf)
     text = export(model, to, what, scene=scene, out=out)
     if out is None:

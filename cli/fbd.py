@@ -11,6 +11,7 @@ import click
 
 from robodyn.cli.files import check_names, robot_in_scene
 from robodyn.cli.options import AT, FOLDER, FORMAT, PATH, QD, SCENE, VALUES, together
+from robodyn.cli.outputs import refuse_foreign
 from robodyn.cli.reading_options import READING, given, reading
 from robodyn.cli.reports import answer
 from robodyn.equations.free_body.bodies import free_bodies
@@ -83,7 +84,7 @@ def command(urdf: str, svg: str | None, **given: Any) -> None:
       robodyn fbd robots/scara.urdf --at 0.3,-0.5,0.05 --qdd elbow=2
       robodyn fbd robots/puma.urdf --traj robots/puma_reach.csv --time 0.5 --svg drawings
     """
-    check_names(urdf, given["traj"])
+    check_names()
     model, scene = robot_in_scene(urdf, loops=True, contacts=True)
     words, state, warnings = state_of(model, scene, **given)
     found = free_bodies(model, scene=scene, **state)
@@ -110,6 +111,8 @@ def write_drawings(folder: str, files: Iterable[tuple[str, str]]) -> int:
         why = (error.strerror or str(error)).lower() if isinstance(error, OSError) else str(error)
         raise InputError(f"cannot be written: {why}", remedy=remedy, file=folder) from None
     drawings = list(files)
+    for name, _ in drawings:
+        refuse_foreign(os.path.join(folder, name), "a drawing", remedy)
     for name, content in drawings:
         write_whole(os.path.join(folder, name), content.encode(), remedy)
     return len(drawings)

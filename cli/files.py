@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from contextlib import suppress
-from itertools import product
 from typing import TYPE_CHECKING
 
 import click
 
 from robodyn.cli.options import ROBOT_SUFFIXES, gravity, kept_value, lookup, payloads, scene_name
+from robodyn.cli.outputs import check_outputs, inputs_of
 from robodyn.errors import InputError, SceneError
 from robodyn.support.input_file import read_standard_input
 
@@ -93,20 +91,19 @@ def source_of(urdf: str) -> str | bytes:
     return read_standard_input() if urdf == STANDARD_INPUT else urdf
 
 
-def check_names(*inputs: str | None, output: str | None = None) -> None:
-    """Raise if standard input is asked for twice or is not there, or if an output would overwrite an input.
+def check_names(*writes: str) -> None:
+    """Raise if standard input is asked for twice or is not there, or an output is an input or no file of ours.
 
-    The scene is one of the inputs, the report one of the outputs.
+    Args:
+        writes: as for `check_outputs`.
     """
-    files = [*inputs, scene_name()]
+    ctx = click.get_current_context()
+    files = inputs_of(ctx)
     if files.count(STANDARD_INPUT) > 1:
         raise InputError("standard input is asked for twice", remedy="name a file for one of them", file="<stdin>")
     if STANDARD_INPUT in files and sys.stdin is None:
         raise InputError("standard input is closed", remedy="name a file, or pipe one in", file="<stdin>")
-    for place, path in product((output, kept_value("report", None)), files):
-        with suppress(OSError, ValueError):
-            if path and place and os.path.samefile(path, place):
-                raise InputError("the output would overwrite an input", remedy="give --out another name", file=place)
+    check_outputs(ctx, writes)
 
 
 def _scene(path: str) -> Scene:

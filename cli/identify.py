@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from robodyn.cli.files import TABLE, check_names, expect, robot_in_scene
-from robodyn.cli.options import FORMAT, PATH, POSITIVE, SCENE, kept_value
+from robodyn.cli.options import COVARIANCE_OUT, FORMAT, PATH, POSITIVE, SCENE, SCENE_OUT, URDF_OUT
 from robodyn.cli.reading_options import READING, reading
 from robodyn.cli.reports import REPORT, answer
 from robodyn.errors import InputError
@@ -28,9 +28,9 @@ SPLIT = 0.7
 @click.command("identify", short_help="Find parameters that explain measured torques.")
 @click.argument("urdf", type=PATH)
 @click.argument("logs", type=PATH, nargs=-1, required=True, metavar="LOG...")
-@click.option("--out", type=PATH, metavar="FILE", help="Write the calibrated description: URDF.")
-@click.option("--scene-out", type=PATH, metavar="FILE", help="Write friction and rotors as a scene: TOML.")
-@click.option("--covariance", type=PATH, metavar="FILE", help="Write parameters and their covariance: JSON.")
+@click.option("--out", type=URDF_OUT, metavar="FILE", help="Write the calibrated description: URDF.")
+@click.option("--scene-out", type=SCENE_OUT, metavar="FILE", help="Write friction and rotors as a scene: TOML.")
+@click.option("--covariance", type=COVARIANCE_OUT, metavar="FILE", help="Write parameters and their covariance: JSON.")
 @click.option("--validate", type=PATH, multiple=True, metavar="LOG", help="Hold this log out; repeatable.")
 @click.option(
     "--split",
@@ -63,7 +63,8 @@ def command(urdf: str, logs: tuple[str, ...], **options: Any) -> int:
 
     outputs = {name: options.pop(name) for name in ("out", "scene_out", "covariance")}
     force, shapes, validate = options.pop("force"), not options.pop("no_shapes"), options.pop("validate")
-    _check_outputs(outputs, urdf, *logs, *validate)
+    check_names()
+    _check_folders(outputs)
     for path in (*logs, *validate):
         expect(TABLE, path)
     model, scene = robot_in_scene(urdf)
@@ -95,17 +96,12 @@ _LOST = 1.2
 """Times the error: what the description alone leaves, above which that is told."""
 
 
-def _check_outputs(outputs: dict[str, str | None], *inputs: str) -> None:
-    """Raise before anything is computed if outputs have one name, that of an input, or lie in no folder."""
-    places: list[str] = []
-    for output in filter(None, (*outputs.values(), kept_value("report", None))):
-        check_names(*inputs, output=output)
-        folder, place = os.path.dirname(output), os.path.realpath(output)
+def _check_folders(outputs: dict[str, str | None]) -> None:
+    """Raise before anything is computed if an output lies in no folder."""
+    for output in filter(None, outputs.values()):
+        folder = os.path.dirname(output)
         if folder and not os.path.isdir(folder):
             raise InputError("cannot be written: no such folder", remedy="nothing was written", file=output)
-        if place in places:
-            raise InputError("two outputs have this name", remedy="give each its own", file=output)
-        places.append(place)
 
 
 def _refusal(found: Identified) -> tuple[str, str] | None:

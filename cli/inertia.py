@@ -35,7 +35,7 @@ def command(files: tuple[str, ...], about: Any, rpy: Vector, **options: Any) -> 
       robodyn inertia robot.urdf --link forearm --geometry collision --density 2700 --format urdf
       robodyn inertia robot.urdf --compare --package-path ~/ros/src
     """
-    check_names(*files)
+    check_names()
     view, ctx = View(about, rpy), click.get_current_context()
     if options["file_type"] == "urdf" or any(name.lower().endswith(ROBOT_SUFFIXES) for name in files):
         from robodyn.cli.inertia_robot import robot

@@ -24,6 +24,6 @@ def command(urdf: str) -> None:
     Example:
       robodyn info robots/puma.urdf
     """
-    check_names(urdf)
+    check_names()
     found = overview(robot_source(urdf), **lookup())
     answer(overview_sections(found), json=lambda: overview_json(found))

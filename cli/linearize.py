@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from robodyn.cli.files import check_names, robot_in_scene
-from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, SCENE
+from robodyn.cli.options import AT, FORMAT, PATH, POSITIVE, QD, SCENE, Output
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.equations.linearized.linearize import linearize
 from robodyn.equations.linearized.linearized import Linearized
@@ -26,7 +26,7 @@ from robodyn.support.files import write_whole
 @QD
 @click.option("--equilibrium", is_flag=True, help="Look for the state at rest nearest to --at.")
 @click.option("--step", type=POSITIVE, metavar="S", help="s: A and B of steps, with inputs held in between.")
-@click.option("--out", type=PATH, metavar="FILE", help="Write A, B, states and inputs: .npz.")
+@click.option("--out", type=Output("an archive"), metavar="FILE", help="Write A, B, states and inputs: .npz.")
 @SCENE
 @REPORT
 @FORMAT
@@ -40,7 +40,7 @@ def command(urdf: str, at: Any, qd: Any, equilibrium: bool, step: float | None, 
       robodyn linearize robots/pendulum.urdf --at 1.5707963267948966
       robodyn linearize robots/puma.urdf --scene robots/puma_servo.toml --equilibrium --step 0.001 --out linear.npz
     """
-    check_names(urdf, output=out)
+    check_names()
     if out is not None and not out.endswith(".npz"):
         raise InputError("is no .npz file", remedy="--out FILE.npz", file=out)
     get_ready()

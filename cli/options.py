@@ -59,6 +59,14 @@ class Parsed(click.ParamType):  # type: ignore[type-arg,unused-ignore]
         return [CompletionItem(incomplete, type=self.name)] if self.name in ("file", "dir") else []
 
 
+class Output(Parsed):
+    """The name of a file that is written, of a kind that `outputs.py` knows."""
+
+    def __init__(self, kind: str, parse: Callable[[str], Any] = str) -> None:
+        super().__init__("file", parse)
+        self.kind = kind
+
+
 def finite_numbers(text: str) -> list[float]:
     """Return the numbers between commas; none if one of them is no finite number."""
     try:
@@ -146,6 +154,8 @@ def _payload(text: str) -> Payload:
 
 
 PATH, FOLDER = Parsed("file"), Parsed("dir")
+TABLE_OUT, SCENE_OUT = Output("a table"), Output("a scene that was identified")
+URDF_OUT, COVARIANCE_OUT = Output("a calibrated description"), Output("a covariance")
 VECTOR, POSITIVE, POINT, VALUES = (
     vector_type("0,0,-9.81"),
     Parsed("number", _positive),

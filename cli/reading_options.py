@@ -14,14 +14,22 @@ from robodyn.trajectory.reading import MODES
 from robodyn.trajectory.units import AngleUnit, TimeUnit
 
 
-def _columns(text: str) -> list[tuple[str, str]]:
+class _Pairs(list[tuple[str, str]]):
+    """Pairs of names, and the file that they were read from."""
+
+    file: str | None = None
+
+
+def _columns(text: str) -> _Pairs:
     """Return the pairs of OURS=THEIRS, or of a TOML file of such pairs."""
     ours, equals, theirs = text.partition("=")
     if not equals or os.path.isfile(text):
-        return list(_pairs(text).items())
+        found = _Pairs(_pairs(text).items())
+        found.file = text
+        return found
     if not ours.strip() or not theirs.strip():
         raise ValueError(f"{text!r} is not OURS=THEIRS, such as q_elbow='Elbow angle'")
-    return [(ours.strip(), theirs.strip())]
+    return _Pairs([(ours.strip(), theirs.strip())])
 
 
 def _pairs(file: str) -> dict[str, str]:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from importlib import import_module
 from threading import Thread
 
-from robodyn.cli.options import Parsed, kept, kept_value
+from robodyn.cli.options import Output, kept, kept_value
 from robodyn.cli.screen import page, show
 from robodyn.errors import InputError
 from robodyn.report.document import Document, Section
@@ -44,7 +44,7 @@ def form_of(path: str) -> str:
 
 REPORT = kept(
     "--report",
-    type=Parsed("file", _checked),
+    type=Output("a report", _checked),
     metavar="FILE",
     help="Write a report for people: .html with plots and data in one file, or .md for a pull request.",
 )

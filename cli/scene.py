@@ -7,7 +7,7 @@ import os
 import click
 
 from robodyn.cli.files import robot_source
-from robodyn.cli.options import DESCRIPTION, PATH, lookup
+from robodyn.cli.options import DESCRIPTION, PATH, SCENE_OUT, lookup
 from robodyn.cli.screen import show, show_file
 from robodyn.errors import InputError
 from robodyn.report.scene_toml import scene_toml
@@ -30,7 +30,7 @@ def command(ctx: click.Context) -> None:
 
 @command.command("init", short_help="Write a scene for a robot, everything in it off.")
 @click.argument("urdf", type=PATH)
-@click.option("--out", type=PATH, metavar="FILE", help="A new file; default standard output.")
+@click.option("--out", type=SCENE_OUT, metavar="FILE", help="A new file; default standard output.")
 @DESCRIPTION
 def init(urdf: str, out: str | None) -> None:
     """Write a scene with the joints and links of a robot, each key explained and switched off.

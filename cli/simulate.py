@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from robodyn.cli.files import check_names, check_table, robot_in_scene
-from robodyn.cli.options import BASE_HELD, FORMAT, PATH, POSITIVE, SCENE, VALUES
+from robodyn.cli.options import BASE_HELD, FORMAT, PATH, POSITIVE, SCENE, TABLE_OUT, VALUES
 from robodyn.cli.reading_options import TABLE, given, reading
 from robodyn.cli.reports import REPORT, answer, get_ready
 from robodyn.dynamics.initial_state import begun_at
@@ -33,7 +33,7 @@ from robodyn.trajectory.write import format_of, open_writer
 @click.option("--rtol", type=float, metavar="R", help="Tolerance of a method that chooses its steps.")
 @click.option("--method", metavar="NAME", help=f"{', '.join(each.name for each in METHODS)}; default rk4.")
 @click.option("--accuracy", type=POSITIVE, metavar="E", help="Choose method and step for this relative error.")
-@click.option("--out", type=PATH, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
+@click.option("--out", type=TABLE_OUT, metavar="FILE", help="Write the motion and its torques: .csv, .parquet or .npz.")
 @click.option("--fail-on-limits", is_flag=True, help="Exit with 1 if a limit is exceeded, or one ends the motion.")
 @BASE_HELD
 @click.option("--explain", is_flag=True, help="Say why each effect is on or off.")
@@ -53,7 +53,7 @@ def command(
       robodyn simulate robots/two_link_planar.urdf --scene robots/two_link_planar_swing_down.toml --report r.html
       robodyn simulate robots/puma.urdf --at shoulder=-1.5,elbow=1.5 --duration 0.5
     """
-    check_names(urdf, table, output=out)
+    check_names()
     if out:
         format_of(out)
     get_ready()

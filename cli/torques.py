@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from robodyn.cli.options import BASE_HELD, EXECUTION, FORMAT, PATH, POINT, POSITIVE, SCENE, together
+from robodyn.cli.options import BASE_HELD, EXECUTION, FORMAT, PATH, POINT, POSITIVE, SCENE, TABLE_OUT, together
 from robodyn.cli.reading_options import READING
 from robodyn.cli.reports import REPORT
 
@@ -66,7 +66,9 @@ _SAMPLES = "Of a scene's [uncertainty]: run the motion again with N draws of par
 _MOMENTUM = "Mass centre, momenta, energies, power: report them, and write them to --out."
 OPTIONS = together(
     SCENE,
-    click.option("--out", type=PATH, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."),
+    click.option(
+        "--out", type=TABLE_OUT, metavar="FILE", help="Write the torques: .csv, .parquet, .npz; of many a FOLDER."
+    ),
     BASE_HELD,
     click.option("--reactions", is_flag=True, help="Write the wrenches of the base and of every joint to --out too."),
     click.option("--sizing", is_flag=True, help="Add duty, motors, bearings, foundation; as a scene with motors does."),

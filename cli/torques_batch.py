@@ -15,6 +15,7 @@ from robodyn.cli.batch.jobs import Job, Setup, jobs_of
 from robodyn.cli.batch.workers import worked_here
 from robodyn.cli.files import STANDARD_INPUT, robot_in_scene
 from robodyn.cli.options import gravity, kept_value, payloads, scene_name
+from robodyn.cli.outputs import inputs_of
 from robodyn.cli.progress import files_done
 from robodyn.cli.reading_options import reading
 from robodyn.cli.reports import answer, report_name
@@ -54,7 +55,10 @@ def run_batch(
         raise InputError("is a file, many trajectories need a folder", remedy="give --out another name", file=out)
     if STANDARD_INPUT in (urdf, scene_name(), *trajectories):
         raise InputError("standard input serves one trajectory", remedy="name files for many", file="<stdin>")
-    todo, lines = jobs_of(trajectories, out), kept_value("form", "text") == "text"
+    todo, lines = (
+        jobs_of(trajectories, out, inputs_of(click.get_current_context())),
+        kept_value("form", "text") == "text",
+    )
     if dask:
         need("clusters of Dask", "distributed")
     setup, robot = _setup(urdf, options)

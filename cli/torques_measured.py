@@ -18,7 +18,7 @@ def run_measured(urdf: str, log: str, cutoff: float | None) -> None:
     Args:
         cutoff: of the filter [Hz]; None: by the noise.
     """
-    check_names(urdf, log)
+    check_names()
     expect(ROBOT, urdf)
     expect(TABLE, log)
     get_ready()

@@ -38,7 +38,7 @@ def run_single(
     Args:
         options: of `robodyn.torques`.
     """
-    check_names(urdf, trajectory, output=out)
+    check_names()
     expect(ROBOT, urdf)
     expect(TABLE, trajectory)
     if out:

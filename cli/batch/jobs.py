@@ -6,6 +6,7 @@ import os
 import threading
 import zlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from glob import glob, has_magic
 from hashlib import blake2b
@@ -25,6 +26,7 @@ from robodyn.support.input_file import open_input
 from robodyn.support.libraries import version_of
 from robodyn.trajectory.table import FILE_TYPES, READABLE, log_kind
 
+REMEDY = "give --out another folder"
 _SUFFIXES = {"csv": ".csv", "parquet": ".parquet", "npz": ".npz"}
 
 
@@ -43,8 +45,11 @@ class Job(NamedTuple):
     shown: str
 
 
-def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
+def jobs_of(patterns: Sequence[str], out: str, beside: Sequence[str] = ()) -> list[Job]:
     """Return the jobs of names and patterns (`runs/*.csv`, `runs/**/*.csv`) in their order, each file once.
+
+    Args:
+        beside: other files that are read.
 
     Results keep the name and the type of their trajectory; those of several folders keep the folders that differ.
 
@@ -71,11 +76,25 @@ def jobs_of(patterns: Sequence[str], out: str) -> list[Job]:
             what = f"the results of '{jobs[job.document].name}' would have the same name"
             raise InputError(what, remedy="rename one of them, or give each a --out of its own", file=name)
         jobs[job.document] = job
-    inputs = {os.path.realpath(path): name for name, path in zip(names, paths, strict=True)}
-    for job in jobs.values():
-        if (over := inputs.get(os.path.realpath(job.table))) is not None:
-            raise InputError("the output would overwrite an input", remedy="give --out another folder", file=over)
+    _check_results([*jobs.values()], [*names, *beside])
     return list(jobs.values())
+
+
+def _check_results(jobs: Sequence[Job], inputs: Sequence[str]) -> None:
+    """Raise if a result would overwrite what is read, by whatever name."""
+    read = {_identity(name): name for name in inputs}
+    for job in jobs:
+        over = read.get(_identity(job.table)) or read.get(_identity(job.document))
+        if over is not None:
+            raise InputError("the output would overwrite an input", remedy=REMEDY, file=over)
+
+
+def _identity(path: str) -> tuple[int, int] | str:
+    """Return what is the same for all names of a file."""
+    with suppress(OSError, ValueError):
+        status = os.stat(path)
+        return status.st_dev, status.st_ino
+    return os.path.realpath(path)
 
 
 def _named(pattern: str) -> list[str]:

@@ -7,7 +7,8 @@ import os
 from contextlib import ExitStack, suppress
 from typing import Any
 
-from robodyn.cli.batch.jobs import VERSION, Job, Setup
+from robodyn.cli.batch.jobs import REMEDY, VERSION, Job, Setup
+from robodyn.cli.outputs import refuse_foreign
 from robodyn.errors import InputError, RobodynError
 from robodyn.loads.columns import output_names
 from robodyn.loads.many import JointPeak, Outcome, Status
@@ -16,6 +17,7 @@ from robodyn.report.json.loads import torques_json
 from robodyn.robot.limits import Coverage, Quantity, Unchecked
 from robodyn.support.doubts import Doubt
 from robodyn.support.files import write_whole
+from robodyn.support.input_file import read_input
 from robodyn.support.threads import write_behind
 from robodyn.trajectory.robot_motion import read_motion
 from robodyn.trajectory.write import open_writer
@@ -60,8 +62,7 @@ def failed(job: Job, text: str) -> Outcome:
 def _finished(job: Job, digest: str) -> dict[str, Any] | None:
     """Return the document of a job that is finished; remove results of other inputs, lest they be taken for these."""
     with suppress(OSError, ValueError, KeyError, TypeError):
-        with open(job.document, encoding="utf-8") as stream:
-            document: dict[str, Any] = json.load(stream)
+        document: dict[str, Any] = json.loads(read_input(job.document))
         made = document[KEY]
         if made["digest"] == digest and os.path.getsize(job.table) == made["bytes"]:
             _outcome(job, "finished before", document)
@@ -72,6 +73,8 @@ def _finished(job: Job, digest: str) -> dict[str, Any] | None:
 
 
 def _computed(setup: Setup, job: Job, digest: str) -> dict[str, Any]:
+    for place, kind in ((job.table, "a table"), (job.document, "a result of a batch")):
+        refuse_foreign(place, kind, REMEDY)
     model, scene = setup.loaded()
     names = output_names(model, setup.options["reactions"], setup.options["momentum"] is not None, scene)
     with ExitStack() as stack:

@@ -76,7 +76,7 @@ def test_the_report_says_where_the_table_went() -> None:
 
 
 def test_an_older_file_is_replaced_and_nothing_else_appears() -> None:
-    Path("tau.csv").write_text("old")
+    Path("tau.csv").write_text("time,old\n")
     written("tau.csv", "arm.urdf", "arm.csv")
     assert sorted(path.name for path in Path().iterdir()) == ["arm.csv", "arm.urdf", "tau.csv"]
 
