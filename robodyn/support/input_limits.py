@@ -37,9 +37,9 @@ class InputLimits:
     """Characters in the name of a column."""
     csv_line_bytes: int = 1 << 20
     """Bytes in a line of a table as text, the header among them."""
-    message_values: int = 3_000_000
-    """Values in messages as text: numbers, names, lists."""
-    log_values: int = 50_000_000
+    message_values: int = 2_000_000
+    """Values in messages as text: numbers, names, lists, and the ends of lists in YAML."""
+    log_values: int = 30_000_000
     """Cells of the table that messages make: stamps times columns."""
     yaml_metadata_bytes: int = 1 << 18
     """Bytes of the metadata of a bag."""

@@ -163,17 +163,18 @@ class _Steps:
     """Bounds what a database may do: a table in it may be computed, without end."""
 
     def __init__(self, file: str) -> None:
-        self._file, self._steps = file, 0
+        self._file, self._done, self._most = file, 0, limits().bag_steps
+        self._each = min(_STEPS, self._most)
 
     def bound(self, connection: Any) -> None:
         """Set the limits of a connection."""
         import apsw
 
         connection.limit(apsw.SQLITE_LIMIT_LENGTH, limits().bag_chunk_bytes)
-        connection.set_progress_handler(self._progress, _STEPS)
+        connection.set_progress_handler(self._progress, self._each)
 
     def _progress(self) -> bool:
-        self._steps += _STEPS
-        if self._steps > limits().bag_steps:
+        self._done += self._each
+        if self._done >= self._most:
             raise beyond("bag_steps", "too many steps of its database", TrajectoryError, file=self._file)
         return False

@@ -124,7 +124,7 @@ def _columns(states: Sequence[State], names: Sequence[str], notes: list[str]) ->
     """Return the columns of joints, of quantities that all messages have; note what some lack, or have as NaN only."""
     columns: dict[str, Floats] = {}
     for quantity, letter in QUANTITIES.items():
-        having = [state for state in states if len(state.values.get(quantity, ())) == len(state.names)]
+        having = [state for state in states if len(state.values.get(quantity, ())) == len(state.names) > 0]
         if len(having) == len(states):
             rows = np.array([_in_order(state, names, quantity) for state in states])
             lost = [name for i, name in enumerate(names) if quantity != "position" and np.isnan(rows[:, i]).all()]

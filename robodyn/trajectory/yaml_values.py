@@ -44,28 +44,28 @@ class _Building:
 
     def __init__(self, file: str) -> None:
         self.documents: list[Any] = []
-        self._file, self._values = file, 0
+        self._file, self._events = file, 0
         self._open: list[tuple[Any, list[Any]]] = [(None, self.documents)]
 
     def add(self, event: Any, line: int) -> None:
         kind = type(event).__name__
+        self._events += 1
+        if self._events > limits().message_values:
+            raise beyond("message_values", "too many values", TrajectoryError, file=self._file, line=line)
         if kind == "AliasEvent":
             what = f"*{event.anchor} stands for another part"
             raise TrajectoryError(what, remedy="write the values themselves", file=self._file, line=line)
         if kind == "ScalarEvent":
-            self._put(_scalar(event.value) if event.implicit[0] else event.value, line)
+            self._put(_scalar(event.value) if event.implicit[0] else event.value)
         elif kind in ("SequenceStartEvent", "MappingStartEvent"):
             if len(self._open) > limits().nesting:
                 raise beyond("nesting", "nested too deeply", TrajectoryError, file=self._file, line=line)
             self._open.append((kind, []))
         elif kind in ("SequenceEndEvent", "MappingEndEvent"):
             began, values = self._open.pop()
-            self._put(values if began == "SequenceStartEvent" else self._mapping(values, line), line)
+            self._put(values if began == "SequenceStartEvent" else self._mapping(values, line))
 
-    def _put(self, value: Any, line: int) -> None:
-        self._values += 1
-        if self._values > limits().message_values:
-            raise beyond("message_values", "too many values", TrajectoryError, file=self._file, line=line)
+    def _put(self, value: Any) -> None:
         self._open[-1][1].append(value)
 
     def _mapping(self, values: list[Any], line: int) -> dict[Any, Any]:

@@ -12,6 +12,7 @@ from helpers.command_line import ROBOTS, run
 
 import robodyn
 from robodyn.errors import TrajectoryError
+from robodyn.support.input_limits import VARIABLE
 from robodyn.trajectory.assemble import join
 from robodyn.trajectory.read import open_table
 
@@ -81,6 +82,28 @@ def test_joints_in_any_order_and_more_than_the_robot_has(tmp_path):
     block = read(write_bag(tmp_path / "log", {"/joint_states": found}))
     check(block)
     assert any("'q_finger'" in note for note in block.notes)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "value"),
+    [("sqlite3", "bag_steps", 100), ("sqlite3", "bag_chunk_bytes", 60), ("sqlite3", "yaml_metadata_bytes", 50)],
+)
+def test_limits_of_bags(kind, name, value, tmp_path, monkeypatch):
+    path = write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, kind)
+    check(read(path))
+    monkeypatch.setenv(VARIABLE, f"{name}={value}")
+    with pytest.raises(TrajectoryError):
+        read(path)
+
+
+def test_what_rosbags_does_for_others_stays_as_it_is(tmp_path):
+    """Limits hold while a bag is read here, and not beyond."""
+    from rosbags.rosbag1 import reader as first
+    from rosbags.rosbag2 import reader, storage_mcap
+
+    before = dict(storage_mcap.DECOMPRESSORS), dict(first.decompressors), reader.zstd, reader.parse_qos
+    read(write_bag(tmp_path / "log", {"/joint_states": states(ROS2)}, "mcap"))
+    assert before == (storage_mcap.DECOMPRESSORS, first.decompressors, reader.zstd, reader.parse_qos)
 
 
 def test_effort_is_the_torque(tmp_path):
