@@ -12,6 +12,7 @@ from typing import NoReturn
 
 import click
 
+from robodyn.cli.interrupts import STATUS, interrupted
 from robodyn.errors import RobodynError
 from robodyn.report.table import PLAIN, Page, printable
 from robodyn.support.wording import alternatives
@@ -70,8 +71,10 @@ def reported() -> Iterator[None]:
         discard_output()
         fail(f"{error.filename or 'standard output'}: {(error.strerror or str(error)).lower()}")
     except (KeyboardInterrupt, click.Abort):
-        sys.exit(130)
+        sys.exit(STATUS)
     except Exception as error:
+        if interrupted():
+            sys.exit(STATUS)
         from traceback import extract_tb
 
         place = extract_tb(error.__traceback__)[-1]

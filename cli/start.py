@@ -8,6 +8,8 @@ import os
 import sys
 from typing import NoReturn
 
+from robodyn.cli.interrupts import STATUS, interrupted, listen
+
 ALLOCATIONS = 100_000
 """Objects between two searches for cycles: imports make about as many, none of them garbage."""
 
@@ -20,15 +22,20 @@ def start() -> NoReturn:
     """
     gc.set_threshold(ALLOCATIONS, 20, 20)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from robodyn.cli.main import main
-
     status = 0
     try:
+        listen()
+        from robodyn.cli.main import main
+
         main()
     except SystemExit as end:
         if not isinstance(end.code, int):
             raise
         status = end.code
+    except BaseException:
+        if not interrupted():
+            raise
+        status = STATUS
     _leave(status)
 
 

@@ -89,3 +89,40 @@ def test_a_traceback_is_shown_on_request(value, shown, monkeypatch):
     assert internal.returncode == 2
     assert ("\nZeroDivisionError: division by zero\n" in internal.stderr) == shown
     assert "error: internal error at " in internal.stderr.splitlines()[-1]
+
+
+PROBE = """
+import os, signal, sys
+sys.path.insert(0, {here!r})
+left = [{count}]
+def hook(event, _):
+    if event == "import":
+        left[0] -= 1
+        if not left[0]:
+            os.kill(os.getpid(), signal.SIGINT)
+from robodyn.cli.start import start
+sys.addaudithook(hook)
+start()
+"""
+"""Interrupts itself when so many modules have been asked for."""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+@pytest.mark.parametrize("count", [*range(1, 60, 7), *range(60, 1200, 90)])
+def test_an_interrupt_while_modules_load(count: int) -> None:
+    code = PROBE.format(count=count, here=str(Path(__file__).parent))
+    call = [sys.executable, "-I", "-c", code, "torques", str(ROBOTS / "scara.urdf"), str(ROBOTS / "none.csv")]
+    done = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert "Traceback" not in done.stderr
+    assert "internal error" not in done.stderr
+    assert done.returncode == 130 or (done.returncode == 2 and count > 300)
+    assert done.returncode == 2 or not done.stderr.strip()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals")
+def test_an_interrupt_that_a_callback_swallows() -> None:
+    swallowed = "import os, signal\nclass Thing:\n    def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
+    after = "import time\nfrom robodyn.cli import main\n"
+    after += "main.Commands.list_commands = lambda *_: [Thing()] and time.sleep(5) or list(main.COMMANDS)"
+    done = run("start", "--help", before=swallowed, after=after)
+    assert (done.returncode, done.stderr.strip()) == (130, "")

@@ -122,4 +122,9 @@ def _escaped(text: str) -> str:
 
 
 def _property(text: str) -> str:
-    return _escaped(text).replace(":", "%3A").replace(",", "%2C")
+    """Return a property; whatever turns text around or drives a terminal is shown, not done."""
+    return (
+        _escaped("".join(letter if letter in "\r\n" else printable(letter) for letter in text))
+        .replace(":", "%3A")
+        .replace(",", "%2C")
+    )
