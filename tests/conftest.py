@@ -3,8 +3,10 @@
 import gc
 import os
 import signal
+import subprocess
 import tempfile
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -50,3 +52,19 @@ def _let_children_hear() -> None:
     for name in ("SIGINT", "SIGHUP"):
         if (number := getattr(signal, name, None)) and signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, lambda *_: None)
+
+
+@pytest.fixture
+def children(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
+    """The processes of Python that are started during the test, in their order."""
+    from robodyn.support import processes
+
+    started: list[subprocess.Popen[bytes]] = []
+    start = processes.start_python
+
+    def noted(*arguments: Any, **options: Any) -> subprocess.Popen[bytes]:
+        started.append(start(*arguments, **options))
+        return started[-1]
+
+    monkeypatch.setattr(processes, "start_python", noted)
+    return started

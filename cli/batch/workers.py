@@ -29,7 +29,7 @@ def worked_here(setup: Setup, jobs: Sequence[Job], count: int) -> Iterator[tuple
         for path in (jobs[number].table, jobs[number].document):
             remove_abandoned(path)
 
-    with closing(in_processes(partial(_run_quietly, setup), [(job,) for job in jobs], count, "spawn", clear)) as work:
+    with closing(in_processes(partial(_run_quietly, setup), [(job,) for job in jobs], count, clear)) as work:
         for number, found in work:
             job = jobs[number]
             yield number, failed(job, f"{job.name}: {found}") if isinstance(found, Death) else found

@@ -118,7 +118,7 @@ def tried_apart() -> Trial:
     """Return the trial in a process of its own, which machine code that does not suit the processor would end."""
     from robodyn.support.processes import Death, in_processes
 
-    ((_, found),) = in_processes(trial, [()], 1, "spawn")
+    ((_, found),) = in_processes(trial, [()], 1)
     return Trial("machine code ends the process", True, 0.0) if isinstance(found, Death) else found
 
 

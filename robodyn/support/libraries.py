@@ -5,33 +5,21 @@ from __future__ import annotations
 import json
 import logging
 import subprocess
-import sys
 import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from typing import Literal, NamedTuple
 
+from robodyn.support.children import start_python
 from robodyn.support.extras import Library
 
 _LONGEST = 60.0
 """Seconds that all of them may take."""
 _MARK = "\x1e"
 """Before an answer, for modules may print too."""
-_TRY = """
-import json, sys
-sys.path[:] = json.loads(sys.argv[1])
-for name in sys.argv[2:]:
-    try:
-        __import__(name)
-        problem = ""
-    except BaseException as error:
-        problem = (str(error).partition("\\n")[0] or type(error).__name__)[:200]
-    print("\\x1e" + json.dumps([name, problem]), flush=True)
-"""
-
-
 class Installed(NamedTuple):
     """The version, None where it is not installed; and why it does not load, empty if it does."""
 
@@ -71,16 +59,28 @@ def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 def _tried(modules: Sequence[str]) -> tuple[list[tuple[str, str]], str]:
     """Return what the process says of the modules until it ends, and how it ends."""
-    call = [sys.executable, "-c", _TRY, json.dumps(sys.path), *modules]
-    try:
-        done = subprocess.run(call, capture_output=True, timeout=_LONGEST, check=False, stdin=subprocess.DEVNULL)
-        said, status = done.stdout, done.returncode
-        ended = f"it ends the process, {f'signal {-status}' if status < 0 else f'exit status {status}'}"
-    except subprocess.TimeoutExpired as error:
-        said, ended = error.stdout or b"", f"it does not end within {_LONGEST:.0f} s"
+    with start_python(f"{__name__}:import_each", *modules, stderr=subprocess.DEVNULL) as process:
+        try:
+            said, _ = process.communicate(timeout=_LONGEST)
+            status = process.returncode
+            ended = f"it ends the process, {f'signal {-status}' if status < 0 else f'exit status {status}'}"
+        except subprocess.TimeoutExpired:
+            process.kill()
+            said, ended = process.communicate()[0], f"it does not end within {_LONGEST:.0f} s"
     lines = said.decode(errors="replace").split("\n")
     answers = [json.loads(line.rpartition(_MARK)[2]) for line in lines if _MARK in line]
     return [(name, problem) for name, problem in answers], ended
+
+
+def import_each(*modules: str) -> None:
+    """Print of each module why it cannot be imported, in a process that may end of it."""
+    for name in modules:
+        try:
+            import_module(name)
+            problem = ""
+        except BaseException as error:
+            problem = (str(error).partition("\n")[0] or type(error).__name__)[:200]
+        print(_MARK + json.dumps([name, problem]), flush=True)
 
 
 _WARNINGS = threading.RLock()

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import os
+import pickle
 import signal
+import subprocess
 import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing import get_context, resource_tracker
-from multiprocessing.connection import Connection, wait
+from queue import Empty, Queue
+from threading import Thread
 from traceback import format_exc
 from typing import Any, Generic, NamedTuple, TypeVar
+
+from robodyn.support.children import start_python
 
 ATTEMPTS = 2
 """Processes that may die of one call before it is given up."""
 _PATIENCE = 5.0
 """Seconds that a process has to clear up before it is killed."""
+_HEARTBEAT = 1.0
+"""Seconds for which an interruption may wait, where waiting for an answer cannot be interrupted (Windows)."""
 R = TypeVar("R")
 
 
@@ -40,29 +47,49 @@ class _Raised(NamedTuple):
     trace: str
 
 
+class _Ended:
+    """What comes in place of an answer when a process has ended."""
+
+
 class _Worker(Generic[R]):
-    """A process, this end of the pipe to it, and the number of the call that it works on."""
+    """A process, and the number of the call that it works on; its answers are put into a queue as (worker, answer)."""
 
-    def __init__(self, work: Callable[..., R], method: str | None) -> None:
-        context: Any = get_context(method)
-        self.connection, other = context.Pipe()
-        self.process = context.Process(target=_serve, args=(other, work), daemon=True)
-        self.process.start()
-        other.close()
+    def __init__(self, work: Callable[..., R], answers: Queue[Any]) -> None:
         self.number = -1
+        self.process = start_python(f"{__name__}:serve")
+        self._answers = answers
+        self._reader = Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self.send(work)
 
-    def send(self, arguments: tuple[Any, ...] | None) -> None:
-        """Give arguments of a call, or None to end; that the process has died is found out when it should answer."""
+    def send(self, what: Any) -> None:
+        """Give what to do, arguments of a call, or None to end; that the process has died its end will tell."""
+        assert self.process.stdin is not None
         with suppress(OSError):
-            self.connection.send(arguments)
+            pickle.dump(what, self.process.stdin)
+            self.process.stdin.flush()
 
-    def end(self) -> None:
-        """Let the process clear up and end."""
-        self.process.join(_PATIENCE)
-        if self.process.is_alive():
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        with suppress(EOFError, OSError, ValueError, pickle.UnpicklingError):
+            while True:
+                self._answers.put((self, pickle.load(self.process.stdout)))
+        self._answers.put((self, _Ended))
+
+    def end(self) -> int:
+        """Let the process clear up and end; return its status."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        try:
+            self.process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
             self.process.kill()
-            self.process.join()
-        self.connection.close()
+        status = self.process.wait()
+        self._reader.join()
+        with suppress(OSError):
+            self.process.stdin.close()
+        self.process.stdout.close()
+        return status
 
 
 @contextmanager
@@ -75,7 +102,6 @@ def delayed_interruption() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # when it starts it lets signals through
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -87,7 +113,6 @@ def in_processes(
     work: Callable[..., R],
     calls: Sequence[tuple[Any, ...]],
     count: int,
-    method: str | None = None,
     clear: Callable[[int], None] = lambda _: None,
 ) -> Generator[tuple[int, R | Death], None, None]:
     """Yield the number of each of some calls with what `work(*call)` returned, as they are done.
@@ -98,67 +123,81 @@ def in_processes(
         work: what it raises is raised here.
         calls: the arguments of each.
         count: of processes.
-        method: by which they are started; see `multiprocessing.get_context`.
         clear: called with the number of a call whose process has ended before it could clear up, perhaps.
     """
     waiting = deque(range(len(calls)))
     attempts = [0] * len(calls)
-    workers: dict[Connection, _Worker[R]] = {}
+    answers: Queue[Any] = Queue()
+    workers: set[_Worker[R]] = set()
 
     def give(worker: _Worker[R]) -> None:
         worker.number = waiting.popleft()
         attempts[worker.number] += 1
         worker.send(calls[worker.number])
 
-    def end(worker: _Worker[R]) -> None:
-        worker.end()
+    def end(worker: _Worker[R]) -> int:
+        status = worker.end()
         clear(worker.number)
+        return status
 
     try:
         while waiting or workers:
             while waiting and len(workers) < count:
                 with delayed_interruption():
-                    worker = _Worker(work, method)
-                    workers[worker.connection] = worker
+                    worker = _Worker(work, answers)
+                    workers.add(worker)
                 give(worker)
-            for connection in wait(list(workers)):
-                worker = workers[connection]  # type: ignore[index]
-                number = worker.number
-                try:
-                    found = worker.connection.recv()
-                except (EOFError, OSError):
-                    if attempts[number] < ATTEMPTS:
-                        waiting.appendleft(number)
-                    else:
-                        worker.process.join(_PATIENCE)
-                        yield number, Death(worker.process.exitcode or 0)
+            try:
+                worker, found = answers.get(timeout=_HEARTBEAT)
+            except Empty:
+                continue
+            if worker not in workers:
+                continue  # it has ended, as it was told to
+            number = worker.number
+            if isinstance(found, _Raised):
+                raise found.error from RuntimeError(found.trace)
+            if found is _Ended:
+                workers.remove(worker)
+                status = end(worker)
+                if attempts[number] < ATTEMPTS:
+                    waiting.appendleft(number)
                 else:
-                    if isinstance(found, _Raised):
-                        raise found.error from RuntimeError(found.trace)
-                    yield number, found
-                    if waiting:
-                        give(worker)
-                        continue
-                    worker.send(None)
-                del workers[worker.connection]
+                    yield number, Death(status)
+                continue
+            yield number, found
+            if waiting:
+                give(worker)
+            else:
+                workers.remove(worker)
+                worker.send(None)
                 end(worker)
     finally:
-        for worker in workers.values():
+        for worker in workers:
             worker.process.terminate()
-        for worker in workers.values():
+        for worker in workers:
             end(worker)
 
 
-def _serve(connection: Connection, work: Callable[..., Any]) -> None:
-    """Work until there is no more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def serve() -> None:
+    """Work until there is no more, in a process that `in_processes` has started.
+
+    Calls come by standard input and answers go by standard output, which what is called finds empty and leads to
+    standard error.
+    """
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that half-written files are removed
+    calls, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+    os.dup2(2, 1)
     try:
-        while (call := connection.recv()) is not None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        work = pickle.load(calls)
+        while (call := pickle.load(calls)) is not None:
             try:
                 found = work(*call)
             except Exception as error:
                 found = _Raised(error, f"in a process of its own:\n{format_exc()}")
-            connection.send(found)
+            pickle.dump(found, answers)
+            answers.flush()
     except (EOFError, BrokenPipeError):
         pass  # the other end has gone

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-from multiprocessing import active_children
 
 import pytest
 from helpers.processed import figure_of, leave, write_interrupted
@@ -14,8 +12,6 @@ from robodyn.errors import InputError
 from robodyn.support import threads as workers
 from robodyn.support.processes import in_processes
 from robodyn.support.threads import processes
-
-METHODS = [method for method in ("fork", "spawn") if method in multiprocessing.get_all_start_methods()]
 
 
 @pytest.mark.parametrize(
@@ -50,29 +46,24 @@ def test_files_are_checked_by_as_many(monkeypatch):
     assert counts == [61]
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_what_is_raised_is_raised_here(method):
+def test_what_is_raised_is_raised_here(children):
     with pytest.raises(InputError, match="no figure: 'x'") as raised:
-        list(in_processes(figure_of, [("1",), ("x",)], 1, method))
+        list(in_processes(figure_of, [("1",), ("x",)], 1))
     assert "in figure_of" in str(raised.value.__cause__)
-    assert not active_children()
+    assert all(child.returncode is not None for child in children)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_call_that_ends_its_processes_stops_no_other(method):
+def test_a_call_that_ends_its_processes_stops_no_other(children):
     """It is tried again, and then given up."""
-    found = dict(in_processes(leave, [(0,), (7,), (0,)], 2, method))
+    found = dict(in_processes(leave, [(0,), (7,), (0,)], 2))
     assert (found[0], found[2]) == (0, 0)
     assert str(found[1]) == "its process died 2 times, at last by status 7 (is there enough memory?)"
     (_, outcome) = each_in_a_process(leave, [(0,), (7,)])
     assert isinstance(outcome, InputError)
-    assert not active_children()
+    assert all(child.returncode is not None for child in children)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_processes_get_no_interruption():
-    """Nor does polars, which handles the signal even of a process that ignores it, and raises KeyboardInterrupt.
-
-    Not by fork, as the threads of polars do not live on in a process that is forked.
-    """
-    assert list(in_processes(write_interrupted, [()], 1, "spawn")) == [(0, "written")]
+    """Nor does polars, which handles the signal even of a process that ignores it, and raises KeyboardInterrupt."""
+    assert list(in_processes(write_interrupted, [()], 1)) == [(0, "written")]

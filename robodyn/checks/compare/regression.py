@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -18,6 +17,8 @@ from robodyn.support.floats import Floats, first_largest
 
 SAME = 1e-9
 """Relative differences that are no more are rounding."""
+_PLAIN = ("-c", "safe.bareRepository=explicit", "-c", "core.fsmonitor=false")
+"""No settings that name programs are taken from a repository that lies among the files of another."""
 _STATES = 32
 _SEED = 20_26
 
@@ -42,8 +43,10 @@ def version_at(file: str, ref: str) -> bytes:
     remedy = "give a revision that has the file"
     if not ref or ref.startswith("-"):
         raise InputError(f"there is no version of {name} at {ref!r}", remedy=remedy)
+    from robodyn.support.children import run_program
+
     try:
-        run = subprocess.run(["git", "show", f"{ref}:./{name}"], cwd=folder, capture_output=True, check=False)
+        run = run_program("git", *_PLAIN, "show", f"{ref}:./{name}", folder=folder, GIT_NO_LAZY_FETCH="1")
     except OSError as error:
         raise InputError(f"git cannot be run: {error}", remedy="install git, or leave --against out") from None
     if run.returncode:

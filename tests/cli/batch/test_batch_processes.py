@@ -7,8 +7,6 @@ import signal
 import subprocess
 import time
 from contextlib import suppress
-from multiprocessing import active_children
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from threading import Thread
 
@@ -35,7 +33,7 @@ def setup():
     return _setup("arm.urdf", {**OPTIONS, "explain": False, "executor": "numpy", "threads": None})[0]
 
 
-def kill_readers(path: str, times: int) -> None:
+def kill_readers(path: str, times: int, children: list[subprocess.Popen[bytes]]) -> None:
     """Kill the one process of the pool whenever it has begun to read a pipe, in which nothing ever comes."""
     while times:
         try:
@@ -43,8 +41,7 @@ def kill_readers(path: str, times: int) -> None:
         except OSError:  # nobody reads yet
             time.sleep(0.005)
             continue
-        (child,) = active_children()
-        assert child.pid is not None
+        child = children[-1]
         os.kill(child.pid, signal.SIGKILL)
         with suppress(ProcessLookupError):  # once the pool has seen its end, which it is not to learn from here
             while True:
@@ -56,13 +53,13 @@ def kill_readers(path: str, times: int) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
 @pytest.mark.parametrize("deaths", [pytest.param(1, marks=pytest.mark.slow), ATTEMPTS])
-def test_a_process_that_dies_is_replaced(deaths: int) -> None:
+def test_a_process_that_dies_is_replaced(deaths: int, children: list[subprocess.Popen[bytes]]) -> None:
     """The job is tried again, and given up after the last attempt; the others are not touched."""
     os.mkfifo("runs/stuck.csv")
     jobs = jobs_of(["runs/one.csv", "runs/stuck.csv", "runs/two.csv"], "results")
-    killer = Thread(target=kill_readers, args=("runs/stuck.csv", deaths), daemon=True)
+    killer = Thread(target=kill_readers, args=("runs/stuck.csv", deaths, children), daemon=True)
     if deaths < ATTEMPTS:
-        killer = Thread(target=lambda: (kill_readers("runs/stuck.csv", deaths), _unstick()), daemon=True)
+        killer = Thread(target=lambda: (kill_readers("runs/stuck.csv", deaths, children), _unstick()), daemon=True)
     killer.start()
     outcomes = dict(worked_here(setup(), jobs, 1))
     killer.join()
@@ -74,7 +71,7 @@ def test_a_process_that_dies_is_replaced(deaths: int) -> None:
         )
     else:
         assert outcomes[1].error.startswith("runs/stuck.csv: is empty")
-    assert not active_children()
+    assert all(child.returncode is not None for child in children)
     assert not list(Path("results").glob("*.part"))
 
 
@@ -119,7 +116,7 @@ def test_interrupted(whole_group: bool) -> None:
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 def test_processes_that_are_ended_the_hard_way_leave_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """As under Windows, where what ends a process lets it clear nothing up."""
-    monkeypatch.setattr(SpawnProcess, "terminate", SpawnProcess.kill)
+    monkeypatch.setattr(subprocess.Popen, "terminate", subprocess.Popen.kill)
     write_motion(Path("long/a.csv"), rows=60_000)
     jobs = jobs_of(["runs/one.csv", "long/a.csv"], "results")
     work = worked_here(setup(), jobs, 2)

@@ -1,0 +1,85 @@
+"""Starting other processes, the one place that does: none finds its modules or its program in the current folder."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+_START = """
+import json, os, site, sys
+function, paths, user, here, root = json.loads(sys.argv.pop(1))
+for folder in user:
+    site.addsitedir(folder)
+own = frozenset(sys.path)
+sys.path[:] = [path for path in paths if path in own or (os.path.isabs(path) and os.path.realpath(path) != here)]
+sys.path += [root] * (root == here and root not in sys.path)
+import robodyn.__main__
+from importlib import import_module
+module, name = function.split(":")
+getattr(import_module(module), name)(*sys.argv[1:])
+"""
+"""What a process begins with. Its path is its parent's without the current folder, which `python -c` and `python -m` put
+first; where that is the checkout that the parent runs, it comes last. `robodyn.__main__` makes a checkout complete."""
+
+
+def start_python(
+    function: str, *arguments: str, environment: Mapping[str, str] | None = None, stderr: int | None = None
+) -> subprocess.Popen[bytes]:
+    """Return a process of Python that calls a function, with pipes to its standard input and from its standard output.
+
+    It is isolated (`-I`: neither PYTHON... variables nor the current folder count), and imports from where this one
+    does, see `_START`.
+
+    Args:
+        function: `module:name`.
+        arguments: for it.
+        environment: its variables; those of this process by default.
+        stderr: as of `subprocess.Popen`.
+    """
+    import robodyn
+
+    here, root = os.path.realpath(os.curdir), str(Path(robodyn.__file__).resolve().parents[1])
+    start = json.dumps([function, sys.path, _user_folders(), here, root])
+    flags = ["-I", *["-B"] * bool(sys.dont_write_bytecode), *["-X", "utf8"] * bool(sys.flags.utf8_mode)]
+    return subprocess.Popen(
+        [sys.executable, *flags, "-c", _START, start, *arguments],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=stderr,
+        env=None if environment is None else {**_needed_to_start(), **environment},
+    )
+
+
+def run_program(name: str, *arguments: str, folder: str, **variables: str) -> subprocess.CompletedProcess[bytes]:
+    """Return what came of a program on the search path, run in a folder without input.
+
+    Args:
+        variables: of its environment, beside those of this process.
+
+    Raises:
+        FileNotFoundError: there is none. The current folder is not looked in, as Windows would.
+    """
+    folders = filter(os.path.isabs, os.environ.get("PATH", os.defpath).split(os.pathsep))
+    program = next(filter(None, (shutil.which(os.path.join(each, name)) for each in folders)), None)
+    if program is None:
+        raise FileNotFoundError(f"there is no {name} on PATH")
+    settings: dict[str, Any] = {"cwd": folder, "env": {**os.environ, **variables}}
+    return subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False, **settings)
+
+
+def _user_folders() -> Sequence[str]:
+    """Return the folder of packages of this user where it counts, whose .pth files bring editable installations."""
+    site = sys.modules.get("site")
+    return [site.getusersitepackages()] if site is not None and site.ENABLE_USER_SITE else []
+
+
+def _needed_to_start() -> dict[str, str]:
+    """Return the variables without which the interpreter or the system's libraries may not be found."""
+    names = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH", "SYSTEMROOT", "PYTHONHOME")
+    return {name: os.environ[name] for name in names if name in os.environ}
