@@ -18,21 +18,31 @@ _PREFIX = "xacro:"
 class Places:
     """What stands in for xacro's parser: `parse`, and what it has noted.
 
+    Args:
+        read: returns the bytes of a file.
+        parse: xacro's own, for what is no file, and for what is said of one that cannot be read.
+
     Attributes:
         files: those that were parsed.
+        sources: their bytes.
     """
 
-    def __init__(self, parse: Callable[..., Any]) -> None:
-        self._parse = parse
+    def __init__(self, read: Callable[[str], bytes], parse: Callable[..., Any]) -> None:
+        self._read, self._parse = read, parse
         self.files: list[str] = []
+        self.sources: dict[str, bytes] = {}
 
     def parse(self, given: Any, filename: str | None = None) -> Any:
-        """Return the document of a file, with marks; anything else is left to xacro, also what is wrong with files."""
-        if given is not None or filename is None or not os.path.isfile(filename):
+        """Return the document of a file, with marks."""
+        if given is not None or filename is None:
             return self._parse(given, filename)
+        try:
+            data = self._read(filename)
+        except OSError:
+            return self._parse(None, filename)
         self.files.append(os.path.abspath(filename))
-        with open(filename, "rb") as stream:
-            return _Marking(len(self.files) - 1).parseString(stream.read())
+        self.sources[self.files[-1]] = data
+        return _Marking(len(self.files) - 1).parseString(data)
 
     def taken(self, root: Any) -> list[tuple[int, int]]:
         """Return the file and the byte of each element in their order, and take the marks away."""

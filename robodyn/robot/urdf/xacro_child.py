@@ -1,0 +1,295 @@
+"""What expands xacro files, in a process of its own: xacro, with expressions, files and variables that are bounded.
+
+xacro keeps what it is at in variables of its modules, prints, and computes expressions by Python's `eval`. So each file
+is expanded by a process of its own, in which others stand for some of xacro's functions.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stdout, suppress
+from io import StringIO
+from types import SimpleNamespace
+from typing import Any
+from xml.parsers import expat
+
+from robodyn.robot.urdf.packages import VARIABLES
+from robodyn.robot.urdf.xacro_expressions import MOST_ITEMS, MOST_TEXT, Evaluator, RefusedError
+from robodyn.robot.urdf.xacro_places import Places
+from robodyn.robot.urdf.xacro_reach import Reach
+
+MEMORY = 1 << 30
+"""Bytes that an expansion may take, where the system can bound them."""
+MOST_ELEMENTS = 200_000
+"""Elements that are expanded, those of macros each time."""
+MOST_OUTPUT = 1 << 26
+"""Characters of the expansion."""
+_DEEPEST = 3_000
+"""Calls within each other, of which a macro within another takes about eight."""
+
+
+def serve() -> None:
+    """Answer the question on standard input, JSON on one line; end early where the one who asked has gone."""
+    question = json.loads(sys.stdin.buffer.readline())
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    threading.Thread(target=_end_with_the_parent, daemon=True).start()
+    with answers:
+        answers.write(json.dumps(answer(**question)).encode())
+
+
+def _end_with_the_parent() -> None:
+    while os.read(0, 1):
+        pass
+    os._exit(1)
+
+
+def answer(
+    path: str, package_paths: Sequence[str], args: Mapping[str, str], trusted: bool, seconds: float
+) -> dict[str, Any]:
+    """Expand a file in this process, which must have no other work.
+
+    Returns:
+        `text`, `files` and `places` (see `Expansion`), and the names of its `arguments`; or a `problem`, whether it is
+        what was `refused`, and if so the `file`, the `line` and what else helps.
+    """
+    given = _Arguments(args)
+    sys.setrecursionlimit(_DEEPEST)
+    bound(seconds, trusted)
+    try:
+        import xacro
+        import yaml  # noqa: F401 - before imports are watched
+        from xacro import substitution_args
+
+        reach = Reach(path, package_paths, given, trusted)
+        marks = Places(lambda name: reach.read(os.path.join(xacro.root_dir, name)), xacro.parse)
+        expansion = _Bounded(xacro, marks)
+        _replace(xacro, open=reach.opened, parse=marks.parse)
+        _replace(substitution_args, _eval_find=reach.package)
+        substitution_args._eval_dict["find"] = reach.package
+    except Exception as error:
+        return {"problem": f"xacro cannot be used: {_sentence(error)}", "refused": False}
+    try:
+        if not trusted:
+            _restrict(xacro, substitution_args, reach, expansion)
+            sys.addaudithook(_watch)
+        with redirect_stdout(StringIO()):
+            document = xacro.process_file(path, mappings=given)
+            places = marks.taken(document.documentElement)
+            text = document.toprettyxml(indent="  ")
+        if len(text) > MOST_OUTPUT:
+            raise RefusedError(f"an expansion of more than {MOST_OUTPUT} characters")
+    except (Exception, SystemExit) as error:
+        refused = _refusal(error)
+        if refused is None:
+            return {"problem": _sentence(error), "refused": False}
+        file, line = expansion.place()
+        return {"problem": str(refused), "refused": True, "remedy": refused.remedy, "file": file, "line": line}
+    return {"text": text, "files": marks.files, "places": places, "arguments": list(given.known)}
+
+
+def bound(seconds: float, trusted: bool) -> None:
+    """Let this process take so much processor time and memory, and unless it is trusted write no files; the system
+    sees to that whatever becomes of its parent."""
+    for name in [name for name in os.environ if name not in (*VARIABLES, "PWD") and not trusted]:
+        del os.environ[name]
+    sys.dont_write_bytecode = True
+    with suppress(ImportError):
+        import resource
+
+        limits = {"RLIMIT_AS": MEMORY, "RLIMIT_CPU": math.ceil(seconds), "RLIMIT_CORE": 0}
+        for name, value in (limits if trusted else {**limits, "RLIMIT_FSIZE": 0, "RLIMIT_NPROC": 0}).items():
+            with suppress(AttributeError, OSError, ValueError):
+                kind = getattr(resource, name)
+                _, most = resource.getrlimit(kind)
+                least = value if most == resource.RLIM_INFINITY else min(value, most)
+                resource.setrlimit(kind, (least, least + (name == "RLIMIT_CPU" and most != least)))
+
+
+def _replace(module: Any, **others: Any) -> None:
+    """Let others stand for functions of a module; `open` need not be there, as it is Python's own.
+
+    Raises:
+        AttributeError: there is no such function, in a version of xacro that is not known.
+    """
+    for name, other in others.items():
+        if name != "open":
+            getattr(module, name)
+        setattr(module, name, other)
+
+
+def _restrict(xacro: Any, substitution_args: Any, reach: Reach, expansion: _Bounded) -> None:
+    """Let expressions be computed by our evaluator, variables be those within reach, and elements and texts be few."""
+    symbols, eval_dict = xacro._global_symbols, substitution_args._eval_dict
+    for space, names in (("python", ("sorted", "range")), ("xacro", ("load_yaml", "abs_filename", "dotify"))):
+        symbols.update({name: symbols[space][name] for name in names})  # these only warn that they are old
+
+    def variable(name: str) -> str:
+        value = reach.variable(name)
+        if value is None:
+            raise substitution_args.SubstitutionException(f"environment variable {name} is not set")
+        return value
+
+    def optional(name: str, default: str = "") -> str:
+        value = reach.variable(name)
+        return default if value is None else value
+
+    own = [*symbols["xacro"].values(), variable, optional, reach.package]
+    named = [lambda name: _argument(substitution_args, name, xacro), lambda: substitution_args._eval_dirname(None)]
+    evaluator = Evaluator([(function, function) for function in (*own, *named)], xacro.NameSpace)
+    plain = {name: value for name, value in eval_dict.items() if not name.startswith("_")}
+    plain |= {"list": list, "dict": dict, "map": map, "str": str, "float": float, "int": int}
+    plain |= {"env": variable, "optenv": optional, "find": reach.package, "arg": named[0], "dirname": named[1]}
+
+    def evaluated(source: str, context: Mapping[str, Any]) -> str:
+        return str(evaluator.evaluate(source, substitution_args._DictWrapper(context.get("arg", {}), plain)))
+
+    _replace(substitution_args, _eval=evaluated, _eval_env=variable, _eval_optenv=optional)
+    _replace(
+        xacro,
+        safe_eval=lambda source, names, _=None: evaluator.evaluate(source, names),
+        glob=SimpleNamespace(glob=reach.matching),
+        eval_text=expansion.eval_text,
+        handle_macro_call=expansion.handle_macro_call,
+    )
+    from yaml import SafeLoader
+
+    SafeLoader.flatten_mapping = _few_merged(SafeLoader.flatten_mapping)  # type: ignore[method-assign]
+
+
+def _argument(substitution_args: Any, name: str, xacro: Any) -> Any:
+    value = substitution_args._eval_arg(name, args=xacro.substitution_args_context.get("arg", {}))
+    return substitution_args.convert_value(value, "auto")
+
+
+def _few_merged(flatten: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
+    """Return YAML's `flatten_mapping`, which puts the items of mappings that are merged in their places, bounded."""
+
+    def bounded(loader: Any, node: Any) -> None:
+        flatten(loader, node)
+        if len(node.value) > MOST_ITEMS // 10:
+            raise RefusedError(f"a mapping of more than {MOST_ITEMS // 10} items")
+
+    return bounded
+
+
+class _Bounded:
+    """xacro's ways to evaluate a text and to expand an element, with a count, and a note of where it is."""
+
+    def __init__(self, xacro: Any, marks: Places) -> None:
+        self._xacro, self._marks = xacro, marks
+        self._eval_text, self._handle = xacro.eval_text, xacro.handle_macro_call
+        self._elements = 0
+        self._failed: str | None = None
+        self._last = ""
+        self._depth = 0
+
+    def eval_text(self, text: str, symbols: Any) -> Any:
+        """Return the value of a text; that of which it fails first is remembered, or the last one."""
+        self._depth += 1
+        try:
+            value = self._eval_text(text, symbols)
+            if isinstance(value, str) and len(value) > MOST_TEXT:
+                raise RefusedError(f"a text of more than {MOST_TEXT} characters")
+        except BaseException:
+            self._failed = self._failed if self._failed is not None else text
+            raise
+        finally:
+            self._depth -= 1
+            self._last = text if self._depth == 0 else self._last
+        return value
+
+    def handle_macro_call(self, node: Any, macros: Any, symbols: Any) -> Any:
+        """Expand an element that is no other of xacro's, whether it calls a macro or not."""
+        self._elements += 1
+        if self._elements > MOST_ELEMENTS:
+            raise RefusedError(f"an expansion of more than {MOST_ELEMENTS} elements")
+        return self._handle(node, macros, symbols)
+
+    def place(self) -> tuple[str | None, int | None]:
+        """Return the file and the line where the text that failed is written: of the macro, or the files around it."""
+        text = self._failed if self._failed is not None else self._last
+        around = [macro.history[-1][-1] for macro in self._xacro.macrostack[-1:]]
+        around += reversed(self._xacro.filestack or [])
+        for file in dict.fromkeys([*(os.path.abspath(each) for each in around if each), *self._marks.files]):
+            line = _line_of(text, self._marks.sources.get(file, b""))
+            if line is not None:
+                return file, line
+        return (os.path.abspath(around[-1]) if around and around[-1] else None), None
+
+
+def _line_of(text: str, data: bytes) -> int | None:
+    """Return the line of the first tag with an attribute, or of the first characters, that have a text in them."""
+    parser, found = expat.ParserCreate(), list[int]()
+    parser.buffer_text = True
+
+    def start(_: str, attributes: dict[str, str]) -> None:
+        if any(text in value for value in attributes.values()):
+            found.append(parser.CurrentLineNumber)
+
+    def characters(data: str) -> None:
+        if text in data:
+            found.append(parser.CurrentLineNumber)
+
+    parser.StartElementHandler, parser.CharacterDataHandler = start, characters
+    with suppress(expat.ExpatError, ValueError):
+        parser.Parse(data, True)
+    return found[0] if found and text.strip() else None
+
+
+def _refusal(error: BaseException | None) -> RefusedError | None:
+    """Return what was refused, where an error tells of that, or what the bounds of the process come to."""
+    while error is not None:
+        if isinstance(error, RefusedError):
+            return error
+        if isinstance(error, MemoryError):
+            return RefusedError(f"an expansion of more than {MEMORY >> 20} MB")
+        if isinstance(error, RecursionError):
+            return RefusedError("an expansion that is nested too deeply")
+        error = getattr(error, "exc", None) or error.__cause__ or error.__context__
+    return None
+
+
+def _sentence(error: BaseException) -> str:
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+_NEVER = ("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl.", "winreg.", "_winapi.", "msvcrt.")
+_LISTS = ("os.listdir", "os.scandir")
+
+
+def _watch(event: str, arguments: tuple[Any, ...]) -> None:
+    """Raise where Python is about to do what no expansion does, should an expression come through to it.
+
+    To start a process, to reach the network, to write a file, to run code that is no module's.
+    """
+    wrong = event.startswith(_NEVER) and event not in _LISTS
+    if event == "open":
+        _, mode, flags = arguments
+        wrong = bool(set(mode or "") & set("wax+")) or bool((flags or 0) & (os.O_WRONLY | os.O_RDWR))
+    elif event == "exec":
+        name = getattr(arguments[0], "co_filename", "<")
+        wrong = name.startswith("<") and not name.startswith("<frozen ")
+    if wrong:
+        raise RefusedError(f"{event} in an expansion")
+
+
+class _Arguments(dict[str, Any]):
+    """Values of arguments that note which ones a file has: xacro asks whether one has a value, or for it."""
+
+    def __init__(self, given: Mapping[str, str]) -> None:
+        super().__init__(given)
+        self.known: dict[str, None] = {}
+
+    def __contains__(self, name: object) -> bool:
+        self.known[str(name)] = None
+        return super().__contains__(name)
+
+    def __getitem__(self, name: str) -> Any:
+        self.known[name] = None
+        return super().__getitem__(name)

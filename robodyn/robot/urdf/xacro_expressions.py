@@ -1,0 +1,552 @@
+"""Expressions of xacro, computed from their syntax: what is not listed here is refused, and nothing grows without bound.
+
+Python's own `eval` is not used. Values are numbers, text, and lists, tuples, sets and dictionaries of these; functions
+can be called and handed on, and have no attributes. Each step is counted, and whatever could make something large is
+asked for its size first.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from string import Formatter
+from typing import Any
+
+MOST_STEPS = 1_000_000
+"""Operations of one expression."""
+MOST_ITEMS = 100_000
+"""Items of a value, with those within it, however often the same one occurs."""
+MOST_TEXT = 1_000_000
+"""Characters of a text, or of all texts within a value."""
+MOST_BITS = 4_096
+"""Bits of a whole number."""
+MOST_SOURCE = 20_000
+"""Characters of an expression."""
+_WIDEST = 1_000
+"""Characters to which a number or a text is padded, and digits of a number."""
+_DOTTED = "YamlDictWrapper"
+"""xacro's type of dictionaries whose items are attributes as well."""
+
+
+class RefusedError(Exception):
+    """Something asks for what no description needs, or for too much of it.
+
+    Args:
+        remedy: what else helps than to trust the file.
+    """
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.remedy = remedy
+
+
+class _Method:
+    """A method of a value; with no value, one of a type, of which the first argument is the value."""
+
+    def __init__(self, owner: Any, name: str) -> None:
+        self.owner, self.name = owner, name
+
+
+_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+    ast.Pow: operator.pow,
+    ast.LShift: operator.lshift,
+    ast.RShift: operator.rshift,
+    ast.BitOr: operator.or_,
+    ast.BitXor: operator.xor,
+    ast.BitAnd: operator.and_,
+}
+_UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
+    ast.Not: operator.not_,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Invert: operator.invert,
+}
+_COMPARED: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Is: operator.is_,
+    ast.IsNot: operator.is_not,
+    ast.In: lambda left, right: left in right,
+    ast.NotIn: lambda left, right: left not in right,
+}
+_TEXT = frozenset(
+    "capitalize casefold center count endswith find format format_map index isalnum isalpha isascii isdecimal "
+    "isdigit isidentifier islower isnumeric isspace istitle isupper join ljust lower lstrip partition removeprefix "
+    "removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title "
+    "upper zfill".split()
+)
+_SET = frozenset("copy difference intersection isdisjoint issubset issuperset symmetric_difference union".split())
+_METHODS: dict[type, frozenset[str]] = {
+    str: _TEXT,
+    list: frozenset("append copy count extend index insert pop remove reverse sort".split()),
+    tuple: frozenset(("count", "index")),
+    dict: frozenset("copy get items keys pop setdefault update values".split()),
+    set: _SET | {"add", "discard", "remove", "update"},
+    frozenset: _SET,
+    float: frozenset(("conjugate", "is_integer")),
+    int: frozenset(("bit_length", "conjugate")),
+}
+_PARTS = frozenset(("real", "imag"))
+"""Attributes of numbers."""
+
+
+def checked(value: Any) -> Any:
+    """Return the value; raise RefusedError where it is too large, counting each item as often as it would be written."""
+    _measured(value)
+    return value
+
+
+def _measured(value: Any) -> int:
+    """Return about how many characters a value is when it is written."""
+    items, text, waiting = 0, 0, [value]
+    while waiting:
+        one = waiting.pop()
+        items += 1
+        if isinstance(one, str):
+            text += len(one)
+        elif isinstance(one, int):
+            if one.bit_length() > MOST_BITS:
+                raise RefusedError(f"a whole number of more than {MOST_BITS} bits")
+        elif isinstance(one, (list, tuple, set, frozenset)):
+            items += len(one)
+            waiting.extend(list.__iter__(one) if isinstance(one, list) else one)
+        elif isinstance(one, dict) and type(one).__name__ in ("dict", _DOTTED):
+            items += len(one)
+            waiting.extend(dict.keys(one))
+            waiting.extend(dict.values(one))
+        if items > 2 * MOST_ITEMS:
+            raise RefusedError(f"a value of more than {MOST_ITEMS} items")
+        if text > MOST_TEXT:
+            raise RefusedError(f"a text of more than {MOST_TEXT} characters")
+    return text + 32 * items
+
+
+def _sized(count: int, most: int, what: str) -> None:
+    """Raise where something, such as "a text of {} characters", would have more than `most` of them."""
+    if count > most:
+        raise RefusedError(what.format(f"more than {most}"))
+
+
+def _binary(kind: type[ast.operator], left: Any, right: Any) -> Any:
+    """Return what an operator makes of two values that are not too large, if the result is neither."""
+    checked(left)
+    checked(right)
+    whole = isinstance(left, int) and isinstance(right, int)
+    if kind is ast.Pow and whole:
+        _sized(left.bit_length() * max(right, 0), MOST_BITS, "a power of {} bits")
+    elif kind is ast.LShift and whole:
+        _sized(left.bit_length() + max(right, 0), MOST_BITS, "a shifted number of {} bits")
+    elif kind is ast.Mult:
+        for repeated, times in ((left, right), (right, left)):
+            if isinstance(times, int) and isinstance(repeated, (str, bytes, list, tuple)):
+                most = MOST_TEXT if isinstance(repeated, (str, bytes)) else MOST_ITEMS
+                _sized(len(repeated) * max(times, 0), most, "a repetition of {} items")
+    elif kind is ast.Mod and isinstance(left, str):
+        _check_percent(left, right)
+    return checked(_BINARY[kind](left, right))
+
+
+def _check_percent(text: str, values: Any) -> None:
+    """Raise where a format with % writes without bound."""
+    if re.search(r"%\([^)]*\(", text):
+        raise RefusedError("a format with brackets in a key")
+    for found in re.finditer(r"%(?:\([^)]*\))?([^a-zA-Z%]*)", text):
+        _check_width(found[1])
+    _sized(text.count("%") * _measured(values), 100 * MOST_TEXT, "a text of {} characters")
+
+
+def _check_width(specification: str) -> None:
+    """Raise where a format pads, or writes digits, without bound."""
+    widths = re.findall("[0-9]+", specification)
+    if "*" in specification or any(len(width) > 4 or int(width) > _WIDEST for width in widths):
+        raise RefusedError(f"a format of more than {_WIDEST} characters")
+
+
+class Evaluator:
+    """Computes expressions with some functions.
+
+    Args:
+        functions: what stands for each function or type that may be called: itself, or one that is bounded.
+        namespace: the type of xacro's name spaces, whose attributes are what is in them.
+    """
+
+    def __init__(self, functions: Sequence[tuple[Any, Callable[..., Any]]], namespace: type) -> None:
+        own = [
+            (map, self._map),
+            (filter, self._filter),
+            (sorted, lambda items, **how: sorted(items, **self._keyed(how))),
+            (min, lambda *items, **how: min(*items, **self._keyed(how))),
+            (max, lambda *items, **how: max(*items, **self._keyed(how))),
+        ]
+        self._functions = {id(name): (name, call) for name, call in [*_PLAIN, *own, *functions]}
+        self._namespace = namespace
+        self._steps = 0
+
+    def evaluate(self, source: str, names: Mapping[str, Any]) -> Any:
+        """Return the value of an expression.
+
+        Raises:
+            RefusedError: it has what is not allowed, or something in it becomes too large.
+            Exception: what Python raises of it: SyntaxError, NameError, TypeError and so on.
+        """
+        source = source.strip()
+        if len(source) > MOST_SOURCE:
+            raise RefusedError(f"an expression of more than {MOST_SOURCE} characters")
+        within = self._steps > 0  # of another, which asks for a property that is not computed yet
+        try:
+            return checked(self._of(ast.parse(source, mode="eval").body, [names]))
+        finally:
+            self._steps = self._steps if within else 0
+
+    def _of(self, node: ast.expr, scopes: list[Any]) -> Any:
+        """Return the value of a part of an expression; `scopes` are names and their values, the innermost last."""
+        self._steps += 1
+        if self._steps > MOST_STEPS:
+            raise RefusedError(f"an expression of more than {MOST_STEPS} steps")
+        rule = getattr(self, f"_{type(node).__name__}", None)
+        if rule is None:
+            raise RefusedError(f"{_SPOKEN.get(type(node).__name__, type(node).__name__)} in an expression")
+        return rule(node, scopes)
+
+    def _Constant(self, node: ast.Constant, _: list[Any]) -> Any:
+        if not isinstance(node.value, (str, int, float, complex, type(None))):
+            raise RefusedError(f"{type(node.value).__name__} in an expression")
+        return checked(node.value)
+
+    def _Name(self, node: ast.Name, scopes: list[Any]) -> Any:
+        if node.id.startswith("__"):
+            raise RefusedError(f"the name {node.id} begins with underscores")
+        for scope in reversed(scopes):
+            try:
+                return scope[node.id]
+            except KeyError:
+                continue
+        raise NameError(f"name {node.id!r} is not defined")
+
+    def _BinOp(self, node: ast.BinOp, scopes: list[Any]) -> Any:
+        if type(node.op) not in _BINARY:
+            raise RefusedError("a product of matrices in an expression")
+        return _binary(type(node.op), self._of(node.left, scopes), self._of(node.right, scopes))
+
+    def _UnaryOp(self, node: ast.UnaryOp, scopes: list[Any]) -> Any:
+        return _UNARY[type(node.op)](self._of(node.operand, scopes))
+
+    def _BoolOp(self, node: ast.BoolOp, scopes: list[Any]) -> Any:
+        ends = operator.not_ if isinstance(node.op, ast.And) else bool
+        value = None
+        for part in node.values:
+            value = self._of(part, scopes)
+            if ends(value):
+                break
+        return value
+
+    def _Compare(self, node: ast.Compare, scopes: list[Any]) -> Any:
+        left, found = self._of(node.left, scopes), True
+        for kind, part in zip(node.ops, node.comparators, strict=True):
+            right = self._of(part, scopes)
+            found = _COMPARED[type(kind)](checked(left), checked(right))
+            if not found:
+                break
+            left = right
+        return found
+
+    def _IfExp(self, node: ast.IfExp, scopes: list[Any]) -> Any:
+        return self._of(node.body if self._of(node.test, scopes) else node.orelse, scopes)
+
+    def _List(self, node: ast.List, scopes: list[Any]) -> Any:
+        return checked(self._each(node.elts, scopes))
+
+    def _Tuple(self, node: ast.Tuple, scopes: list[Any]) -> Any:
+        return checked(tuple(self._each(node.elts, scopes)))
+
+    def _Set(self, node: ast.Set, scopes: list[Any]) -> Any:
+        return checked(set(self._each(node.elts, scopes)))
+
+    def _Dict(self, node: ast.Dict, scopes: list[Any]) -> Any:
+        found: dict[Any, Any] = {}
+        for key, value in zip(node.keys, node.values, strict=True):
+            if key is None:
+                found.update(self._of(value, scopes))
+            else:
+                found[self._of(key, scopes)] = self._of(value, scopes)
+        return checked(found)
+
+    def _each(self, nodes: Iterable[ast.expr], scopes: list[Any]) -> list[Any]:
+        found: list[Any] = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                found += self._items(self._of(node.value, scopes))
+            else:
+                found.append(self._of(node, scopes))
+        return found
+
+    def _items(self, value: Any) -> list[Any]:
+        return list(checked(value))
+
+    def _Subscript(self, node: ast.Subscript, scopes: list[Any]) -> Any:
+        return self._item(self._of(node.value, scopes), self._of(node.slice, scopes))
+
+    def _item(self, value: Any, key: Any) -> Any:
+        if isinstance(value, type):
+            raise RefusedError(f"the type {value.__name__} with brackets")
+        return value[key]
+
+    def _Slice(self, node: ast.Slice, scopes: list[Any]) -> Any:
+        return slice(*(None if part is None else self._of(part, scopes) for part in (node.lower, node.upper, node.step)))
+
+    def _Attribute(self, node: ast.Attribute, scopes: list[Any]) -> Any:
+        return self._attribute(self._of(node.value, scopes), node.attr)
+
+    def _attribute(self, value: Any, name: str) -> Any:
+        """Return a member of a name space or of a table of YAML, a method that is listed, or a part of a number."""
+        if name.startswith("_"):
+            raise RefusedError(f"the attribute {name!r} begins with an underscore")
+        if isinstance(value, self._namespace):
+            try:
+                return value[name]  # type: ignore[index]
+            except KeyError:
+                raise NameError(f"name {name!r} is not defined") from None
+        kind = value if isinstance(value, type) else type(value)
+        known = next((methods for base, methods in _METHODS.items() if issubclass(kind, base)), frozenset[str]())
+        if name in known:
+            return _Method(None if isinstance(value, type) else value, name)
+        if type(value).__name__ == _DOTTED:
+            return value[name]
+        if name in _PARTS and isinstance(value, (int, float, complex)):
+            return getattr(value, name)
+        if hasattr(kind, name) and not isinstance(value, dict):
+            raise RefusedError(f"the attribute {name!r} of {kind.__name__}")
+        raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}")
+
+    def _Call(self, node: ast.Call, scopes: list[Any]) -> Any:
+        function = self._of(node.func, scopes)
+        given, named = self._each(node.args, scopes), dict[str, Any]()
+        for keyword in node.keywords:
+            value = self._of(keyword.value, scopes)
+            named.update(value if keyword.arg is None else {keyword.arg: value})
+        return self._called(function, *given, **named)
+
+    def _called(self, function: Any, /, *given: Any, **named: Any) -> Any:
+        self._steps += 1
+        checked(given)
+        checked(named)
+        if isinstance(function, _Method):
+            if function.owner is None and not given:
+                raise TypeError(f"{function.name}() needs a value")
+            owner, rest = (given[0], given[1:]) if function.owner is None else (function.owner, given)
+            return checked(self._method(owner, function.name, rest, named))
+        _, call = self._functions.get(id(function), (None, None))
+        if call is None:
+            name = getattr(function, "__name__", None)
+            if callable(function) and isinstance(name, str):
+                raise RefusedError(f"the function {name}()")
+            raise TypeError(f"{type(function).__name__!r} object is not callable")
+        return checked(call(*given, **named))
+
+    def _method(self, owner: Any, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        checked(owner)
+        kind = next((base for base, methods in _METHODS.items() if isinstance(owner, base) and name in methods), None)
+        if kind is None or isinstance(owner, self._namespace):
+            raise TypeError(f"{name}() of {type(owner).__name__}")
+        if kind is str:
+            _check_growth(owner, name, given, named)
+            if name == "format":
+                return _Fields(self).vformat(owner, given, named)
+            if name == "format_map":
+                return _Fields(self).vformat(owner, (), *given)
+            if name == "join":
+                given = tuple(map(self._items, given))
+                _sized(sum(map(len, map(str, *given))) + len(owner) * len(*given), MOST_TEXT, "a text of {} characters")
+        if name == "sort":
+            named = self._keyed(named)
+        found = getattr(owner, name)(*given, **named)
+        checked(owner)
+        return list(found) if kind is dict and name in ("items", "keys", "values") else found
+
+    def _map(self, function: Any, *items: Any) -> list[Any]:
+        return [self._called(function, *each) for each in zip(*map(self._items, items), strict=False)]
+
+    def _filter(self, function: Any, items: Any) -> list[Any]:
+        return [each for each in self._items(items) if (each if function is None else self._called(function, each))]
+
+    def _keyed(self, how: dict[str, Any]) -> dict[str, Any]:
+        key = how.get("key")
+        return how if key is None else {**how, "key": lambda each: self._called(key, each)}
+
+    def _ListComp(self, node: ast.ListComp | ast.GeneratorExp, scopes: list[Any]) -> list[Any]:
+        return self._comprehended(node.generators, scopes, lambda inner: self._of(node.elt, inner))
+
+    _GeneratorExp = _ListComp
+
+    def _SetComp(self, node: ast.SetComp, scopes: list[Any]) -> Any:
+        return set(self._comprehended(node.generators, scopes, lambda inner: self._of(node.elt, inner)))
+
+    def _DictComp(self, node: ast.DictComp, scopes: list[Any]) -> Any:
+        pairs = lambda inner: (self._of(node.key, inner), self._of(node.value, inner))  # noqa: E731
+        return dict(self._comprehended(node.generators, scopes, pairs))
+
+    def _comprehended(
+        self, loops: Sequence[ast.comprehension], scopes: list[Any], value: Callable[[list[Any]], Any]
+    ) -> list[Any]:
+        local: dict[str, Any] = {}
+        inner, found = [*scopes, local], list[Any]()
+
+        def run(depth: int) -> None:
+            if depth == len(loops):
+                found.append(value(inner))
+                _sized(len(found), MOST_ITEMS, "a comprehension of {} items")
+                return
+            loop = loops[depth]
+            for item in self._items(self._of(loop.iter, inner if depth else scopes)):
+                self._steps += 1
+                _bind(loop.target, item, local)
+                if all(self._of(test, inner) for test in loop.ifs):
+                    run(depth + 1)
+
+        run(0)
+        return found
+
+    def _JoinedStr(self, node: ast.JoinedStr, scopes: list[Any]) -> str:
+        return str(checked("".join(str(self._of(part, scopes)) for part in node.values)))
+
+    def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
+        fields = _Fields(self)
+        conversion = chr(node.conversion) if node.conversion > 0 else None
+        value = fields.convert_field(self._of(node.value, scopes), conversion)  # type: ignore[arg-type]
+        return fields.format_field(value, "" if node.format_spec is None else self._of(node.format_spec, scopes))
+
+
+_SPOKEN = {"Lambda": "a lambda", "NamedExpr": "an assignment", "Await": "an await", "Yield": "a yield"}
+
+
+def _bind(target: ast.expr, value: Any, names: dict[str, Any]) -> None:
+    """Give the names of a loop the values of an item."""
+    if isinstance(target, ast.Name):
+        names[target.id] = value
+    elif isinstance(target, (ast.Tuple, ast.List)):
+        values = list(value)
+        if len(values) != len(target.elts):
+            raise ValueError(f"{len(target.elts)} names for {len(values)} values")
+        for part, one in zip(target.elts, values, strict=True):
+            _bind(part, one, names)
+    else:
+        raise RefusedError("a comprehension that sets more than names")
+
+
+def _check_growth(text: str, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> None:
+    """Raise where a method would make a text too long."""
+    values = [*given, *named.values()]
+    if name in ("center", "ljust", "rjust", "zfill"):
+        widths = [value for value in values if isinstance(value, int)]
+        _sized(max([0, *widths]), _WIDEST, "a text that is padded to {} characters")
+    elif name == "replace" and len(given) > 1 and all(isinstance(each, str) for each in given[:2]):
+        _sized(len(text) + text.count(given[0]) * len(given[1]), MOST_TEXT, "a text of {} characters")
+
+
+class _Fields(Formatter):
+    """Formats as str.format does, with the attributes of an evaluator and bounded widths."""
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        self._evaluator = evaluator
+        self._written = 0
+
+    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> tuple[Any, Any]:
+        first, *rest = re.split(r"(\.[^.\[\]]+|\[[^\]]*\])", field_name)
+        key: Any = int(first) if first.isdecimal() else first
+        value = self.get_value(key, args, kwargs)
+        for step in filter(None, rest):
+            inner = step[1:-1] if step[0] == "[" else step[1:]
+            if step[0] == ".":
+                value = self._evaluator._attribute(value, inner)
+            else:
+                value = self._evaluator._item(value, int(inner) if inner.isdecimal() else inner)
+        return value, key
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        _check_width(format_spec)
+        text = format(checked(value), format_spec)
+        self._written += len(text)
+        _sized(self._written, MOST_TEXT, "a text of {} characters")
+        return text
+
+
+def _counted(*bounds: Any) -> range:
+    found = range(*bounds)
+    if max(map(abs, (found.start, found.stop))) >= 1 << 62 or len(found) > MOST_ITEMS:
+        raise RefusedError(f"a range of more than {MOST_ITEMS} items")
+    return found
+
+
+def _rounded(value: Any, digits: Any = None) -> Any:
+    if digits is not None and isinstance(digits, int):
+        _sized(abs(digits), _WIDEST, "a number that is rounded to {} digits")
+    return round(value, digits)
+
+
+def _typed(value: Any) -> type:
+    return type(value)
+
+
+def _product(items: Any, *, start: Any = 1) -> Any:
+    for item in items:
+        start = _binary(ast.Mult, start, item)
+    return start
+
+
+def _total(items: Any, start: Any = 0) -> Any:
+    items = list(items)
+    if all(isinstance(item, (int, float, complex)) for item in items):
+        return sum(items, start)
+    for item in items:
+        start = _binary(ast.Add, start, item)
+    return start
+
+
+def _small(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of whole numbers that grows fast, of small ones."""
+
+    def bounded(*values: Any) -> Any:
+        for value in values:
+            _sized(int(value), 500, "a function of whole numbers of {}")
+        return function(*values)
+
+    return bounded
+
+
+def _multiple(*values: Any) -> int:
+    found = 1
+    for value in values:
+        found = checked(math.lcm(found, value))
+    return found
+
+
+_ITERATORS = (enumerate, zip, reversed)
+_PLAIN: list[tuple[Any, Callable[..., Any]]] = [
+    *((each, each) for each in (list, dict, tuple, set, frozenset, len, str, float, int, bool, complex, slice, repr)),
+    *((each, each) for each in (abs, all, any, divmod, hash, isinstance, issubclass, ord)),
+    *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in _ITERATORS),
+    (range, _counted),
+    (round, _rounded),
+    (sum, _total),
+    (type, _typed),
+]
+_GROWING = {"factorial": _small(math.factorial), "comb": _small(math.comb), "perm": _small(math.perm)}
+_GROWING |= {"prod": _product, "lcm": _multiple}
+_PLAIN += [
+    (function, _GROWING.get(name, function))
+    for name, function in vars(math).items()
+    if callable(function) and not name.startswith("_")
+]

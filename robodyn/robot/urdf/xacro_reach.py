@@ -1,0 +1,155 @@
+"""What a xacro file may read: files of its own package, of folders that the call names, and of packages; few variables."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+import stat
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from robodyn.robot.urdf.packages import VARIABLES, Search
+from robodyn.robot.urdf.xacro_expressions import RefusedError
+from robodyn.support.input_file import read_input
+from robodyn.support.wording import shown, shown_path
+
+MOST_FILES = 1_000
+"""Files that an expansion reads, the same one as often as it is read."""
+MOST_BYTES = 1 << 24
+"""Of one of them."""
+MOST_YAML = 1 << 20
+"""Of a file of YAML, of which Python reads a megabyte in some seconds."""
+_PACKAGE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*")
+_MANIFEST = "package.xml"
+_LONGEST_MANIFEST = 1 << 16
+
+
+class Reach:
+    """Reads for an expansion.
+
+    A file must be regular, and lie, links followed, in the package of the description (its folder, where no package.xml
+    is above), in a package path, in a file or folder that an argument names, in a package that was found by its
+    package.xml, or in another copy of one of these packages, as links of an installation lead to. Nothing is read below
+    names that begin with a dot, such as .git.
+
+    Args:
+        file: the description.
+        package_paths: of the call.
+        arguments: of the file; they stand for variables of their names as well.
+        trusted: whether all that is regular is read, and all variables are.
+    """
+
+    def __init__(
+        self, file: str, package_paths: Sequence[str], arguments: Mapping[str, str], trusted: bool = False
+    ) -> None:
+        self._search = Search(file, tuple(package_paths))
+        self._arguments, self._trusted = arguments, trusted
+        homes = [_home(folder.absolute()) or folder for folder in self._search.folders]
+        named = [value for value in arguments.values() if os.path.isabs(value)]
+        self._roots = {os.path.realpath(path) for path in (*homes, *package_paths, *named)} - {os.path.realpath(os.sep)}
+        self._names = {name for name in map(_name, homes) if name}
+        self._read = 0
+
+    def read(self, path: str, most: int = MOST_BYTES) -> bytes:
+        """Return the bytes of a file.
+
+        Raises:
+            RefusedError: it is out of reach, no regular file, or too much.
+            OSError: it is not there, or cannot be read.
+        """
+        self._check(path)
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise RefusedError(f"reading {shown_path(path)}, which is no regular file")
+        self._read += 1
+        if self._read > MOST_FILES:
+            raise RefusedError(f"reading more than {MOST_FILES} files")
+        if os.path.getsize(path) > most:
+            raise RefusedError(f"reading {shown_path(path)}, which has more than {most} bytes")
+        return read_input(path, most)
+
+    def opened(self, path: str, *_: Any, **__: Any) -> BytesIO:
+        """Return a file of YAML, open: what stands for `open` in xacro, which reads XML by `read`."""
+        return BytesIO(self.read(path, MOST_YAML))
+
+    def matching(self, pattern: str) -> list[str]:
+        """Return the files that match the pattern of an include."""
+        plain = re.split(r"[*?\[]", pattern, maxsplit=1)[0]
+        self._check(os.path.dirname(plain))
+        if os.pardir in pattern[len(plain) :].replace(os.sep, "/").split("/"):
+            raise RefusedError(f"looking for {shown_path(pattern)}, which leads up again")
+        return glob.glob(pattern)
+
+    def package(self, name: str) -> str:
+        """Return the folder of a package, of which files may be read from then on.
+
+        Raises:
+            LookupError: it is not found.
+            RefusedError: it is a folder without package.xml, which is out of reach.
+        """
+        found = self._search.share(name) if self._trusted or _PACKAGE.fullmatch(name) else None
+        if found is None:
+            raise LookupError(f"the package {shown(name)} is not found")
+        folder = os.path.realpath(found)
+        if not self._trusted and not self._within(folder):
+            if _name(found) is None:
+                what = f"taking {shown_path(folder)}, which has no {_MANIFEST}, for the package {shown(name)}"
+                raise RefusedError(what, _NAMED)
+            self._roots.add(folder)
+            self._names.add(name)
+        return os.path.abspath(found)
+
+    def variable(self, name: str) -> str | None:
+        """Return a variable of the environment: an argument of that name, or one that says where packages are.
+
+        Raises:
+            RefusedError: it is another one.
+        """
+        if name in self._arguments:
+            return self._arguments[name]
+        if not self._trusted and name not in VARIABLES:
+            remedy = f"--xacro-arg {name if name.isidentifier() else 'NAME'}:=VALUE gives it one"
+            raise RefusedError(f"asking for the variable {shown(name)} of the environment", remedy)
+        return os.environ.get(name)
+
+    def _check(self, path: str) -> None:
+        """Raise if a file is out of reach, whether it is there or not."""
+        real = os.path.realpath(path or os.curdir)
+        if self._trusted or self._within(real):
+            return
+        home = _home(Path(real).parent)
+        if home is not None and _name(home) in self._names and not _hidden(os.path.relpath(real, home)):
+            return
+        raise RefusedError(f"reading {shown_path(path)}, which is in no package that was found", _NAMED)
+
+    def _within(self, real: str) -> bool:
+        for root in self._roots:
+            relative = os.path.relpath(real, root) if os.path.splitdrive(real)[0] == os.path.splitdrive(root)[0] else ".."
+            if relative.split(os.sep)[0] != os.pardir and not _hidden(relative):
+                return True
+        return False
+
+
+_NAMED = "--package-path DIR names a folder to read from"
+
+
+def _hidden(relative: str) -> bool:
+    return any(part.startswith(".") for part in relative.split(os.sep) if part != os.curdir)
+
+
+def _home(folder: Path) -> Path | None:
+    """Return the package that a folder is in."""
+    return next((path for path in (folder, *folder.parents) if (path / _MANIFEST).is_file()), None)
+
+
+def _name(folder: Path) -> str | None:
+    """Return the name that the package.xml of a folder says; None without one."""
+    if not (folder / _MANIFEST).is_file():
+        return None
+    with suppress(OSError):
+        found = re.search(rb"<name>\s*([^<]*?)\s*</name>", read_input(folder / _MANIFEST, _LONGEST_MANIFEST))
+        return "" if found is None else found[1].decode(errors="replace")
+    return None
