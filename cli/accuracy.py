@@ -79,7 +79,8 @@ def accuracy_of(files: Sequence[str], duration: float | None, table: str | None)
     if len(files) != 1 + robot:
         raise click.UsageError("give one mesh, a URDF and a trajectory, or a URDF and a scene", ctx)
     if not robot and (scene_file or gravity() or payloads() or any(lookup().values())):
-        raise click.UsageError("--scene, --payload, --gravity, --package-path and --xacro-arg are for robots", ctx)
+        what = "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro are for robots"
+        raise click.UsageError(what, ctx)
     moved = robot and (alone is not None or files[1].lower().endswith(".toml"))
     if (duration is not None or table is not None) and not moved:
         raise click.UsageError("--duration and --traj are for a URDF and a scene, which make a motion", ctx)

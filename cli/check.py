@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -78,6 +79,7 @@ def check_flags(flags: dict[str, Any], urdfs: Sequence[str]) -> None:
     stdin, plain = STANDARD_INPUT in urdfs, not any(map(is_xacro, urdfs))
     wrong = [
         (plain and lookup()["xacro_args"], "--xacro-arg goes with a file that is xacro (xacro files end in .xacro)"),
+        (lookup()["trust_xacro"] and not all(map(os.path.isfile, urdfs)), "--trust-xacro goes with the names of files"),
         (flags["write_baseline"] and not flags["baseline"], "--write-baseline needs --baseline FILE"),
         (flags["unsafe_fixes"] and not (flags["fix"] or flags["diff"]), "--unsafe-fixes needs --fix or --diff"),
         (flags["fix"] and stdin and not flags["diff"], "--fix cannot edit standard input; --diff shows the edit"),
@@ -154,6 +156,7 @@ def command(urdfs: tuple[str, ...], **flags: Any) -> int:
         flags["ignore"] or (),
         package_path=how["package_paths"],
         xacro_args=tuple(how["xacro_args"].items()),
+        trust_xacro=how["trust_xacro"],
         asked=asked,
     )
     sources = [source_of(urdf) for urdf in urdfs]

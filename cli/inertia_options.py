@@ -85,7 +85,7 @@ ROBOT = together(
     DESCRIPTION,
 )
 
-_LOOKUP = {"package_paths", "xacro_args"}
+_LOOKUP = {"package_paths", "xacro_args", "trust_xacro"}
 OF_ROBOTS = {"link", "at", "compare", "geometry", *_LOOKUP}
 _VIEW = {"about", "rpy", "form", "file_type", "report", *_LOOKUP}
 _READING = {"geometry", "exact", "strict", "repair", "cavities"}

@@ -179,13 +179,23 @@ DESCRIPTION = together(
         multiple=True,
         help="An argument of a .xacro file; repeatable.",
     ),
+    kept(
+        "--trust-xacro",
+        "trust_xacro",
+        is_flag=True,
+        help="Let the .xacro file that is named run any Python, read any file and all of the environment.",
+    ),
 )
 """The options whose values are those of `lookup`."""
 
 
 def lookup() -> dict[str, Any]:
     """Return what the options of `DESCRIPTION` say, as `robodyn.load` takes it."""
-    return {"package_paths": kept_value("package_paths", ()), "xacro_args": dict(kept_value("xacro_args", ()))}
+    return {
+        "package_paths": kept_value("package_paths", ()),
+        "xacro_args": dict(kept_value("xacro_args", ())),
+        "trust_xacro": kept_value("trust_xacro", False),
+    }
 
 
 SCENE = together(

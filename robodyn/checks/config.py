@@ -6,12 +6,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
+from pathlib import Path
 from typing import Any
 
 from robodyn.checks.context import DEFAULT, Thresholds
 from robodyn.checks.run import Options
 from robodyn.checks.selection import rules_for
 from robodyn.errors import InputError, SceneError, unreadable
+from robodyn.robot.urdf.sources import is_xacro
 from robodyn.scene.toml_table import SceneTable, read_toml
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import shown
@@ -42,10 +44,17 @@ class Config:
             own,
             select=given.select or own.select,
             ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
-            package_path=(*given.package_path, *own.package_path),
+            package_path=(*given.package_path, *(self._inside if is_xacro(path) else own.package_path)),
             xacro_args=given.xacro_args,
+            trust_xacro=given.trust_xacro,
             asked=given.asked,
         )
+
+    @property
+    def _inside(self) -> list[str]:
+        """The package paths below the folder of the settings: which other files a xacro file may read says the call."""
+        root = Path(os.path.realpath(self.folder))
+        return [path for path in self.options.package_path if Path(os.path.realpath(path)).is_relative_to(root)]
 
     def _ignored_in(self, path: str) -> tuple[str, ...]:
         relative = os.path.relpath(path, self.folder).replace(os.sep, "/")

@@ -95,6 +95,7 @@ def overview(
     source: str | os.PathLike[str] | bytes,
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
 ) -> Overview:
     """Return what a URDF or xacro file holds.
 
@@ -104,6 +105,7 @@ def overview(
         source: path of the file, or its bytes.
         package_paths: folders in which `package://` names are looked up first.
         xacro_args: values of the arguments of a xacro file.
+        trust_xacro: let it run any Python, read any file and all of the environment.
 
     Raises:
         DescriptionError: the file cannot be read, or is no robot; with the line.
@@ -114,7 +116,9 @@ def overview(
     path = source if isinstance(source, bytes) else os.fspath(source)
     folders = tuple(os.fspath(folder) for folder in package_paths)
     options = tasks_for([path], Options(package_path=folders))[0].options
-    description = load_description(path, package_paths=options.package_path, xacro_args=xacro_args)
+    description = load_description(
+        path, package_paths=options.package_path, xacro_args=xacro_args, trust_xacro=trust_xacro
+    )
     file = description.file
     model = assemble(description)
     at = _near_zero(model)

@@ -26,6 +26,7 @@ def check(
     ignore: Sequence[str] = (),
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
     config: str | os.PathLike[str] | None = None,
 ) -> tuple[Finding, ...]:
     """Return the findings in one or several descriptions, in the order of the files and of their text: one for each
@@ -45,6 +46,8 @@ def check(
             DEFAULT: errors, and what is likely a defect; ALL is everything.
         package_paths: packages, or folders of packages, that are looked at first for meshes and what xacro includes.
         xacro_args: values of the arguments of xacro files; defaults hold for the others.
+        trust_xacro: let xacro files that are named run any Python, read any file and all of the environment; not those
+            of folders and patterns.
         config: a file whose settings hold for all, in place of robodyn.toml or pyproject.toml above each.
 
     Raises:
@@ -56,6 +59,7 @@ def check(
         ignore=(*options.ignore, *map(str.upper, ignore)),
         package_path=(*options.package_path, *(os.fspath(path) for path in package_paths)),
         xacro_args=(*options.xacro_args, *(xacro_args or {}).items()),
+        trust_xacro=options.trust_xacro or trust_xacro,
     )
     files = [sources] if isinstance(sources, (str, bytes, os.PathLike)) else sources
     checked = check_tasks(tasks_for(files, given, None if config is None else os.fspath(config)))
@@ -79,7 +83,11 @@ def tasks_for(sources: Sequence[Source], given: Options = STANDARD, config: str 
     rules_for(given.select, given.ignore)
     fixed = None if config is None else read_config(config)
     known: dict[str, Config | None] = {}
-    return tuple(Task(file, _options(file, given, fixed, known)) for file in files_of(sources))
+    named = {os.fspath(source) for source in sources}
+    others = replace(given, trust_xacro=False)
+    return tuple(
+        Task(file, _options(file, given if file in named else others, fixed, known)) for file in files_of(sources)
+    )
 
 
 def check_description(description: Description, given: Options = STANDARD) -> Checked:

@@ -36,6 +36,7 @@ class Options:
         thresholds: what the rules measure against.
         package_path: folders in which `package://` names are looked up first.
         xacro_args: names and values of the arguments of xacro files.
+        trust_xacro: whether xacro files may do whatever Python can.
         asked: what is asked beyond the files themselves.
     """
 
@@ -44,6 +45,7 @@ class Options:
     thresholds: Thresholds = DEFAULT
     package_path: tuple[str, ...] = ()
     xacro_args: tuple[tuple[str, str], ...] = ()
+    trust_xacro: bool = False
     asked: Asked = NOTHING
 
 
@@ -169,7 +171,7 @@ def check_one(source: Source, options: Options = STANDARD, name: str | None = No
     from robodyn.robot.urdf.xacro import expanded, no_robot
 
     path = os.fspath(source)
-    expansion = expanded(path, options.package_path, dict(options.xacro_args))
+    expansion = expanded(path, options.package_path, dict(options.xacro_args), options.trust_xacro)
     reading = read(expansion.text, (name or path) + EXPANDED)
     if reading.robot is not None and not any(part.tag in ("link", "joint") for part in reading.root.children):
         raise no_robot(path)

@@ -24,6 +24,7 @@ def load(
     moving_base: bool = False,
     package_paths: Sequence[str | os.PathLike[str]] = (),
     xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
 ) -> Model:
     """Return the Model of a URDF or xacro file.
 
@@ -32,12 +33,13 @@ def load(
         moving_base: give the base six degrees of freedom of its own, as for a floating or a carried robot.
         package_paths: packages, or folders of packages, that are looked at first for what xacro includes and meshes.
         xacro_args: values of the arguments of a xacro file; defaults hold for the others.
+        trust_xacro: let a xacro file run any Python, read any file and all of the environment.
 
     Raises:
         DescriptionError: the file cannot be read, is malformed or contradicts itself; with the line.
         InputError: a xacro file cannot be expanded, or xacrodoc is not installed.
     """
-    description = load_description(source, package_paths=package_paths, xacro_args=xacro_args)
+    description = load_description(source, package_paths=package_paths, xacro_args=xacro_args, trust_xacro=trust_xacro)
     return assemble(description, moving_base=moving_base)
 
 

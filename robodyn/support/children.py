@@ -24,8 +24,8 @@ from importlib import import_module
 module, name = function.split(":")
 getattr(import_module(module), name)(*sys.argv[1:])
 """
-"""What a process begins with. Its path is its parent's without the current folder, which `python -c` and `python -m` put
-first; where that is the checkout that the parent runs, it comes last. `robodyn.__main__` makes a checkout complete."""
+"""What a process begins with. Its path is its parent's without the current folder, which `python -m` puts first; where
+that is the checkout that the parent runs, it comes last. `robodyn.__main__` makes a checkout complete."""
 
 
 def start_python(

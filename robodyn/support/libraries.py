@@ -20,6 +20,8 @@ _LONGEST = 60.0
 """Seconds that all of them may take."""
 _MARK = "\x1e"
 """Before an answer, for modules may print too."""
+
+
 class Installed(NamedTuple):
     """The version, None where it is not installed; and why it does not load, empty if it does."""
 

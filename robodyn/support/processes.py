@@ -140,17 +140,17 @@ def in_processes(
         clear(worker.number)
         return status
 
+    def begin() -> None:
+        while waiting and len(workers) < count:
+            with delayed_interruption():
+                worker = _Worker(work, answers)
+                workers.add(worker)
+            give(worker)
+
     try:
         while waiting or workers:
-            while waiting and len(workers) < count:
-                with delayed_interruption():
-                    worker = _Worker(work, answers)
-                    workers.add(worker)
-                give(worker)
-            try:
-                worker, found = answers.get(timeout=_HEARTBEAT)
-            except Empty:
-                continue
+            begin()
+            worker, found = _next(answers)
             if worker not in workers:
                 continue  # it has ended, as it was told to
             number = worker.number
@@ -159,10 +159,10 @@ def in_processes(
             if found is _Ended:
                 workers.remove(worker)
                 status = end(worker)
-                if attempts[number] < ATTEMPTS:
-                    waiting.appendleft(number)
-                else:
+                if attempts[number] == ATTEMPTS:
                     yield number, Death(status)
+                else:
+                    waiting.appendleft(number)
                 continue
             yield number, found
             if waiting:
@@ -176,6 +176,13 @@ def in_processes(
             worker.process.terminate()
         for worker in workers:
             end(worker)
+
+
+def _next(answers: Queue[Any]) -> tuple[Any, Any]:
+    while True:
+        with suppress(Empty):
+            worker, answer = answers.get(timeout=_HEARTBEAT)
+            return worker, answer
 
 
 def serve() -> None:

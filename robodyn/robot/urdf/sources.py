@@ -22,6 +22,7 @@ def content_of(
     name: str | None = None,
     package_paths: Sequence[str] = (),
     xacro_args: Mapping[str, str] | None = None,
+    trust_xacro: bool = False,
 ) -> tuple[str, bytes]:
     """Return the name to show in messages, and the bytes of a description; a xacro file is expanded, see `expanded`.
 
@@ -32,7 +33,7 @@ def content_of(
         from robodyn.robot.urdf.xacro import expanded
 
         path = os.fspath(source)
-        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args).text
+        return (name or path) + EXPANDED, expanded(path, package_paths, xacro_args, trust_xacro).text
     file, data = read_source(source, name)
     if xacro_args:
         what = f"the argument {shown(next(iter(xacro_args)))} is for a file that is xacro"

@@ -20,7 +20,7 @@ PATIENCE = 20.0
 """Seconds that an expansion may take; the largest robots take a few."""
 _MOST_SOURCE = 1 << 24
 """Bytes of a file that is looked at for what it defines."""
-_TRUST = "--trust-xacro lets it do what it likes"
+_TRUST = "--trust-xacro lifts this, and lets the file do whatever Python can"
 
 
 class Expansion(NamedTuple):
@@ -79,7 +79,7 @@ def _error(path: str, found: Mapping[str, Any]) -> InputError:
         return InputError(f"xacro cannot expand it: {what}", remedy=_remedy(path, what), file=path)
     file = path if found["file"] is None else _as_named(path, found["file"])
     remedy = "; ".join(filter(None, (found["remedy"], _TRUST)))
-    return InputError(f"no description needs {what}: refused", remedy=remedy, file=file, line=found["line"])
+    return InputError(f"{what} is refused", remedy=remedy, file=file, line=found["line"])
 
 
 def _as_named(path: str, file: str) -> str:

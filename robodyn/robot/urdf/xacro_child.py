@@ -25,7 +25,7 @@ from robodyn.robot.urdf.xacro_reach import Reach
 
 MEMORY = 1 << 30
 """Bytes that an expansion may take, where the system can bound them."""
-MOST_ELEMENTS = 200_000
+MOST_ELEMENTS = 100_000
 """Elements that are expanded, those of macros each time."""
 MOST_OUTPUT = 1 << 26
 """Characters of the expansion."""
@@ -159,7 +159,7 @@ def _restrict(xacro: Any, substitution_args: Any, reach: Reach, expansion: _Boun
     )
     from yaml import SafeLoader
 
-    SafeLoader.flatten_mapping = _few_merged(SafeLoader.flatten_mapping)  # type: ignore[method-assign]
+    SafeLoader.flatten_mapping = _few_merged(SafeLoader.flatten_mapping)
 
 
 def _argument(substitution_args: Any, name: str, xacro: Any) -> Any:
@@ -243,23 +243,38 @@ def _line_of(text: str, data: bytes) -> int | None:
 
 
 def _refusal(error: BaseException | None) -> RefusedError | None:
-    """Return what was refused, where an error tells of that, or what the bounds of the process come to."""
+    """Return what was refused, where an error comes of that."""
     while error is not None:
         if isinstance(error, RefusedError):
             return error
-        if isinstance(error, MemoryError):
-            return RefusedError(f"an expansion of more than {MEMORY >> 20} MB")
-        if isinstance(error, RecursionError):
-            return RefusedError("an expansion that is nested too deeply")
         error = getattr(error, "exc", None) or error.__cause__ or error.__context__
     return None
 
 
 def _sentence(error: BaseException) -> str:
+    first: BaseException | None = error
+    while first is not None:
+        if isinstance(first, MemoryError):
+            return f"it needs more than {MEMORY >> 20} MB"
+        if isinstance(first, RecursionError):
+            return "it is nested too deeply"
+        first = getattr(first, "exc", None) or first.__cause__ or first.__context__
     return " ".join(str(error).split()) or type(error).__name__
 
 
-_NEVER = ("os.", "subprocess.", "socket.", "ctypes.", "shutil.", "pty.", "mmap.", "fcntl.", "winreg.", "_winapi.", "msvcrt.")
+_NEVER = (
+    "os.",
+    "subprocess.",
+    "socket.",
+    "ctypes.",
+    "shutil.",
+    "pty.",
+    "mmap.",
+    "fcntl.",
+    "winreg.",
+    "_winapi.",
+    "msvcrt.",
+)
 _LISTS = ("os.listdir", "os.scandir")
 
 

@@ -1,4 +1,4 @@
-"""Expressions of xacro, computed from their syntax: what is not listed here is refused, and nothing grows without bound.
+"""Expressions of xacro, computed from their syntax: what is not listed here is refused, and all is bounded.
 
 Python's own `eval` is not used. Values are numbers, text, and lists, tuples, sets and dictionaries of these; functions
 can be called and handed on, and have no attributes. Each step is counted, and whatever could make something large is
@@ -82,29 +82,27 @@ _COMPARED: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.In: lambda left, right: left in right,
     ast.NotIn: lambda left, right: left not in right,
 }
-_TEXT = frozenset(
-    "capitalize casefold center count endswith find format format_map index isalnum isalpha isascii isdecimal "
+_SET = "copy difference intersection isdisjoint issubset issuperset symmetric_difference union"
+_NAMED: dict[type, str] = {
+    str: "capitalize casefold center count endswith find format format_map index isalnum isalpha isascii isdecimal "
     "isdigit isidentifier islower isnumeric isspace istitle isupper join ljust lower lstrip partition removeprefix "
     "removesuffix replace rfind rindex rjust rpartition rsplit rstrip split splitlines startswith strip swapcase title "
-    "upper zfill".split()
-)
-_SET = frozenset("copy difference intersection isdisjoint issubset issuperset symmetric_difference union".split())
-_METHODS: dict[type, frozenset[str]] = {
-    str: _TEXT,
-    list: frozenset("append copy count extend index insert pop remove reverse sort".split()),
-    tuple: frozenset(("count", "index")),
-    dict: frozenset("copy get items keys pop setdefault update values".split()),
-    set: _SET | {"add", "discard", "remove", "update"},
+    "upper zfill",
+    list: "append copy count extend index insert pop remove reverse sort",
+    tuple: "count index",
+    dict: "copy get items keys pop setdefault update values",
+    set: f"{_SET} add discard remove update",
     frozenset: _SET,
-    float: frozenset(("conjugate", "is_integer")),
-    int: frozenset(("bit_length", "conjugate")),
+    float: "conjugate is_integer",
+    int: "bit_length conjugate",
 }
+_METHODS = {kind: frozenset(names.split()) for kind, names in _NAMED.items()}
 _PARTS = frozenset(("real", "imag"))
 """Attributes of numbers."""
 
 
 def checked(value: Any) -> Any:
-    """Return the value; raise RefusedError where it is too large, counting each item as often as it would be written."""
+    """Return the value; raise where it is too large, each item counted as often as it would be written."""
     _measured(value)
     return value
 
@@ -115,22 +113,20 @@ def _measured(value: Any) -> int:
     while waiting:
         one = waiting.pop()
         items += 1
+        inner: list[Any] = []
         if isinstance(one, str):
             text += len(one)
         elif isinstance(one, int):
-            if one.bit_length() > MOST_BITS:
-                raise RefusedError(f"a whole number of more than {MOST_BITS} bits")
-        elif isinstance(one, (list, tuple, set, frozenset)):
-            items += len(one)
-            waiting.extend(list.__iter__(one) if isinstance(one, list) else one)
+            _sized(one.bit_length(), MOST_BITS, "a whole number of {} bits")
+        elif isinstance(one, list):
+            inner = list(list.__iter__(one))
+        elif isinstance(one, (tuple, set, frozenset)):
+            inner = list(one)
         elif isinstance(one, dict) and type(one).__name__ in ("dict", _DOTTED):
-            items += len(one)
-            waiting.extend(dict.keys(one))
-            waiting.extend(dict.values(one))
-        if items > 2 * MOST_ITEMS:
-            raise RefusedError(f"a value of more than {MOST_ITEMS} items")
-        if text > MOST_TEXT:
-            raise RefusedError(f"a text of more than {MOST_TEXT} characters")
+            inner = [*dict.keys(one), *dict.values(one)]
+        waiting += inner
+        _sized(items + len(inner), MOST_ITEMS, "a value of {} items")
+        _sized(text, MOST_TEXT, "a text of {} characters")
     return text + 32 * items
 
 
@@ -205,9 +201,13 @@ class Evaluator:
         source = source.strip()
         if len(source) > MOST_SOURCE:
             raise RefusedError(f"an expression of more than {MOST_SOURCE} characters")
+        try:
+            expression = ast.parse(source, mode="eval").body
+        except (MemoryError, RecursionError):  # how Python's parser says so
+            raise RefusedError("an expression that is nested too deeply") from None
         within = self._steps > 0  # of another, which asks for a property that is not computed yet
         try:
-            return checked(self._of(ast.parse(source, mode="eval").body, [names]))
+            return checked(self._of(expression, [names]))
         finally:
             self._steps = self._steps if within else 0
 
@@ -228,7 +228,7 @@ class Evaluator:
 
     def _Name(self, node: ast.Name, scopes: list[Any]) -> Any:
         if node.id.startswith("__"):
-            raise RefusedError(f"the name {node.id} begins with underscores")
+            raise RefusedError(f"the name {node.id}")
         for scope in reversed(scopes):
             try:
                 return scope[node.id]
@@ -305,7 +305,9 @@ class Evaluator:
         return value[key]
 
     def _Slice(self, node: ast.Slice, scopes: list[Any]) -> Any:
-        return slice(*(None if part is None else self._of(part, scopes) for part in (node.lower, node.upper, node.step)))
+        return slice(
+            *(None if part is None else self._of(part, scopes) for part in (node.lower, node.upper, node.step))
+        )
 
     def _Attribute(self, node: ast.Attribute, scopes: list[Any]) -> Any:
         return self._attribute(self._of(node.value, scopes), node.attr)
@@ -313,7 +315,7 @@ class Evaluator:
     def _attribute(self, value: Any, name: str) -> Any:
         """Return a member of a name space or of a table of YAML, a method that is listed, or a part of a number."""
         if name.startswith("_"):
-            raise RefusedError(f"the attribute {name!r} begins with an underscore")
+            raise RefusedError(f"the attribute {name!r}, which begins with an underscore,")
         if isinstance(value, self._namespace):
             try:
                 return value[name]  # type: ignore[index]
@@ -395,8 +397,10 @@ class Evaluator:
         return set(self._comprehended(node.generators, scopes, lambda inner: self._of(node.elt, inner)))
 
     def _DictComp(self, node: ast.DictComp, scopes: list[Any]) -> Any:
-        pairs = lambda inner: (self._of(node.key, inner), self._of(node.value, inner))  # noqa: E731
-        return dict(self._comprehended(node.generators, scopes, pairs))
+        def pair(inner: list[Any]) -> tuple[Any, Any]:
+            return self._of(node.key, inner), self._of(node.value, inner)
+
+        return dict(self._comprehended(node.generators, scopes, pair))
 
     def _comprehended(
         self, loops: Sequence[ast.comprehension], scopes: list[Any], value: Callable[[list[Any]], Any]
@@ -425,7 +429,7 @@ class Evaluator:
     def _FormattedValue(self, node: ast.FormattedValue, scopes: list[Any]) -> str:
         fields = _Fields(self)
         conversion = chr(node.conversion) if node.conversion > 0 else None
-        value = fields.convert_field(self._of(node.value, scopes), conversion)  # type: ignore[arg-type]
+        value = fields.convert_field(self._of(node.value, scopes), conversion)
         return fields.format_field(value, "" if node.format_spec is None else self._of(node.format_spec, scopes))
 
 

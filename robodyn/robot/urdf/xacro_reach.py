@@ -1,7 +1,8 @@
-"""What a xacro file may read: files of its own package, of folders that the call names, and of packages; few variables."""
+"""What a xacro file may read: files of its package, of folders that the call names, and of packages; few variables."""
 
 from __future__ import annotations
 
+import errno
 import glob
 import os
 import re
@@ -49,8 +50,9 @@ class Reach:
         self._search = Search(file, tuple(package_paths))
         self._arguments, self._trusted = arguments, trusted
         homes = [_home(folder.absolute()) or folder for folder in self._search.folders]
-        named = [value for value in arguments.values() if os.path.isabs(value)]
-        self._roots = {os.path.realpath(path) for path in (*homes, *package_paths, *named)} - {os.path.realpath(os.sep)}
+        above = [str(home) for home in homes if os.path.realpath(home) != os.path.realpath(os.sep)]
+        roots = [file, *above, *package_paths, *filter(os.path.isabs, arguments.values())]
+        self._roots = set(map(os.path.realpath, roots))
         self._names = {name for name in map(_name, homes) if name}
         self._read = 0
 
@@ -58,17 +60,18 @@ class Reach:
         """Return the bytes of a file.
 
         Raises:
-            RefusedError: it is out of reach, no regular file, or too much.
-            OSError: it is not there, or cannot be read.
+            RefusedError: it is out of reach, or too much.
+            OSError: it is not there, no regular file, or cannot be read.
         """
         self._check(path)
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            raise RefusedError(f"reading {shown_path(path)}, which is no regular file")
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "this is no regular file", path)
         self._read += 1
         if self._read > MOST_FILES:
             raise RefusedError(f"reading more than {MOST_FILES} files")
-        if os.path.getsize(path) > most:
-            raise RefusedError(f"reading {shown_path(path)}, which has more than {most} bytes")
+        if status.st_size > most:
+            raise RefusedError(f"reading {shown_path(path)}, of more than {most} bytes,")
         return read_input(path, most)
 
     def opened(self, path: str, *_: Any, **__: Any) -> BytesIO:
@@ -80,7 +83,7 @@ class Reach:
         plain = re.split(r"[*?\[]", pattern, maxsplit=1)[0]
         self._check(os.path.dirname(plain))
         if os.pardir in pattern[len(plain) :].replace(os.sep, "/").split("/"):
-            raise RefusedError(f"looking for {shown_path(pattern)}, which leads up again")
+            raise RefusedError(f"looking for {shown_path(pattern)}, which leads up again,")
         return glob.glob(pattern)
 
     def package(self, name: str) -> str:
@@ -96,7 +99,7 @@ class Reach:
         folder = os.path.realpath(found)
         if not self._trusted and not self._within(folder):
             if _name(found) is None:
-                what = f"taking {shown_path(folder)}, which has no {_MANIFEST}, for the package {shown(name)}"
+                what = f"taking {shown_path(folder)}, without a {_MANIFEST}, for the package {shown(name)}"
                 raise RefusedError(what, _NAMED)
             self._roots.add(folder)
             self._names.add(name)
@@ -121,23 +124,24 @@ class Reach:
         if self._trusted or self._within(real):
             return
         home = _home(Path(real).parent)
-        if home is not None and _name(home) in self._names and not _hidden(os.path.relpath(real, home)):
+        if home is not None and _name(home) in self._names and _shows(str(home), real):
             return
-        raise RefusedError(f"reading {shown_path(path)}, which is in no package that was found", _NAMED)
+        leads = "" if real == os.path.abspath(path) else f", which leads to {shown_path(real)}"
+        within = any(Path(real).is_relative_to(root) for root in self._roots)
+        where = "below a name that begins with a dot" if within else "outside of the packages that were found"
+        raise RefusedError(f"reading {shown_path(path)}{leads}, {where},", "" if within else _NAMED)
 
     def _within(self, real: str) -> bool:
-        for root in self._roots:
-            relative = os.path.relpath(real, root) if os.path.splitdrive(real)[0] == os.path.splitdrive(root)[0] else ".."
-            if relative.split(os.sep)[0] != os.pardir and not _hidden(relative):
-                return True
-        return False
+        return any(_shows(root, real) for root in self._roots)
 
 
 _NAMED = "--package-path DIR names a folder to read from"
 
 
-def _hidden(relative: str) -> bool:
-    return any(part.startswith(".") for part in relative.split(os.sep) if part != os.curdir)
+def _shows(root: str, real: str) -> bool:
+    """Return whether a file is a folder, or below it without a name that begins with a dot on the way."""
+    inner = Path(real)
+    return inner.is_relative_to(root) and not any(part.startswith(".") for part in inner.relative_to(root).parts)
 
 
 def _home(folder: Path) -> Path | None:
