@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import sys
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from time import sleep
 from xml.etree import ElementTree
 
 import pytest
@@ -19,7 +16,8 @@ from robodyn.checks.rule import Finding
 from robodyn.checks.run import Options, check_tasks
 from robodyn.errors import InputError, RobodynWarning
 from robodyn.report.renderers.ci import check_github, check_junit
-from robodyn.robot.urdf.xacro import Expansion, expanded
+from robodyn.robot.urdf.xacro import expanded
+from robodyn.support import children
 
 HEAD = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 MACRO = f"""{HEAD}
@@ -193,41 +191,22 @@ def test_without_xacrodoc(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert str(error.value).startswith(f'{robot}: xacro files need xacrodoc (pip install "robodyn[xacro]"')
 
 
-def _opened(pipe: Path, reader: Future[Expansion]) -> int:
-    """Return the writing end of a pipe when it is read; raise what ended the reader if it never comes to that."""
-    while True:
-        try:
-            return os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)
-        except OSError as error:
-            if error.errno != errno.ENXIO or reader.done():
-                raise AssertionError(reader.result()) from error
-            sleep(0.01)
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
-def test_others_may_print_log_and_expand_meanwhile(robot: Path, tmp_path: Path) -> None:
-    """While one file waits for what it includes, streams are as they were, and others are expanded."""
-    slow = written(tmp_path / "parts", "slow.xacro")
-    os.mkfifo(tmp_path / "parts" / "slow.xacro")
+def test_others_may_print_log_and_expand_meanwhile(robot: Path) -> None:
+    """While files are expanded, streams are as they were, and others are expanded."""
     streams = sys.stdout, sys.stderr
     with ThreadPoolExecutor(5) as pool:
-        waiting = pool.submit(expanded, str(slow))
-        end = _opened(tmp_path / "parts" / "slow.xacro", waiting)
-        try:
-            meanwhile = sys.stdout, sys.stderr
-            found = list(pool.map(lambda k: expanded(str(robot), args={"kilo": str(k)}), range(1, 5)))
-            assert not waiting.done()
-            os.write(end, MACRO.encode())
-        finally:
-            os.close(end)
-        assert b'<mass value="2"/>' in waiting.result().text
+        waiting = [pool.submit(expanded, str(robot), args={"kilo": str(k)}) for k in range(1, 5)]
+        meanwhile = sys.stdout, sys.stderr
+        found = [one.result() for one in waiting]
     assert meanwhile == streams
     for k, expansion in enumerate(found, 1):
         assert f'<mass value="{2 * k}"/>'.encode() in expansion.text
 
 
 def test_a_process_that_dies_is_one_line(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("robodyn.robot.urdf.xacro._PROCESS", "import os; os._exit(7)")
+    start = children.start_python
+    died = "helpers.processed:leave_at_once"
+    monkeypatch.setattr(children, "start_python", lambda _, **how: start(died, **how))
     with pytest.raises(InputError, match="xacro cannot expand it: its process ended with status 7"):
         expanded(str(robot))
 

@@ -73,7 +73,7 @@ def test_a_target_beyond_reach() -> None:
         ((BRACKET, *SCARA), "give one mesh, a URDF and a trajectory, or a URDF and a scene"),
         (
             (BRACKET, "--gravity", "0,0,1"),
-            "--scene, --payload, --gravity, --package-path and --xacro-arg are for robots",
+            "--scene, --payload, --gravity, --package-path, --xacro-arg and --trust-xacro are for robots",
         ),
         ((BRACKET, "--target", "-1"), "invalid value for '--target': -1 is no positive finite number"),
         ((BRACKET, "--target", "nan"), "invalid value for '--target': nan is no positive finite number"),

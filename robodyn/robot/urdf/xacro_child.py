@@ -25,7 +25,7 @@ from robodyn.robot.urdf.xacro_reach import Reach
 
 MEMORY = 1 << 30
 """Bytes that an expansion may take, where the system can bound them."""
-MOST_ELEMENTS = 100_000
+MOST_ELEMENTS = 50_000
 """Elements that are expanded, those of macros each time."""
 MOST_OUTPUT = 1 << 26
 """Characters of the expansion."""

@@ -338,7 +338,10 @@ class Evaluator:
         given, named = self._each(node.args, scopes), dict[str, Any]()
         for keyword in node.keywords:
             value = self._of(keyword.value, scopes)
-            named.update(value if keyword.arg is None else {keyword.arg: value})
+            more = dict(value) if keyword.arg is None else {keyword.arg: value}
+            if more.keys() & named.keys():
+                raise TypeError("an argument is given twice")
+            named.update(more)
         return self._called(function, *given, **named)
 
     def _called(self, function: Any, /, *given: Any, **named: Any) -> Any:
