@@ -22,6 +22,7 @@ def start() -> NoReturn:
     """
     gc.set_threshold(ALLOCATIONS, 20, 20)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start, which find nothing in the current folder
     status = 0
     try:
         listen()

@@ -11,6 +11,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
+"""By which processes that libraries start do not look in the current folder either, from Python 3.11 on."""
+
 _START = """
 import json, os, site, sys
 function, paths, user, here, root = json.loads(sys.argv.pop(1))
@@ -29,7 +32,11 @@ that is the checkout that the parent runs, it comes last. `robodyn.__main__` mak
 
 
 def start_python(
-    function: str, *arguments: str, environment: Mapping[str, str] | None = None, stderr: int | None = None
+    function: str,
+    *arguments: str,
+    environment: Mapping[str, str] | None = None,
+    folder: str | None = None,
+    stderr: int | None = None,
 ) -> subprocess.Popen[bytes]:
     """Return a process of Python that calls a function, with pipes to its standard input and from its standard output.
 
@@ -40,6 +47,7 @@ def start_python(
         function: `module:name`.
         arguments: for it.
         environment: its variables; those of this process by default.
+        folder: that it runs in; the current one by default.
         stderr: as of `subprocess.Popen`.
     """
     import robodyn
@@ -52,7 +60,8 @@ def start_python(
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=stderr,
-        env=None if environment is None else {**_needed_to_start(), **environment},
+        cwd=folder,
+        env={**(os.environ if environment is None else {**_needed_to_start(), **environment}), **PLAIN_PATH},
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import subprocess
 import threading
 import warnings
@@ -61,7 +62,8 @@ def loading(modules: Sequence[str]) -> Iterator[tuple[str, str]]:
 
 def _tried(modules: Sequence[str]) -> tuple[list[tuple[str, str]], str]:
     """Return what the process says of the modules until it ends, and how it ends."""
-    with start_python(f"{__name__}:import_each", *modules, stderr=subprocess.DEVNULL) as process:
+    folder = os.path.dirname(os.__file__)  # for processes that libraries start as they are imported
+    with start_python(f"{__name__}:import_each", *modules, folder=folder, stderr=subprocess.DEVNULL) as process:
         try:
             said, _ = process.communicate(timeout=_LONGEST)
             status = process.returncode

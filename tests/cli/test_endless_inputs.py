@@ -46,7 +46,7 @@ def refused(call: tuple[str, ...], words: str) -> None:
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
     name = next(part for part in call if part.startswith("x."))
-    assert outcome.err.startswith(f"error: {name}: "), outcome.err
+    assert outcome.err.startswith(f"error: {name}:"), outcome.err
     assert words in outcome.err
 
 

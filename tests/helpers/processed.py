@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import sys
 import time
 from threading import Thread
 
@@ -45,3 +47,9 @@ def _interrupt() -> None:
     for _ in range(20):
         time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGINT)
+
+
+def path_and_flags() -> None:
+    """Print what Python is like here."""
+    hooked = getattr(sys, "hooked", False)
+    print(json.dumps({"path": sys.path, "isolated": bool(sys.flags.isolated), "hooked": hooked}))

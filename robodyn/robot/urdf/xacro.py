@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import signal
-import subprocess
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 from xml.parsers import expat
@@ -90,6 +89,8 @@ def _as_named(path: str, file: str) -> str:
 
 def _asked(path: str, package_paths: Sequence[str], args: Mapping[str, str], trusted: bool) -> dict[str, Any]:
     """Return what a process of its own answers; see `xacro_child.answer`."""
+    import subprocess
+
     from robodyn.support.children import start_python
 
     question = {"path": path, "package_paths": list(package_paths), "args": args, "trusted": trusted}

@@ -353,13 +353,13 @@ class Evaluator:
                 raise TypeError(f"{function.name}() needs a value")
             owner, rest = (given[0], given[1:]) if function.owner is None else (function.owner, given)
             return checked(self._method(owner, function.name, rest, named))
-        _, call = self._functions.get(id(function), (None, None))
-        if call is None:
+        known = self._functions.get(id(function))
+        if known is None:
             name = getattr(function, "__name__", None)
             if callable(function) and isinstance(name, str):
                 raise RefusedError(f"the function {name}()")
             raise TypeError(f"{type(function).__name__!r} object is not callable")
-        return checked(call(*given, **named))
+        return checked(known[1](*given, **named))
 
     def _method(self, owner: Any, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> Any:
         checked(owner)

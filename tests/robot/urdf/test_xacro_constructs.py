@@ -164,8 +164,8 @@ def test_random_files_are_as_xacro_has_them(robot: Path) -> None:
         robot.write_text(random_robot(draw))
         try:
             text = expanded(str(robot), trusted=True).text
-        except InputError as error:
-            assert not refused(robot), error
+        except InputError:
+            assert not refused(robot), robot.read_text()
         else:
             assert expanded(str(robot)).text == text
             good += 1
@@ -181,8 +181,8 @@ def test_files_of_installed_packages(robot: Path) -> None:
     for path in INSTALLED:
         try:
             expected = expanded(str(path), trusted=True).text
-        except InputError as error:
-            assert not refused(path), error
+        except InputError:
+            assert not refused(path), path
         else:
             assert expanded(str(path)).text == expected
             found += 1
