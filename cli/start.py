@@ -22,7 +22,8 @@ def start() -> NoReturn:
     """
     gc.set_threshold(ALLOCATIONS, 20, 20)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start, which find nothing in the current folder
+    os.environ["PYTHONSAFEPATH"] = "1"  # for processes that libraries start
+    _import_nothing_from_here()
     status = 0
     try:
         listen()
@@ -38,6 +39,14 @@ def start() -> NoReturn:
             raise
         status = STATUS
     _leave(status)
+
+
+def _import_nothing_from_here() -> None:
+    """Take the current folder out of the path before the standard library, where `python -m` and a PYTHONPATH with an
+    empty entry put it; robodyn itself is found already."""
+    here, library = os.path.realpath(os.curdir), os.path.dirname(os.__file__)
+    before = sys.path.index(library) if library in sys.path else 0
+    sys.path[:before] = [path for path in sys.path[:before] if os.path.realpath(path or os.curdir) != here]
 
 
 def _leave(status: int) -> NoReturn:

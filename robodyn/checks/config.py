@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -44,17 +44,21 @@ class Config:
             own,
             select=given.select or own.select,
             ignore=(*own.ignore, *self._ignored_in(path), *given.ignore),
-            package_path=(*given.package_path, *(self._inside if is_xacro(path) else own.package_path)),
+            package_path=(*given.package_path, *(self._of_xacro() if is_xacro(path) else own.package_path)),
             xacro_args=given.xacro_args,
             trust_xacro=given.trust_xacro,
             asked=given.asked,
         )
 
-    @property
-    def _inside(self) -> list[str]:
-        """The package paths below the folder of the settings: which other files a xacro file may read says the call."""
+    def _of_xacro(self) -> Iterator[str]:
+        """Yield the package paths from which a xacro file may read: below the folder of the settings, which may come
+        from anywhere themselves, all; elsewhere packages with a package.xml."""
         root = Path(os.path.realpath(self.folder))
-        return [path for path in self.options.package_path if Path(os.path.realpath(path)).is_relative_to(root)]
+        for path in map(Path, self.options.package_path):
+            if Path(os.path.realpath(path)).is_relative_to(root) or (path / "package.xml").is_file():
+                yield str(path)
+            else:
+                yield from sorted(str(manifest.parent) for manifest in path.glob("*/package.xml"))
 
     def _ignored_in(self, path: str) -> tuple[str, ...]:
         relative = os.path.relpath(path, self.folder).replace(os.sep, "/")

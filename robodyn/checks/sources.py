@@ -68,7 +68,13 @@ def _belongs(path: str) -> bool:
 
 
 def _below(folder: str, suffix: str) -> list[str]:
-    return sorted(glob.iglob(f"**/*{suffix}", root_dir=folder, recursive=True))
+    """Return the files below a folder, by their names in it, but those that begin with a dot; links to folders, which
+    may lead anywhere and around, are not followed."""
+    found = []
+    for path, inner, files in os.walk(folder):
+        inner[:] = [name for name in inner if name[0] != "."]
+        found += [os.path.join(path, name) for name in files if name.endswith(suffix) and name[0] != "."]
+    return sorted(os.path.relpath(name, folder) for name in found)
 
 
 def worth_processes(files: Sequence[str | bytes]) -> bool:

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
@@ -16,19 +15,21 @@ PLAIN_PATH = {"PYTHONSAFEPATH": "1"}
 
 _START = """
 import json, os, site, sys
-function, paths, user, here, root = json.loads(sys.argv.pop(1))
+from importlib import import_module, util
+function, paths, user, here, first = json.loads(sys.argv.pop(1))
 for folder in user:
     site.addsitedir(folder)
 own = frozenset(sys.path)
 sys.path[:] = [path for path in paths if path in own or (os.path.isabs(path) and os.path.realpath(path) != here)]
-sys.path += [root] * (root == here and root not in sys.path)
+spec = util.spec_from_file_location("robodyn", first, submodule_search_locations=[os.path.dirname(first)])
+sys.modules["robodyn"] = util.module_from_spec(spec)
+spec.loader.exec_module(sys.modules["robodyn"])
 import robodyn.__main__
-from importlib import import_module
 module, name = function.split(":")
 getattr(import_module(module), name)(*sys.argv[1:])
 """
-"""What a process begins with. Its path is its parent's without the current folder, which `python -m` puts first; where
-that is the checkout that the parent runs, it comes last. `robodyn.__main__` makes a checkout complete."""
+"""What a process begins with. Its path is its parent's without the current folder, and its robodyn is its parent's,
+wherever that is; `robodyn.__main__` makes a checkout complete."""
 
 
 def start_python(
@@ -52,8 +53,8 @@ def start_python(
     """
     import robodyn
 
-    here, root = os.path.realpath(os.curdir), str(Path(robodyn.__file__).resolve().parents[1])
-    start = json.dumps([function, sys.path, _user_folders(), here, root])
+    here, first = os.path.realpath(os.curdir), os.path.abspath(robodyn.__file__)
+    start = json.dumps([function, sys.path, _user_folders(), here, first])
     flags = ["-I", *["-B"] * bool(sys.dont_write_bytecode), *["-X", "utf8"] * bool(sys.flags.utf8_mode)]
     return subprocess.Popen(
         [sys.executable, *flags, "-c", _START, start, *arguments],

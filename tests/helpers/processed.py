@@ -9,6 +9,7 @@ import sys
 import time
 from threading import Thread
 
+import robodyn
 from robodyn.errors import InputError
 
 
@@ -51,5 +52,5 @@ def _interrupt() -> None:
 
 def path_and_flags() -> None:
     """Print what Python is like here."""
-    hooked = getattr(sys, "hooked", False)
-    print(json.dumps({"path": sys.path, "isolated": bool(sys.flags.isolated), "hooked": hooked}))
+    found = {"path": sys.path, "isolated": bool(sys.flags.isolated), "robodyn": robodyn.__file__}
+    print(json.dumps({**found, "hooked": getattr(sys, "hooked", False)}))

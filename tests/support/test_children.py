@@ -154,6 +154,7 @@ def test_nor_are_they_by_python_m(hostile: Path) -> None:
     shutil.rmtree(hostile / "robodyn")  # this one is asked for
     for name in ("importlib", "encodings"):
         shutil.rmtree(hostile / name)
+    (hostile / "site.py").unlink()
     done = subprocess.run(
         [sys.executable, "-m", "robodyn", "check", "r.xacro"], text=True, capture_output=True, check=False
     )
@@ -207,18 +208,17 @@ def test_the_path_is_that_of_the_parent_without_the_current_folder(tmp_path: Pat
     assert not {"", ".", str(tmp_path)} & set(path)
 
 
-def test_of_a_checkout_that_is_the_current_folder_the_standard_library_comes_first(tmp_path: Path) -> None:
-    """Such as for `python -m robodyn` there, with robodyn not installed."""
+def test_of_a_checkout_that_is_the_current_folder_only_robodyn_is_imported(tmp_path: Path) -> None:
+    """By `python -m robodyn` there, though another robodyn is installed."""
     for name in ("robodyn", "cli"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    (tmp_path / "json.py").write_text(HOSTILE.format(folder=str(tmp_path)))
-    before = "import robodyn; robodyn.__file__ = os.path.join(os.getcwd(), 'robodyn', '__init__.py')"
-    copy = tmp_path / "copy"
-    shutil.copytree(ROOT / "robodyn", copy / "robodyn", ignore=shutil.ignore_patterns("__pycache__"))
-    child = children_of(before, copy)
-    path = child["path"]
-    assert isinstance(path, list)
-    assert path[-1] == os.path.realpath(copy)
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    assert children_of("", tmp_path)["robodyn"] == str(tmp_path / "robodyn" / "__init__.py")
+    (tmp_path / "r.xacro").write_text('<robot name="${1 + 1}" xmlns:xacro="x"><link name="a"/></robot>')
+    for name in ("json", "numpy"):
+        (tmp_path / f"{name}.py").write_text(HOSTILE.format(folder=str(tmp_path)))
+    call = [sys.executable, "-m", "robodyn", "info", "r.xacro"]
+    done = subprocess.run(call, text=True, capture_output=True, check=False, cwd=tmp_path)
+    assert (done.returncode, done.stdout.splitlines()[0]) == (0, "r.xacro (expanded): robot '2'"), done.stderr
     assert not (tmp_path / "canary").exists()
 
 

@@ -29,6 +29,8 @@ MOST_ELEMENTS = 50_000
 """Elements that are expanded, those of macros each time."""
 MOST_OUTPUT = 1 << 26
 """Characters of the expansion."""
+_LONGEST = 500
+"""Characters of what is said of an error, which may quote the file."""
 _DEEPEST = 3_000
 """Calls within each other, of which a macro within another takes about eight."""
 
@@ -259,7 +261,8 @@ def _sentence(error: BaseException) -> str:
         if isinstance(first, RecursionError):
             return "it is nested too deeply"
         first = getattr(first, "exc", None) or first.__cause__ or first.__context__
-    return " ".join(str(error).split()) or type(error).__name__
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
 _NEVER = (

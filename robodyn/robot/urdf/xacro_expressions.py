@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
+from robodyn.support.wording import shown
+
 MOST_STEPS = 1_000_000
 """Operations of one expression."""
 MOST_ITEMS = 100_000
@@ -116,6 +118,8 @@ def _measured(value: Any) -> int:
         inner: list[Any] = []
         if isinstance(one, str):
             text += len(one)
+        elif isinstance(one, (bytes, bytearray)):
+            raise RefusedError("binary data")
         elif isinstance(one, int):
             _sized(one.bit_length(), MOST_BITS, "a whole number of {} bits")
         elif isinstance(one, list):
@@ -180,7 +184,7 @@ class Evaluator:
     """
 
     def __init__(self, functions: Sequence[tuple[Any, Callable[..., Any]]], namespace: type) -> None:
-        own = [
+        own: list[tuple[Any, Callable[..., Any]]] = [
             (map, self._map),
             (filter, self._filter),
             (sorted, lambda items, **how: sorted(items, **self._keyed(how))),
@@ -228,7 +232,7 @@ class Evaluator:
 
     def _Name(self, node: ast.Name, scopes: list[Any]) -> Any:
         if node.id.startswith("__"):
-            raise RefusedError(f"the name {node.id}")
+            raise RefusedError(f"the name {shown(node.id)}")
         for scope in reversed(scopes):
             try:
                 return scope[node.id]
@@ -315,7 +319,7 @@ class Evaluator:
     def _attribute(self, value: Any, name: str) -> Any:
         """Return a member of a name space or of a table of YAML, a method that is listed, or a part of a number."""
         if name.startswith("_"):
-            raise RefusedError(f"the attribute {name!r}, which begins with an underscore,")
+            raise RefusedError(f"the attribute {shown(name)}, which begins with an underscore,")
         if isinstance(value, self._namespace):
             try:
                 return value[name]  # type: ignore[index]
@@ -330,7 +334,7 @@ class Evaluator:
         if name in _PARTS and isinstance(value, (int, float, complex)):
             return getattr(value, name)
         if hasattr(kind, name) and not isinstance(value, dict):
-            raise RefusedError(f"the attribute {name!r} of {kind.__name__}")
+            raise RefusedError(f"the attribute {shown(name)} of {kind.__name__}")
         raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}")
 
     def _Call(self, node: ast.Call, scopes: list[Any]) -> Any:
