@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 from helpers.clean_arm import IDENTITY, arm
+from helpers.command_line import run
 
 import robodyn
 from robodyn.checks.project import fix_task, tasks_for
@@ -224,3 +226,59 @@ def test_expanded_text_is_not_fixed(tmp_path: Path) -> None:
     result = fix_task(task)
     assert (result.after, result.made) == (result.before, ())
     assert result.before == path.read_bytes()
+
+
+SHELL = f"{HEAD}<link name=\"${{(lambda: 'a')()}}\"/></robot>"
+
+
+def test_trust_is_of_files_that_are_named(tmp_path: Path) -> None:
+    """Not of those in a folder, of a pattern, or that include macros which are named."""
+    path = tmp_path / "a.xacro"
+    path.write_text(SHELL)
+    trusting = Options(trust_xacro=True)
+    assert tasks_for([str(path)], trusting)[0].options.trust_xacro
+    assert robodyn.check(path, trust_xacro=True) == findings(path, trusting)
+    assert list(robodyn.load(path, trust_xacro=True).links) == ["a"]
+    for others in (str(tmp_path), str(tmp_path / "*.xacro")):
+        assert not tasks_for([others], trusting)[0].options.trust_xacro
+        with pytest.raises(InputError, match=r"a\.xacro:1: a lambda in an expression is refused"):
+            robodyn.check(others, trust_xacro=True)
+
+
+def test_trust_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.xacro").write_text(SHELL)
+    assert "a.xacro:1: a lambda in an expression is refused (--trust-xacro" in run("info", "a.xacro").err
+    assert run("info", "a.xacro", "--trust-xacro").status == 0
+    assert run("check", "a.xacro", "--trust-xacro").status == 0
+    assert "--trust-xacro goes with the names of files" in run("check", ".", "--trust-xacro").err
+
+
+def test_settings_of_a_project_do_not_widen_what_is_read(robot: Path, tmp_path: Path) -> None:
+    """They come with the files: of their package paths outside of the project, only packages are read."""
+    project = tmp_path / "project"
+    (project / "mine").mkdir(parents=True)
+    for folder in (tmp_path / "outside" / "arm_parts", tmp_path / "elsewhere"):
+        folder.mkdir(parents=True)
+        (folder / "part.xacro").write_text(MACRO)
+    path = written(project / "mine", "$(find arm_parts)/part.xacro")
+    (project / "robodyn.toml").write_text('[tool.robodyn.check]\npackage-path = ["..", "/", "../outside"]\n')
+    with pytest.raises(InputError, match="the package 'arm_parts' is not found"):
+        findings(path)
+    (tmp_path / "outside" / "arm_parts" / "package.xml").write_text("<package><name>arm_parts</name></package>")
+    assert len(findings(path)) == 1
+    with pytest.raises(InputError, match="outside of the packages that were found, is refused"):
+        findings(written(project / "mine", "../../elsewhere/part.xacro"))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links")
+def test_links_in_a_folder_lead_neither_out_nor_around(robot: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    (folder / "inner").mkdir(parents=True)
+    (folder / "inner" / "b.urdf").write_text(arm())
+    (folder / ".hidden").mkdir()
+    (folder / ".hidden" / "c.urdf").write_text(arm())
+    (folder / "out").symlink_to(tmp_path)
+    for name in ("x", "y"):
+        (folder / name).symlink_to(folder)
+    assert [task.name for task in tasks_for([str(folder)])] == [str(folder / "inner" / "b.urdf")]
