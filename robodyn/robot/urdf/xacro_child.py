@@ -19,9 +19,10 @@ from typing import Any
 from xml.parsers import expat
 
 from robodyn.robot.urdf.packages import VARIABLES
-from robodyn.robot.urdf.xacro_expressions import MOST_ITEMS, MOST_TEXT, Evaluator, RefusedError
+from robodyn.robot.urdf.xacro_expressions import Evaluator
 from robodyn.robot.urdf.xacro_places import Places
 from robodyn.robot.urdf.xacro_reach import Reach
+from robodyn.robot.urdf.xacro_values import MOST_ITEMS, MOST_TEXT, RefusedError
 
 MEMORY = 1 << 30
 """Bytes that an expansion may take, where the system can bound them."""

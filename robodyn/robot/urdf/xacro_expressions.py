@@ -8,41 +8,31 @@ asked for its size first.
 from __future__ import annotations
 
 import ast
-import math
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
+from robodyn.robot.urdf.xacro_values import (
+    BINARY,
+    DOTTED,
+    MOST_ITEMS,
+    MOST_TEXT,
+    PLAIN,
+    RefusedError,
+    binary,
+    check_growth,
+    check_width,
+    checked,
+    sized,
+)
 from robodyn.support.wording import shown
 
 MOST_STEPS = 1_000_000
 """Operations of one expression."""
-MOST_ITEMS = 100_000
-"""Items of a value, with those within it, however often the same one occurs."""
-MOST_TEXT = 1_000_000
-"""Characters of a text, or of all texts within a value."""
-MOST_BITS = 4_096
-"""Bits of a whole number."""
 MOST_SOURCE = 20_000
 """Characters of an expression."""
-_WIDEST = 1_000
-"""Characters to which a number or a text is padded, and digits of a number."""
-_DOTTED = "YamlDictWrapper"
-"""xacro's type of dictionaries whose items are attributes as well."""
-
-
-class RefusedError(Exception):
-    """Something asks for what no description needs, or for too much of it.
-
-    Args:
-        remedy: what else helps than to trust the file.
-    """
-
-    def __init__(self, what: str, remedy: str = "") -> None:
-        super().__init__(what)
-        self.remedy = remedy
 
 
 class _Method:
@@ -52,20 +42,6 @@ class _Method:
         self.owner, self.name = owner, name
 
 
-_BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
-    ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift,
-    ast.BitOr: operator.or_,
-    ast.BitXor: operator.xor,
-    ast.BitAnd: operator.and_,
-}
 _UNARY: dict[type[ast.unaryop], Callable[[Any], Any]] = {
     ast.Not: operator.not_,
     ast.USub: operator.neg,
@@ -103,78 +79,6 @@ _PARTS = frozenset(("real", "imag"))
 """Attributes of numbers."""
 
 
-def checked(value: Any) -> Any:
-    """Return the value; raise where it is too large, each item counted as often as it would be written."""
-    _measured(value)
-    return value
-
-
-def _measured(value: Any) -> int:
-    """Return about how many characters a value is when it is written."""
-    items, text, waiting = 0, 0, [value]
-    while waiting:
-        one = waiting.pop()
-        items += 1
-        inner: list[Any] = []
-        if isinstance(one, str):
-            text += len(one)
-        elif isinstance(one, (bytes, bytearray)):
-            raise RefusedError("binary data")
-        elif isinstance(one, int):
-            _sized(one.bit_length(), MOST_BITS, "a whole number of {} bits")
-        elif isinstance(one, list):
-            inner = list(list.__iter__(one))
-        elif isinstance(one, (tuple, set, frozenset)):
-            inner = list(one)
-        elif isinstance(one, dict) and type(one).__name__ in ("dict", _DOTTED):
-            inner = [*dict.keys(one), *dict.values(one)]
-        waiting += inner
-        _sized(items + len(inner), MOST_ITEMS, "a value of {} items")
-        _sized(text, MOST_TEXT, "a text of {} characters")
-    return text + 32 * items
-
-
-def _sized(count: int, most: int, what: str) -> None:
-    """Raise where something, such as "a text of {} characters", would have more than `most` of them."""
-    if count > most:
-        raise RefusedError(what.format(f"more than {most}"))
-
-
-def _binary(kind: type[ast.operator], left: Any, right: Any) -> Any:
-    """Return what an operator makes of two values that are not too large, if the result is neither."""
-    checked(left)
-    checked(right)
-    whole = isinstance(left, int) and isinstance(right, int)
-    if kind is ast.Pow and whole:
-        _sized(left.bit_length() * max(right, 0), MOST_BITS, "a power of {} bits")
-    elif kind is ast.LShift and whole:
-        _sized(left.bit_length() + max(right, 0), MOST_BITS, "a shifted number of {} bits")
-    elif kind is ast.Mult:
-        for repeated, times in ((left, right), (right, left)):
-            if isinstance(times, int) and isinstance(repeated, (str, bytes, list, tuple)):
-                most = MOST_TEXT if isinstance(repeated, (str, bytes)) else MOST_ITEMS
-                _sized(len(repeated) * max(times, 0), most, "a repetition of {} items")
-    elif kind is ast.Mod and isinstance(left, str):
-        _check_percent(left, right)
-    return checked(_BINARY[kind](left, right))
-
-
-def _check_percent(text: str, values: Any) -> None:
-    """Raise where a format with % writes without bound."""
-    if re.search(r"%\([^)]*\(", text):
-        raise RefusedError("a format with brackets in a key")
-    for found in re.finditer(r"%(?:\([^)]*\))?([^a-zA-Z%]*)", text):
-        _check_width(found[1])
-    _sized(text.count("%") * _measured(values), 100 * MOST_TEXT, "a text of {} characters")
-
-
-def _check_width(specification: str) -> None:
-    """Raise where a format pads, or writes digits, without bound."""
-    widths = re.findall("[0-9]+", specification)
-    if "*" in specification or any(len(width) > 4 or int(width) > _WIDEST for width in widths):
-        raise RefusedError(f"a format of more than {_WIDEST} characters")
-
-
 class Evaluator:
     """Computes expressions with some functions.
 
@@ -191,7 +95,7 @@ class Evaluator:
             (min, lambda *items, **how: min(*items, **self._keyed(how))),
             (max, lambda *items, **how: max(*items, **self._keyed(how))),
         ]
-        self._functions = {id(name): (name, call) for name, call in [*_PLAIN, *own, *functions]}
+        self._functions = {id(name): (name, call) for name, call in [*PLAIN, *own, *functions]}
         self._namespace = namespace
         self._steps = 0
 
@@ -241,9 +145,9 @@ class Evaluator:
         raise NameError(f"name {node.id!r} is not defined")
 
     def _BinOp(self, node: ast.BinOp, scopes: list[Any]) -> Any:
-        if type(node.op) not in _BINARY:
+        if type(node.op) not in BINARY:
             raise RefusedError("a product of matrices in an expression")
-        return _binary(type(node.op), self._of(node.left, scopes), self._of(node.right, scopes))
+        return binary(type(node.op), self._of(node.left, scopes), self._of(node.right, scopes))
 
     def _UnaryOp(self, node: ast.UnaryOp, scopes: list[Any]) -> Any:
         return _UNARY[type(node.op)](self._of(node.operand, scopes))
@@ -329,7 +233,7 @@ class Evaluator:
         known = next((methods for base, methods in _METHODS.items() if issubclass(kind, base)), frozenset[str]())
         if name in known:
             return _Method(None if isinstance(value, type) else value, name)
-        if type(value).__name__ == _DOTTED:
+        if type(value).__name__ == DOTTED:
             return value[name]
         if name in _PARTS and isinstance(value, (int, float, complex)):
             return getattr(value, name)
@@ -371,14 +275,14 @@ class Evaluator:
         if kind is None or isinstance(owner, self._namespace):
             raise TypeError(f"{name}() of {type(owner).__name__}")
         if kind is str:
-            _check_growth(owner, name, given, named)
+            check_growth(owner, name, given, named)
             if name == "format":
                 return _Fields(self).vformat(owner, given, named)
             if name == "format_map":
                 return _Fields(self).vformat(owner, (), *given)
             if name == "join":
                 given = tuple(map(self._items, given))
-                _sized(sum(map(len, map(str, *given))) + len(owner) * len(*given), MOST_TEXT, "a text of {} characters")
+                sized(sum(map(len, map(str, *given))) + len(owner) * len(*given), MOST_TEXT, "a text of {} characters")
         if name == "sort":
             named = self._keyed(named)
         found = getattr(owner, name)(*given, **named)
@@ -418,7 +322,7 @@ class Evaluator:
         def run(depth: int) -> None:
             if depth == len(loops):
                 found.append(value(inner))
-                _sized(len(found), MOST_ITEMS, "a comprehension of {} items")
+                sized(len(found), MOST_ITEMS, "a comprehension of {} items")
                 return
             loop = loops[depth]
             for item in self._items(self._of(loop.iter, inner if depth else scopes)):
@@ -457,16 +361,6 @@ def _bind(target: ast.expr, value: Any, names: dict[str, Any]) -> None:
         raise RefusedError("a comprehension that sets more than names")
 
 
-def _check_growth(text: str, name: str, given: tuple[Any, ...], named: dict[str, Any]) -> None:
-    """Raise where a method would make a text too long."""
-    values = [*given, *named.values()]
-    if name in ("center", "ljust", "rjust", "zfill"):
-        widths = [value for value in values if isinstance(value, int)]
-        _sized(max([0, *widths]), _WIDEST, "a text that is padded to {} characters")
-    elif name == "replace" and len(given) > 1 and all(isinstance(each, str) for each in given[:2]):
-        _sized(len(text) + text.count(given[0]) * len(given[1]), MOST_TEXT, "a text of {} characters")
-
-
 class _Fields(Formatter):
     """Formats as str.format does, with the attributes of an evaluator and bounded widths."""
 
@@ -487,77 +381,8 @@ class _Fields(Formatter):
         return value, key
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        _check_width(format_spec)
+        check_width(format_spec)
         text = format(checked(value), format_spec)
         self._written += len(text)
-        _sized(self._written, MOST_TEXT, "a text of {} characters")
+        sized(self._written, MOST_TEXT, "a text of {} characters")
         return text
-
-
-def _counted(*bounds: Any) -> range:
-    found = range(*bounds)
-    if max(map(abs, (found.start, found.stop))) >= 1 << 62 or len(found) > MOST_ITEMS:
-        raise RefusedError(f"a range of more than {MOST_ITEMS} items")
-    return found
-
-
-def _rounded(value: Any, digits: Any = None) -> Any:
-    if digits is not None and isinstance(digits, int):
-        _sized(abs(digits), _WIDEST, "a number that is rounded to {} digits")
-    return round(value, digits)
-
-
-def _typed(value: Any) -> type:
-    return type(value)
-
-
-def _product(items: Any, *, start: Any = 1) -> Any:
-    for item in items:
-        start = _binary(ast.Mult, start, item)
-    return start
-
-
-def _total(items: Any, start: Any = 0) -> Any:
-    items = list(items)
-    if all(isinstance(item, (int, float, complex)) for item in items):
-        return sum(items, start)
-    for item in items:
-        start = _binary(ast.Add, start, item)
-    return start
-
-
-def _small(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of whole numbers that grows fast, of small ones."""
-
-    def bounded(*values: Any) -> Any:
-        for value in values:
-            _sized(int(value), 500, "a function of whole numbers of {}")
-        return function(*values)
-
-    return bounded
-
-
-def _multiple(*values: Any) -> int:
-    found = 1
-    for value in values:
-        found = checked(math.lcm(found, value))
-    return found
-
-
-_ITERATORS = (enumerate, zip, reversed)
-_PLAIN: list[tuple[Any, Callable[..., Any]]] = [
-    *((each, each) for each in (list, dict, tuple, set, frozenset, len, str, float, int, bool, complex, slice, repr)),
-    *((each, each) for each in (abs, all, any, divmod, hash, isinstance, issubclass, ord)),
-    *((each, lambda *given, _each=each, **named: list(_each(*given, **named))) for each in _ITERATORS),
-    (range, _counted),
-    (round, _rounded),
-    (sum, _total),
-    (type, _typed),
-]
-_GROWING = {"factorial": _small(math.factorial), "comb": _small(math.comb), "perm": _small(math.perm)}
-_GROWING |= {"prod": _product, "lcm": _multiple}
-_PLAIN += [
-    (function, _GROWING.get(name, function))
-    for name, function in vars(math).items()
-    if callable(function) and not name.startswith("_")
-]

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from robodyn.robot.urdf.packages import VARIABLES, Search
-from robodyn.robot.urdf.xacro_expressions import RefusedError
+from robodyn.robot.urdf.xacro_values import RefusedError
 from robodyn.support.input_file import read_input
 from robodyn.support.wording import shown, shown_path
 

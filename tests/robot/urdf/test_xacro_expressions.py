@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from robodyn.robot.urdf.xacro_expressions import MOST_ITEMS, MOST_TEXT, Evaluator, RefusedError, checked
+from robodyn.robot.urdf.xacro_expressions import Evaluator
+from robodyn.robot.urdf.xacro_values import MOST_ITEMS, MOST_TEXT, RefusedError, checked
 
 pytestmark = pytest.mark.filterwarnings("ignore::SyntaxWarning")
 
@@ -220,6 +221,8 @@ LARGE = [
     "'%(a)s' * 90000 % {'a': 'b' * 100000}",
     "'{:999999999}'.format(1)",
     "'{:{}}'.format(1, 10**9)",
+    "'{:\uff19\uff19\uff19\uff19\uff19\uff19\uff19}'.format(1)",
+    "f'{1:\u0669\u0669\u0669\u0669\u0669}'",
     "f'{1:{10**9}}'",
     "'a'.zfill(10**9)",
     "'a'.center(10**9)",
